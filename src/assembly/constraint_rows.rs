@@ -24,8 +24,8 @@ impl ConstraintRows {
         (ConstraintRows { columns, ..Self::default() }, is_driven)
     }
 
-    /// Evaluates them, without some equations.
-    pub fn evaluate(&mut self, system: &System, without: &[usize], (q, p): (&[f64], &[f64]), t: f64) -> &[SparseRow] {
+    /// Evaluates those that are kept.
+    pub fn evaluate(&mut self, system: &System, (q, p): (&[f64], &[f64]), t: f64) -> &[SparseRow] {
         let ConstraintRows { rows, columns, own, work } = self;
         let model = system.model;
         rows.clear();
@@ -38,7 +38,7 @@ impl ConstraintRows {
             own.extend(dofs().map(|dof| q[dof]));
             let found = joint.physics.rows_in(own, &p[joint.parameters.clone()], t, work);
             for (row, equation) in found.chunks(own.len()).zip(joint.equations.clone()) {
-                if without.binary_search(&equation).is_err() {
+                if system.options.dropped.binary_search(&equation).is_err() {
                     add(&mut dofs(), row);
                 }
             }

@@ -357,6 +357,11 @@ impl Jacobian {
         self.bases.restrict_left(system, [f, y], (|own| own, 1.0), reduced);
     }
 
+    /// N_R^T x for every node, without rate corrections.
+    pub fn restrict_right(&self, system: &System, x: &[f64], reduced: &mut [f64]) {
+        self.bases.restrict_right(system, [x, &[]], 1.0, reduced);
+    }
+
     /// Right-hand side of the transposed matrix: minus the reduced adjoints (x, y, mu) of a solution.
     pub fn reduce_adjoint(&self, system: &System, [x, y, mu]: [&[f64]; 3], rhs: &mut [f64]) {
         self.bases.restrict_right(system, [x, y], -1.0, rhs);

@@ -19,7 +19,7 @@ use crate::assembly::{
 };
 use crate::design::shortest;
 use crate::elements::RunScalar;
-use crate::linalg::{dependences, sign_of_determinant};
+use crate::linalg::sign_of_determinant;
 use std::sync::Arc;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
@@ -69,7 +69,7 @@ impl RealDrives {
         self.determinants += 1;
         self.q.clear();
         self.q.extend(q.iter().map(|q| q.value()));
-        sign_of_determinant(self.rows.evaluate(system, &system.options.dropped, (&self.q, &self.p), t))
+        sign_of_determinant(self.rows.evaluate(system, (&self.q, &self.p), t))
     }
 }
 
@@ -518,32 +518,30 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
         }
         self.before = before;
-        result.map(|()| self.exchange(span.1))
+        result.and_then(|()| self.exchange(span.1))
     }
 
     /// Leaves out another equation where a dropped one follows from the kept ones with a coefficient above [`WEAK`]: these are then
     /// nearly dependent, and errors of the stages grow by it. Exchanging the two makes them more independent by this factor.
-    fn exchange(&mut self, t: f64) {
+    fn exchange(&mut self, t: f64) -> Result<(), RunError> {
         let StepState { step, dropped, carried, chosen_anew, .. } = &mut self.between;
         if !step.is_multiple_of(WATCHED_EVERY) {
-            return;
+            return Ok(());
         }
-        let (model, system) = (self.problem.model, &self.acceleration.system);
-        let [q, v, p] = [&carried[0], &carried[1], &self.problem.p];
-        let [real_q, real_p] = [q, p].map(|values| values.iter().map(|value| value.value()).collect::<Vec<f64>>());
-        let (mut rows, _) = ConstraintRows::new(system);
-        let Some(coefficients) = dependences(rows.evaluate(system, &[], (&real_q, &real_p), t), dropped) else {
+        if self.start.system.options.dropped != *dropped {
+            self.start = newton(self.method, &Systems::new(self.problem.model, self.method, dropped).plain)?;
+        }
+        let (q, v) = (&carried[0], &carried[1]);
+        let p = &self.problem.p;
+        if self.start.factor_accelerations((q, v), p, t).is_err() {
             let others = dependent_equations(self.problem, (q, v), t, Some(dropped.len()));
             (*chosen_anew, *dropped) = (others != *dropped, others);
-            return;
-        };
-        let weakest = coefficients.iter().enumerate().filter_map(|(place, coefficients)| {
-            let sizes =
-                || coefficients.range(..model.equations).map(|(&equation, coefficient)| (equation, coefficient.abs()));
-            let largest = sizes().fold(0.0, |largest: f64, (_, size)| largest.max(size));
-            // of equal ones, as symmetric loops have them, the first, whatever their last bits
-            let (kept, size) = sizes().find(|(_, size)| *size >= 0.999 * largest)?;
-            Some((place, kept, size))
+            return Ok(());
+        }
+        let start = &mut self.start;
+        let weakest = dropped.iter().enumerate().filter_map(|(place, &equation)| {
+            let (kept, coefficient) = start.largest_coefficient(equation, q, p, t)?;
+            Some((place, kept, coefficient.abs()))
         });
         if let Some((place, kept, coefficient)) = weakest.max_by(|a, b| a.2.total_cmp(&b.2))
             && coefficient > WEAK
@@ -552,6 +550,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             dropped.sort_unstable();
             *chosen_anew = true;
         }
+        Ok(())
     }
 
     /// Are the equations that were left out violated?

@@ -18,7 +18,6 @@ pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
 pub use factorization::{Backend, Factorization, Signs, SolverPlan, TransposedSolution, Work};
 pub use multifrontal::Inertia;
-pub(crate) use rank::dependences;
 pub use rank::{SparseRow, independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;

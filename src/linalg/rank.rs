@@ -29,24 +29,13 @@ pub type SparseRow = Vec<(usize, f64)>;
 /// rows are dependent. With `rank` so many rows are chosen, however small what is left of them.
 pub fn independent_rows(rows: &[SparseRow], rank: Option<usize>) -> Vec<usize> {
     let mut is_kept = vec![true; rows.len()];
-    Elimination::of(rows, &[], DEPENDENT).left_out(rank).into_iter().for_each(|row| is_kept[row] = false);
+    Elimination::of(rows, DEPENDENT).left_out(rank).into_iter().for_each(|row| is_kept[row] = false);
     (0..rows.len()).filter(|&row| is_kept[row]).collect()
-}
-
-/// The coefficients with which each of some rows, in increasing order, follows from the others, where they are not next to nothing; `None` if
-/// the others depend on each other.
-pub(crate) fn dependences(rows: &[SparseRow], left_out: &[usize]) -> Option<Vec<BTreeMap<usize, f64>>> {
-    let own = Elimination::of(rows, left_out, DEPENDENT);
-    let of = |&row: &usize| {
-        let units = own.dependence(row, &[]).into_iter().filter(|(other, _)| *other != row);
-        units.map(|(other, unit)| (other, unit * own.sizes[row] / own.sizes[other])).collect()
-    };
-    (own.dependent.len() == left_out.len()).then(|| left_out.iter().map(of).collect())
 }
 
 /// Sign of the determinant of a square matrix: 1, -1, or 0 where it is singular but for round-off.
 pub fn sign_of_determinant(rows: &[SparseRow]) -> f64 {
-    let Elimination { pivots, reflections, .. } = Elimination::of(rows, &[], ROUND_OFF);
+    let Elimination { pivots, reflections, .. } = Elimination::of(rows, ROUND_OFF);
     if pivots.len() < rows.len() {
         return 0.0;
     }
@@ -80,8 +69,6 @@ struct Elimination {
     dependent: Vec<(usize, f64)>,
     /// The entries of each row in R above its own pivot: number of the pivot, and value.
     above: Vec<SparseRow>,
-    /// Length of each row as given.
-    sizes: Vec<f64>,
     /// Reflections of which Q is made.
     reflections: usize,
     /// Numbers that they changed.
@@ -134,10 +121,10 @@ impl Front {
 }
 
 impl Elimination {
-    /// Of rows scaled to unit length; those with less left than a share depend on others, as those do that are to be left out.
-    fn of(rows: &[SparseRow], left_out: &[usize], negligible: f64) -> Self {
-        let (mut fronts, sizes) = coordinates(rows);
-        let mut own = Elimination { above: vec![SparseRow::new(); rows.len()], sizes, ..Elimination::default() };
+    /// Of rows scaled to unit length; those with less left than a share depend on others.
+    fn of(rows: &[SparseRow], negligible: f64) -> Self {
+        let mut fronts = coordinates(rows);
+        let mut own = Elimination { above: vec![SparseRow::new(); rows.len()], ..Elimination::default() };
         // the fronts of each row
         let mut using: Vec<Vec<usize>> = vec![Vec::new(); rows.len()];
         for (number, front) in fronts.iter().enumerate() {
@@ -157,7 +144,7 @@ impl Elimination {
             let merged = std::mem::take(&mut using[row]);
             let (mut front, known) = merge(&merged, row, &mut fronts, &using);
             front.rows[..known].iter().for_each(|&row| is_waiting[row] = false);
-            own.eliminate(&mut front, known, left_out, negligible);
+            own.eliminate(&mut front, known, negligible);
             for &row in &front.rows {
                 using[row].retain(|number| !merged.contains(number));
                 using[row].extend((!front.coordinates.is_empty()).then_some(fronts.len()));
@@ -171,13 +158,12 @@ impl Elimination {
     }
 
     /// Eliminates what can be of the first `known` rows of a front, and leaves in it what is left.
-    fn eliminate(&mut self, front: &mut Front, known: usize, left_out: &[usize], negligible: f64) {
+    fn eliminate(&mut self, front: &mut Front, known: usize, negligible: f64) {
         let (mut done, mut end, is_last) = (0, known, known == front.rows.len());
         while done < end {
             let left: Vec<f64> = (done..end).map(|place| front.left(place, done.min(front.coordinates.len()))).collect();
-            let is_pivot = |place: &usize| left_out.binary_search(&front.rows[done + place]).is_err();
-            let largest = (0..left.len()).filter(is_pivot).fold(0.0, |largest: f64, place| largest.max(left[place]));
-            let depends = |place: &usize| left[*place] < negligible || is_last && largest < negligible;
+            let largest = left.iter().fold(0.0, |largest: f64, left| largest.max(*left));
+            let depends = |place: &usize| left[*place] < negligible;
             if let Some(place) = (0..left.len()).find(depends) {
                 self.dependent.push((front.rows[done + place], left[place]));
                 front.rows.remove(done + place);
@@ -187,7 +173,7 @@ impl Elimination {
                 continue;
             }
             let least = (AS_GOOD * largest).max(if is_last { 0.0 } else { WAITS });
-            let Some(place) = (0..left.len()).filter(is_pivot).find(|&place| left[place] >= least) else { break };
+            let Some(place) = (0..left.len()).find(|&place| left[place] >= least) else { break };
             // the others stay in their order
             (done..done + place).rev().for_each(|before| front.exchange(before, before + 1));
             self.reflections += usize::from(front.reflect(done));
@@ -257,8 +243,8 @@ impl Elimination {
     }
 }
 
-/// The front of each coordinate, with rows scaled to unit length, and their lengths.
-fn coordinates(rows: &[SparseRow]) -> (Vec<Front>, Vec<f64>) {
+/// The front of each coordinate, with rows scaled to unit length.
+fn coordinates(rows: &[SparseRow]) -> Vec<Front> {
     let count = rows.iter().flatten().map(|(column, _)| column + 1).max().unwrap_or(0);
     let mut fronts: Vec<Front> = (0..count).map(|own| Front { coordinates: vec![own], ..Front::default() }).collect();
     for (number, row) in rows.iter().enumerate() {
@@ -280,7 +266,7 @@ fn coordinates(rows: &[SparseRow]) -> (Vec<Front>, Vec<f64>) {
     for Front { rows, values, .. } in &mut fronts {
         values.iter_mut().zip(rows).for_each(|(value, row)| *value /= sizes[*row]);
     }
-    (fronts, sizes)
+    fronts
 }
 
 /// Takes fronts together: rows that stand in no other one come first, each part in its order. Returns how many these are.
@@ -398,36 +384,6 @@ mod tests {
 
     fn all_rows(dense: &DMatrix<f64>) -> Vec<SparseRow> {
         dense.row_iter().map(|row| row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect()).collect()
-    }
-
-    #[test]
-    fn rows_follow_from_others_with_their_coefficients() {
-        let rows = sparse(&[&[1.0, 0.0, 2.0], &[0.0, 3.0, 1.0], &[2.0, 30.0, 14.0], &[0.0, 0.0, 4.0]]);
-        let found = dependences(&rows, &[2]).expect("the others are independent");
-        let [only] = &found[..] else { panic!("{found:?}") };
-        assert!((only[&0] - 2.0).abs() < 1e-14 && (only[&1] - 10.0).abs() < 1e-14 && !only.contains_key(&3), "{only:?}");
-        assert_eq!(dependences(&rows, &[3]), None);
-        let mut noise = Noise(9);
-        let mut compared = 0;
-        for case in 0..100 {
-            let rows = drawn(&mut noise, case);
-            let kept = independent_rows(&rows, None);
-            let left_out: Vec<usize> = (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect();
-            for (row, found) in left_out.iter().zip(dependences(&rows, &left_out).expect("independent")) {
-                let mut left: BTreeMap<usize, f64> = BTreeMap::new();
-                rows[*row].iter().for_each(|&(column, x)| *left.entry(column).or_insert(0.0) += x);
-                let length = |left: &BTreeMap<usize, f64>| left.values().map(|x| x * x).sum::<f64>().sqrt();
-                let size = length(&left);
-                for (other, coefficient) in found {
-                    assert!(kept.contains(&other), "case {case}");
-                    rows[other].iter().for_each(|&(column, x)| *left.entry(column).or_insert(0.0) -= coefficient * x);
-                }
-                // what next to nothing leaves of hundreds of rows
-                assert!(length(&left) < 1e-6 * size, "case {case}: {left:?}");
-                compared += 1;
-            }
-        }
-        assert!(compared > 500, "{compared}");
     }
 
     #[test]
@@ -587,7 +543,7 @@ mod tests {
         for (rows, dependent) in [(ladder as fn(usize) -> Vec<SparseRow>, 3), (chain, 0)] {
             let per_member = |count: usize| {
                 let rows = rows(count);
-                let mut own = Elimination::of(&rows, &[], DEPENDENT);
+                let mut own = Elimination::of(&rows, DEPENDENT);
                 let left_out = own.left_out(None);
                 assert_eq!(left_out.len(), if dependent > 0 { dependent * count } else { 6 });
                 own.work as f64 / count as f64

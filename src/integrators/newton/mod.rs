@@ -1,5 +1,6 @@
 //! Newton's method for the nonlinear systems of a run, whose values and derivative parts it takes to round-off.
 
+mod accelerations;
 mod contraction;
 mod convergence;
 mod derivative_parts;
@@ -19,8 +20,8 @@ pub use round_off::Floor;
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::counters::Phase;
-use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns};
-use crate::elements::RunScalar;
+use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
+use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
 use std::sync::Arc;
 
@@ -95,6 +96,10 @@ pub struct Newton<'m, S> {
     renewal: Renewal,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
+    /// State and row of a look at redundant equations.
+    state: VectorsAvq<S>,
+    row: Vec<f64>,
+    formula_work: FormulaWork<f64>,
     /// Whether the matrix of stages is the same in all states; looked up when a step begins with one.
     is_constant: Option<bool>,
     /// Whether any constraint restricts velocities only.
@@ -175,6 +180,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             contractions: Contractions::default(),
             renewal: Renewal::default(),
             work: Unknowns::default(),
+            state: VectorsAvq::default(),
+            row: Vec::new(),
+            formula_work: FormulaWork::default(),
             system,
             factorization,
             tolerance,
