@@ -30,9 +30,9 @@ fn newton_needs_few_iterations_and_few_factorizations() {
     // five stages and two projections a step, and the first acceleration
     assert_eq!(counters.systems, 7 * 50 + 1);
     assert!(2 * counters.iterations <= 5 * counters.systems, "{counters:?}");
-    // one at the start of a step where that saves corrections, and as many where a second correction, which springs ask for, shows that the
-    // matrix has aged within the step
-    assert!(counters.factorizations <= 50 + 12, "{counters:?}");
+    // one at the start of a step where that saves corrections, a look at its redundant equations every five steps, and as many where a
+    // second correction, which springs ask for, shows that the matrix has aged within the step
+    assert!(counters.factorizations <= 50 + 10 + 12, "{counters:?}");
 }
 
 #[test]
