@@ -967,6 +967,12 @@ fn a_gradient_behind_a_jump_is_told_and_its_check_does_not_pass() {
     let output = folder.run(&["gradient", "wheel.toml", "--check=independent", "--json"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert_eq!(json(&output)["pass"], false);
+    // in a sweep it is told of that design
+    let swept = folder.run(&["sweep", "wheel.toml", "--vary", "speed=9,12", "--gradient", "--out", "swept"]);
+    assert_eq!(swept.status.code(), Some(0), "{}", text(&swept.stderr));
+    let rows = fs::read_to_string(folder.0.join("swept/sweep.csv")).unwrap();
+    let told: Vec<bool> = rows.lines().skip(1).map(|row| row.contains("\"\"clock\"\" jumps there: gradients")).collect();
+    assert_eq!(told, [false, true], "{rows}");
     // slower, it turns back before
     for check in ["--check", "--check=independent"] {
         let output = folder.run(&["gradient", "wheel.toml", "--set", "speed=9", check, "--json"]);

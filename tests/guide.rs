@@ -1,8 +1,8 @@
-//! The README and the guide say what is there: commands run, options, files and names exist, links lead to headings.
+//! The README and the guide say what is there: commands run, options, files and names exist, links lead somewhere.
 //!
 //! Programs on the pages are doc-tests; scene files on them are run by the tests of scene files.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -196,40 +196,114 @@ fn anchor(heading: &str) -> String {
     text.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
+/// Definitions of reference links: labels in small letters, and where they lead.
+fn definitions(text: &str) -> BTreeMap<String, String> {
+    let definition = |line: &str| -> Option<(String, String)> {
+        let (label, target) = line.strip_prefix('[')?.split_once("]: ")?;
+        Some((label.to_lowercase(), target.to_string()))
+    };
+    text.lines().filter_map(definition).collect()
+}
+
+/// The file and the heading that a link on a page leads to.
+fn destination(page: &str, target: &str) -> (PathBuf, String) {
+    let (path, heading) = target.split_once('#').unwrap_or((target, ""));
+    let file = if path.is_empty() { page.into() } else { Path::new(page).parent().unwrap().join(path) };
+    let file = root().join(file).canonicalize().unwrap_or_else(|_| panic!("{page}: there is no {target}"));
+    let text = if heading.is_empty() { String::new() } else { fs::read_to_string(&file).unwrap() };
+    let found = prose(&text).lines().any(|line| line.starts_with('#') && anchor(line) == heading);
+    assert!(heading.is_empty() || found, "{page}: no heading for {target}");
+    (file, heading.into())
+}
+
+/// Whether a link of rustdoc leads to what a file says under a heading.
+fn is_same(path: &str, file: &Path, heading: &str) -> bool {
+    let (path, own) = path.split_once('#').unwrap_or((path, ""));
+    let parts: Vec<&str> = path.split("::").skip(1).collect();
+    let (last, module) = (parts[parts.len() - 1], root().join("src").join(parts.join("/")));
+    let places = match parts[..] {
+        ["guide", ..] => vec![module.with_extension("md"), module.join("index.md")],
+        ["scenes", "file"] => vec![module.join("format.md"), module.join("reference.md")],
+        _ if module.with_extension("rs") == file => vec![file.into()],
+        _ => {
+            // the source that declares it
+            let text = fs::read_to_string(file).unwrap();
+            let kinds = ["struct", "enum", "trait", "fn", "const", "static"].map(|kind| format!("pub {kind} {last}"));
+            // a field, or a list of entries
+            let names = [format!("pub {last}: "), format!("    {last}:\n")];
+            let declared = kinds.iter().chain(&names).any(|words| text.contains(words));
+            vec![if declared { file.into() } else { PathBuf::new() }]
+        }
+    };
+    own == heading && places.iter().any(|place| place == file)
+}
+
+/// A text without what stands in backticks, unless it is what a link shows.
+fn with_links(text: &str) -> String {
+    let pieces: Vec<&str> = text.split('`').collect();
+    let is_link = |place: usize| pieces[place - 1].ends_with('[') && pieces[place + 1].starts_with(']');
+    let kept = |(place, piece): (usize, &&str)| match place % 2 {
+        1 if is_link(place) => format!("`{piece}`"),
+        1 => String::new(),
+        _ => piece.to_string(),
+    };
+    pieces.iter().enumerate().map(kept).collect()
+}
+
+/// Whether a text has a link by a label, and not only one with a label or a place of its own behind it.
+fn is_used(label: &str, text: &str) -> bool {
+    let label = format!("[{label}]");
+    text.match_indices(&label).any(|(place, _)| !text[place + label.len()..].starts_with(['[', '(']))
+}
+
 #[test]
-fn links_to_headings_lead_to_one() {
-    let pages = pages();
-    let headings =
-        |page: &str| -> Vec<String> { prose(page).lines().filter(|line| line.starts_with('#')).map(anchor).collect() };
-    let mut count = 0;
-    for (name, page) in &pages {
-        for target in prose(page).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
-            let Some((module, fragment)) = target.split_once('#') else { continue };
-            let last = module.rsplit("::").next().unwrap();
-            let file = match last {
-                "" => name.clone(),
-                "file" => "src/scenes/file/format.md".into(),
-                _ if name.contains("/theory/") || module.contains("theory::") => format!("src/guide/theory/{last}.md"),
-                _ => format!("src/guide/{last}.md"),
-            };
-            let file = if pages.iter().any(|(own, _)| *own == file) { file } else { format!("src/guide/{last}.md") };
-            let there = pages.iter().find(|(own, _)| *own == file).unwrap_or_else(|| panic!("{name}: no page for {target}"));
-            assert!(headings(&there.1).iter().any(|own| own == fragment), "{name}: {file} has no heading #{fragment}");
+fn links_lead_to_the_same_on_a_page_of_the_repository_and_in_rustdoc() {
+    let of_rustdoc = definitions(&fs::read_to_string(root().join("src/guide/links.txt")).unwrap());
+    let reference = "src/scenes/file/reference.md";
+    let (mut used, mut count) = (BTreeSet::new(), 0);
+    for (name, page) in pages().into_iter().chain([(reference.into(), fs::read_to_string(root().join(reference)).unwrap())])
+    {
+        let own = definitions(&page);
+        let (_, text): (Vec<_>, Vec<_>) = page.lines().partition(|line| !definitions(line).is_empty());
+        let text = with_links(&prose(&text.join("\n"))).to_lowercase();
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            // rustdoc has no files beside the page
+            assert!(target.starts_with('#') || name == "README.md", "{name}: [..]({target}) leads nowhere in rustdoc");
+            destination(&name, target);
             count += 1;
         }
+        for (label, path) in &of_rustdoc {
+            if !is_used(label, &text) {
+                continue;
+            }
+            let target = own.get(label).unwrap_or_else(|| panic!("{name}: [{label}] is not defined at its end"));
+            let (file, heading) = destination(&name, target);
+            assert!(is_same(path, &file, &heading), "{name}: [{label}] leads to {target}, but in rustdoc to {path}");
+            used.insert(label.clone());
+            count += 1;
+        }
+        for (label, target) in &own {
+            assert!(!target.contains("::"), "{name}: {target} leads nowhere on a page of the repository");
+            assert!(of_rustdoc.contains_key(label), "{name}: [{label}] is not in links.txt");
+            assert!(is_used(label, &text), "{name}: nothing leads to [{label}]");
+        }
     }
-    assert!(count > 5, "only {count} links");
+    assert!(count > 150, "only {count} links");
+    assert!(of_rustdoc.keys().all(|label| used.contains(label)), "links.txt has links that no page uses");
 }
 
 #[test]
 fn every_page_has_an_address() {
     let modules = fs::read_to_string(root().join("src/guide/mod.rs")).unwrap();
+    let listed = |folder: &str, stem: &str| {
+        let list = modules.split(&format!("pages!(\"{folder}\":")).nth(1).and_then(|rest| rest.split(')').next());
+        list.is_some_and(|list| list.split_whitespace().any(|word| word == stem))
+    };
     for page in files_below("src/guide", ".md") {
         let page = page.strip_prefix("src/guide").unwrap().display().to_string();
-        assert!(
-            modules.contains(&format!("include_str!(\"{page}\")")),
-            "src/guide/{page} is on no page of the documentation"
-        );
+        let (folder, stem) = page.trim_end_matches(".md").split_at(page.rfind('/').map_or(0, |end| end + 1));
+        let included = modules.contains(&format!("include_str!(\"{page}\")"));
+        assert!(included || listed(folder, stem), "src/guide/{page} is on no page of the documentation");
     }
 }
 

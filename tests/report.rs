@@ -26,6 +26,14 @@ for (const level of ["error", "warn"]) {
 /// What a reader does, and what is seen then; stands behind all scripts of the page.
 const READ: &str = r#"<script>
 const seen = { complaints, title: document.title, tables: document.querySelectorAll("section table").length,
+  command: document.getElementById("command").textContent,
+  links: [...document.getElementById("files").querySelectorAll("a")].map((link) => link.getAttribute("href")),
+  bars: [...document.getElementById("bars").querySelectorAll("section")].map((section) => ({
+    heading: section.querySelector("h2").textContent,
+    rows: [...section.querySelectorAll(".bars i")].map((bar) => ({ name: bar.parentElement.previousElementSibling.textContent,
+      number: bar.parentElement.nextElementSibling.textContent, width: bar.getBoundingClientRect().width, below: bar.className === "below" })),
+  })),
+  parts: [...document.getElementById("legend").querySelectorAll("i.part")].map((own) => own.style.color),
   charts: document.querySelectorAll(".uplot").length, webgl: costate.state.webgl };
 const canvas = document.getElementById("canvas"), slider = document.getElementById("time"), colour = document.getElementById("colour");
 const look = () => ({ frame: Number(canvas.dataset.frame), time: costate.state.time, clock: document.getElementById("clock").textContent,
@@ -113,14 +121,44 @@ fn read(folder: &Folder, report: &Path) -> Value {
         .unwrap()
 }
 
-/// Number of colours in a picture: an empty canvas has one.
-fn colours(picture: &Value) -> usize {
+/// Red, green, blue and cover of each point of a picture.
+fn pixels(picture: &Value) -> Vec<u8> {
     let bytes = base64::prelude::BASE64_STANDARD.decode(picture.as_str().unwrap().split(',').nth(1).unwrap()).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size()];
     reader.next_frame(&mut pixels).unwrap();
+    pixels
+}
+
+/// Number of colours in a picture: an empty canvas has one.
+fn colours(picture: &Value) -> usize {
+    let pixels = pixels(picture);
     let all: std::collections::HashSet<&[u8]> = pixels.chunks_exact(4).collect();
     all.len()
+}
+
+/// Pixels of a picture for each of 36 hues; grey ones have none.
+fn hues(picture: &Value) -> [usize; 36] {
+    let mut count = [0; 36];
+    for pixel in pixels(picture).chunks_exact(4) {
+        let [r, g, b] = [0, 1, 2].map(|k| f64::from(pixel[k]));
+        if let Some(hue) = hue([r, g, b]) {
+            count[hue] += 1;
+        }
+    }
+    count
+}
+
+/// Which ten degrees of the colour circle a colour is in; none of what is nearly grey.
+fn hue([r, g, b]: [f64; 3]) -> Option<usize> {
+    let (most, least) = (r.max(g).max(b), r.min(g).min(b));
+    let turn = match most {
+        _ if most - least < 60.0 => return None,
+        _ if most == r => (g - b) / (most - least),
+        _ if most == g => 2.0 + (b - r) / (most - least),
+        _ => 4.0 + (r - g) / (most - least),
+    };
+    Some((6.0 * turn.rem_euclid(6.0)) as usize % 36)
 }
 
 fn check_motion(seen: &Value) {
@@ -174,6 +212,47 @@ fn the_report_of_a_gradient_plays_and_is_coloured() {
     assert!(names(&seen)[2].starts_with("d psi by a relative change"), "{:?}", names(&seen));
     let pictures: Vec<&Value> = seen["colours"].as_array().unwrap().iter().map(|colour| &colour["picture"]).collect();
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "colours differ");
+    assert_eq!(seen["command"], "costate gradient five-bar --check --out out");
+    let links: Vec<&str> = seen["links"].as_array().unwrap().iter().map(|link| link.as_str().unwrap()).collect();
+    assert!(
+        links.contains(&"summary.json") && links.contains(&"histories.csv") && !links.contains(&"report.html"),
+        "{links:?}"
+    );
+    assert!(links.iter().all(|link| report.with_file_name(link).exists()), "{links:?}");
+    // bars are as long as x / f df/dx, and the longest fills its half
+    let summary: Value = serde_json::from_str(&fs::read_to_string(report.with_file_name("summary.json")).unwrap()).unwrap();
+    let functional = &summary["functionals"][0];
+    let (bars, value) = (seen["bars"].as_array().unwrap(), functional["value"].as_f64().unwrap());
+    let rows = bars[0]["rows"].as_array().unwrap();
+    assert_eq!(
+        (bars.len(), &bars[0]["heading"], rows.len()),
+        (1, &json!("What changes psi"), summary["design"].as_object().unwrap().len())
+    );
+    let widest = rows[0]["width"].as_f64().unwrap();
+    let relative = |row: &Value| {
+        let name = row["name"].as_str().unwrap();
+        summary["design"][name].as_f64().unwrap() * functional["gradient"][name].as_f64().unwrap() / value
+    };
+    for row in rows {
+        let (exact, number) = (relative(row), row["number"].as_str().unwrap().parse::<f64>().unwrap());
+        assert!((number - exact).abs() <= 1e-4 * exact.abs(), "{row} {exact}");
+        assert_eq!(row["below"], exact < 0.0);
+        let width = widest * (exact / relative(&rows[0])).abs();
+        assert!((row["width"].as_f64().unwrap() - width).abs() < 1.0, "{row} {width}");
+    }
+    // each body has a colour of its own, which is seen
+    let parts: Vec<&str> = seen["parts"].as_array().unwrap().iter().map(|own| own.as_str().unwrap()).collect();
+    let own: std::collections::BTreeSet<usize> = parts
+        .iter()
+        .map(|colour| {
+            let numbers =
+                colour.trim_start_matches("rgb(").trim_end_matches(')').split(',').map(|word| word.trim().parse().unwrap());
+            hue(numbers.collect::<Vec<f64>>().try_into().unwrap()).unwrap()
+        })
+        .collect();
+    let seen_hues = hues(&seen["start"]["picture"]);
+    let near = |hue: usize| (hue + 35..=hue + 37).map(|hue| seen_hues[hue % 36]).sum::<usize>();
+    assert!(parts.len() == 4 && own.len() == 4 && own.iter().all(|hue| near(*hue) > 30), "{parts:?} {own:?} {seen_hues:?}");
     take_picture(&folder, &report);
 }
 

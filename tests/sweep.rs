@@ -102,6 +102,80 @@ fn a_design_has_the_bits_of_its_single_run_on_any_number_of_threads() {
     }
 }
 
+/// Numbers that stand behind the names of variables in the gradients of the last line, in their order.
+fn derivatives(output: &Output, variables: &[&str]) -> Vec<f64> {
+    let text = text(&output.stdout);
+    let gradients = text.lines().last().expect("a line").split("\"gradient\":{").skip(1);
+    let of_one = |gradient: &str| -> Vec<f64> {
+        let own = gradient.split('}').next().expect("an object");
+        let entry =
+            |name: &&str| number(own.split(&format!("\"{name}\":")).nth(1).expect("a name").split(',').next().expect("one"));
+        variables.iter().map(entry).collect()
+    };
+    gradients.flat_map(of_one).collect()
+}
+
+#[test]
+fn gradients_of_the_designs_have_the_bits_of_single_runs_and_survive() {
+    let folder = Folder::new("gradients");
+    let common = ["five-bar", "--end", "0.5", "--steps", "20"];
+    let sweep = [&["sweep"], &common[..], &["--vary", "c=1.5,20", "--vary", "L01=1.9,2.1", "--gradient"]].concat();
+    let file = "out/five-bar/sweep.csv";
+    folder.run(0, &[&sweep[..], &["--threads", "1"]].concat());
+    let whole = folder.read(file);
+    folder.run(0, &[&sweep[..], &["--threads", "3"]].concat());
+    assert_eq!(folder.read(file), whole);
+    let (header, rows) = table(&whole);
+    let values = header.len() - 5;
+    let functionals = values / 3;
+    assert!(functionals > 0 && values == 3 * functionals, "{header:?}");
+    let named = &header[3 + functionals..][..2];
+    assert!(named[0].starts_with("d psi / d c [") && named[0].ends_with(" / (N s/m)]"), "{named:?}");
+    assert!(named[1].starts_with("d psi / d L01 [") && named[1].ends_with(" / m]"), "{named:?}");
+    for row in &rows {
+        let set = [format!("c={}", row[1]), format!("L01={}", row[2])];
+        let output = folder
+            .run(0, &[&["gradient"], &common[..], &["--json", "--no-report", "--set", &set[0], "--set", &set[1]]].concat());
+        let own = derivatives(&output, &["c", "L01"]);
+        let columns: Vec<f64> = row[3 + functionals..][..2 * functionals].iter().map(|word| number(word)).collect();
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&own), bits(&columns), "{set:?} {own:?} {columns:?}");
+        assert!(columns.iter().all(|derivative| *derivative != 0.0), "{columns:?}");
+    }
+    // one row is enough to go on, and a table without gradients is not taken for one with them
+    let lines: Vec<&str> = whole.lines().collect();
+    folder.write(file, &format!("{}\n{}\n", lines[0], lines[2]));
+    let resume = [&sweep[..], &["--resume", "--json"]].concat();
+    assert_eq!(json(&folder.run(0, &resume))["taken_over"], 1);
+    assert_eq!(folder.read(file), whole);
+    let without: Vec<&str> = resume.iter().copied().filter(|word| *word != "--gradient").collect();
+    assert!(text(&folder.run(2, &without).stderr).contains("of another scene or variation"));
+    assert_eq!(folder.read(file), whole);
+}
+
+#[cfg(feature = "arrow")]
+#[test]
+fn the_columns_of_arrow_are_those_of_the_table() {
+    use arrow_array::Float64Array;
+    let folder = Folder::new("arrow");
+    folder.write("stone.toml", STONE);
+    folder.run(1, &["sweep", "stone.toml", "--vary", "load=0.5:2.5:3", "--vary", "lift=2,4", "--gradient"]);
+    let (header, rows) = table(&folder.read("out/stone/sweep.csv"));
+    let file = fs::File::open(folder.0.join("out/stone/sweep.arrow")).expect("a file");
+    let reader = arrow_ipc::reader::FileReader::try_new(file, None).expect("of Arrow");
+    let names: Vec<String> = reader.schema().fields().iter().map(|field| field.name().clone()).collect();
+    let numbers = header.len() - 2;
+    assert_eq!((&names[..numbers], &names[numbers..]), (&header[..numbers], &["failed".to_string()][..]));
+    let batch = reader.map(|batch| batch.expect("rows")).next().expect("a batch");
+    for (column, name) in names.iter().enumerate() {
+        let column_of_arrow = batch.column(column).as_any().downcast_ref::<Float64Array>().expect("numbers");
+        let of_table =
+            rows.iter().map(|row| if column < numbers { number(&row[column]) } else { f64::from(row[column] == "failed") });
+        let bits: Vec<u64> = of_table.map(f64::to_bits).collect();
+        assert_eq!(column_of_arrow.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>(), bits, "{name}");
+    }
+}
+
 #[test]
 fn extremes_correlations_and_pictures_are_those_of_the_rows() {
     let folder = Folder::new("shown");

@@ -99,9 +99,9 @@ impl Comparison {
             let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
             page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
             page.charts("Histories", &self.charts);
-            let file = folder.join("scenarios.html");
-            page.write(&file)?;
-            say(format_args!("wrote {}", file.display()));
+            let report = folder.join("scenarios.html");
+            page.write(&report, &[file])?;
+            say(format_args!("wrote {}", report.display()));
         }
         say_json(options.json, &summary);
         Ok(())

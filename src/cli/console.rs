@@ -40,6 +40,11 @@ pub fn json_number(value: f64) -> Value {
     serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
 }
 
+/// A difference in two digits, zero as 0.
+pub fn brief(difference: f64) -> String {
+    if difference == 0.0 { "0".into() } else { format!("{difference:.1e}") }
+}
+
 /// Seconds as people read them.
 pub fn seconds(value: f64) -> String {
     match value {

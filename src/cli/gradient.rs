@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{json_number, say, say_json, warn};
+use super::console::{brief, json_number, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::interrupt::set_last_words;
@@ -171,13 +171,14 @@ fn run_one(
     });
     let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
     let check = options.check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
-        (0..prepared.functionals().len()).for_each(|row| say_gradient(&prepared, row, &adjoint, None));
+        (0..prepared.functionals().len())
+            .for_each(|row| say_gradient(&prepared, (row, forward.values[row]), &adjoint, None));
         simulation.say_files();
     })?;
 
     set_last_words(None);
     for row in 0..prepared.functionals().len() {
-        say_gradient(&prepared, row, &adjoint, check.as_ref());
+        say_gradient(&prepared, (row, forward.values[row]), &adjoint, check.as_ref());
     }
     say_work(&work(&simulation, &adjoint, check.as_ref()));
     let ratio = adjoint.seconds / simulation.seconds;
@@ -193,7 +194,7 @@ fn run_one(
     }
     if let Some(page) = &mut page {
         parts.colour(&prepared, &by_parameters, page);
-        page.gradient(&prepared, &rows_of(&prepared, &adjoint, check.as_ref(), &behind));
+        page.gradient(&prepared, &rows_of((&prepared, &forward.values), &adjoint, check.as_ref(), &behind));
     }
     let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind);
     simulation.conclude(page, summary);
@@ -231,7 +232,12 @@ fn timed(
     Ok(Timed { gradient, recomputed, seconds, program_seconds: making_time() - programs })
 }
 
-fn rows_of<'g>(prepared: &Prepared, adjoint: &'g Timed, check: Option<&'g Check>, behind: &[&str]) -> GradientRows<'g> {
+fn rows_of<'g>(
+    (prepared, values): (&Prepared, &'g [f64]),
+    adjoint: &'g Timed,
+    check: Option<&'g Check>,
+    behind: &[&str],
+) -> GradientRows<'g> {
     let verdict = check.map_or_else(String::new, |check| {
         let (verdict, (largest, limit)) = (if check.passes() { "within" } else { "NOT within" }, check.figures());
         let blind =
@@ -240,11 +246,7 @@ fn rows_of<'g>(prepared: &Prepared, adjoint: &'g Timed, check: Option<&'g Check>
         format!("{verdict} {limit:.0e} of the {other}: largest relative difference {}{blind}", brief(largest))
     });
     let check = check.map(|check| (check.way.words(), [&check.other.gradient.rows[..], &check.differences]));
-    GradientRows { adjoint: &adjoint.gradient.rows, check, verdict }
-}
-
-fn brief(difference: f64) -> String {
-    if difference == 0.0 { "0".into() } else { format!("{difference:.1e}") }
+    GradientRows { values, adjoint: &adjoint.gradient.rows, check, verdict }
 }
 
 impl Check {
@@ -432,22 +434,30 @@ fn relative_differences(design: (&[DesignVariable], &[f64]), value: f64, [adjoin
     adjoint.iter().zip(complex_step).enumerate().map(difference).collect()
 }
 
-fn say_gradient(prepared: &Prepared, row: usize, adjoint: &Timed, check: Option<&Check>) {
+/// Relative change of a functional by a relative change of a variable, (x / f) df/dx; none where x or f is zero.
+pub fn relative_effect(x: f64, derivative: f64, value: f64) -> Option<f64> {
+    (x != 0.0 && value != 0.0).then_some(x * derivative / value)
+}
+
+fn say_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {
     let functional = &prepared.functionals()[row];
     let mut table = match check {
-        Some(check) => Table::new(&["variable", "value", "unit", "adjoint", check.way.words(), "difference"]),
-        None => Table::new(&["variable", "value", "unit", "adjoint"]),
+        Some(check) => Table::new(&["variable", "value", "unit", "adjoint", "relative", check.way.words(), "difference"]),
+        None => Table::new(&["variable", "value", "unit", "adjoint", "relative"]),
     };
     for (i, (variable, &x)) in prepared.variables.iter().zip(&prepared.x).enumerate() {
         let mut cells: Vec<Cell> = vec![variable.name.as_str().into(), x.into(), variable.unit.into()];
-        cells.push(long_number(adjoint.gradient.rows[row][i]).into());
+        let derivative = adjoint.gradient.rows[row][i];
+        cells.push(long_number(derivative).into());
+        cells.push(relative_effect(x, derivative, value).map_or("-".into(), Cell::from));
         if let Some(check) = check {
             cells.push(long_number(check.other.gradient.rows[row][i]).into());
             cells.push(brief(check.differences[row][i]).into());
         }
         table.row(cells);
     }
-    say(format_args!("gradient of {} [{} / unit of the variable]\n{table}\n", functional.name, functional.value_unit()));
+    let (name, unit) = (&functional.name, functional.value_unit());
+    say(format_args!("gradient of {name} [{unit} / unit of the variable], relative: x / f df/dx\n{table}\n"));
 }
 
 fn work(simulation: &Simulation, adjoint: &Timed, check: Option<&Check>) -> Vec<(&'static str, Work)> {
@@ -503,7 +513,10 @@ fn json_of(simulation: &Simulation, prepared: &Prepared, adjoint: &Timed, check:
     };
     if let Some(Value::Array(functionals)) = object.get_mut("functionals") {
         for (row, functional) in functionals.iter_mut().enumerate() {
-            functional["gradient"] = named(&adjoint.gradient.rows[row]);
+            let (own, value) = (&adjoint.gradient.rows[row], simulation.forward.values[row]);
+            functional["gradient"] = named(own);
+            let relative = |(&x, &derivative)| relative_effect(x, derivative, value).unwrap_or(f64::NAN);
+            functional["relative_sensitivity"] = named(&prepared.x.iter().zip(own).map(relative).collect::<Vec<_>>());
             if let Some(check) = check {
                 functional[check.way.key()] = named(&check.other.gradient.rows[row]);
                 functional["relative_difference"] = named(&check.differences[row]);

@@ -88,7 +88,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     let mut files = draw(&prepared, &q, &modes, &folder)?;
     let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
     files.extend([report.clone(), summary.clone()]);
-    page(&prepared, &q, &modes, about).write(&report)?;
+    page(&prepared, &q, &modes, about).write(&report, &files)?;
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({

@@ -169,7 +169,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let mut shown = report.page(&charts.concat(), &motion);
     let warnings = crossings_in_words(crossings);
     warnings.iter().for_each(|warning| shown.warning(format!("best design: {warning}")));
-    shown.write(&page)?;
+    shown.write(&page, &files)?;
     let mut json = report.json(&files);
     if !crossings.is_empty() {
         json["crossings"] = crossings_json(crossings);

@@ -186,8 +186,11 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
     Failure { message, ..failure }
 }
 
-/// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`.
+/// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`; zero as 0.
 pub fn long_number(value: f64) -> String {
+    if value == 0.0 {
+        return format!("{:>19}", 0);
+    }
     let text = format!("{value:.12e}");
     match text.split_once('e') {
         Some((digits, exponent)) => {
@@ -317,7 +320,8 @@ impl Simulation {
         if self.files.is_empty() {
             return;
         }
-        let reported = page.map_or(Ok(()), |page| page.write(&report).map(|()| self.files.push(report)));
+        let beside = [&self.files[..], std::slice::from_ref(&summary_file)].concat();
+        let reported = page.map_or(Ok(()), |page| page.write(&report, &beside).map(|()| self.files.push(report)));
         self.files.push(summary_file.clone());
         summary["files"] = names(&self.files);
         let text = format!("{summary:#}\n");

@@ -54,6 +54,12 @@ pub enum Keep {
 const SHARE: f64 = 1.0 / 3.0;
 
 impl Keep {
+    /// As [`Keep::Auto`] for each of several runs at once.
+    pub fn shared_by(runs: usize) -> Self {
+        let share = |free| Keep::Within((SHARE * free as f64 / runs as f64) as usize);
+        free_memory::free_memory().map_or(Keep::Memory, share)
+    }
+
     /// A history for a run of `steps` steps, if their number is known and none will be divided. `run` is a number that tells what is
     /// simulated, and how.
     ///
@@ -62,10 +68,7 @@ impl Keep {
     pub fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),
-            Keep::Auto => match free_memory::free_memory() {
-                Some(free) => return Keep::Within((SHARE * free as f64) as usize).history(steps, run),
-                None => Box::new(Memory::default()),
-            },
+            Keep::Auto => return Keep::shared_by(1).history(steps, run),
             Keep::Within(bytes) => match steps {
                 Some(_) => Box::new(Checkpoints::new(*bytes, steps)),
                 None => Box::new(MemoryWithin::new(*bytes)),

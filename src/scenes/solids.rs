@@ -51,6 +51,8 @@ enum StressPlace {
 pub struct Rod {
     /// What it stands for.
     pub drawn: Drawn,
+    /// What it is a part of, among [`Solids::parts`].
+    pub part: usize,
     /// Vertices.
     pub vertices: Vec<usize>,
 }
@@ -71,8 +73,10 @@ pub struct Solids<'m> {
     pub edges: Vec<[usize; 2]>,
     /// Bodies and links.
     pub rods: Vec<Rod>,
-    /// Point masses.
-    pub points: Vec<usize>,
+    /// Point masses: a vertex, and the place among [`Solids::parts`].
+    pub points: Vec<(usize, usize)>,
+    /// Names of the bodies and point masses.
+    pub parts: Vec<String>,
     /// Points to follow, with their names.
     pub followed: Vec<(String, usize)>,
     /// Points that hold the mechanism to the ground \[m\].
@@ -93,6 +97,7 @@ impl MechanismBuilder<f64> {
             edges: Vec::new(),
             rods: Vec::new(),
             points: Vec::new(),
+            parts: Vec::new(),
             followed: Vec::new(),
             anchors: Vec::new(),
         };
@@ -275,20 +280,33 @@ impl Solids<'_> {
                 continue;
             }
             let elements = self.elements_between(points, *drawn);
+            let part = if *drawn == Drawn::Link { 0 } else { self.part(&points[0]) };
             let vertices = points.iter().map(|point| self.add(Place::Node(point.clone()), elements.clone(), None)).collect();
-            self.rods.push(Rod { drawn: *drawn, vertices });
+            self.rods.push(Rod { drawn: *drawn, part, vertices });
         }
         for (index, node) in mechanism.model.nodes.iter().enumerate().filter(|(_, node)| node.kind == NodeKind::Point) {
             let Some(point) = mechanism.start_of(mechanism.model.node_id(index)).filter(|_| !node.fixed) else { continue };
             let elements = self.elements_between(std::slice::from_ref(&point), Drawn::Body);
+            let part = self.part(&point);
             let vertex = self.add(Place::Node(point), elements, None);
-            self.points.push(vertex);
+            self.points.push((vertex, part));
         }
         for (name, point) in sketch.followed {
             let vertex = self.add(Place::Node(point), Vec::new(), None);
             self.followed.push((name, vertex));
         }
         self.anchors = sketch.anchors;
+    }
+
+    /// The place of a point's node among the parts, to which it is added.
+    fn part(&mut self, point: &NodePoint) -> usize {
+        let nodes = &self.mechanism.model.nodes;
+        let own = nodes.iter().find(|node| !node.dofs.is_empty() && node.dofs.start == point.identity().0);
+        let name = own.map_or_else(String::new, |node| node.name.clone());
+        self.parts.iter().position(|known| *known == name).unwrap_or_else(|| {
+            self.parts.push(name);
+            self.parts.len() - 1
+        })
     }
 
     /// Elements that act on just the nodes of a line: masses of a body, springs and dampers of a link.

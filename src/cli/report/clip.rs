@@ -51,7 +51,10 @@ impl Page {
         let whole = |numbers: Vec<usize>| -> Value {
             base64(&numbers.into_iter().flat_map(|number| (number as u32).to_le_bytes()).collect::<Vec<u8>>()).into()
         };
-        let rods = solids.rods.iter().map(|rod| json!({"link": rod.drawn == Drawn::Link, "vertices": rod.vertices}));
+        let rods = solids
+            .rods
+            .iter()
+            .map(|rod| json!({"link": rod.drawn == Drawn::Link, "part": rod.part, "vertices": rod.vertices}));
         let followed = solids.followed.iter().map(|(name, vertex)| json!({"name": name, "vertex": vertex}));
         let space = json!({
             "count": solids.count(),
@@ -60,6 +63,7 @@ impl Page {
             "edges": whole(solids.edges.iter().flatten().copied().collect()),
             "rods": rods.collect::<Vec<_>>(),
             "points": solids.points,
+            "parts": solids.parts,
             "followed": followed.collect::<Vec<_>>(),
             "anchors": solids.anchors,
         });

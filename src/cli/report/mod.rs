@@ -9,13 +9,14 @@ mod sections;
 pub use clip::Clip;
 pub use sections::GradientRows;
 
+use super::console::json_number;
 use super::failure::Failure;
 use crate::io::{Chart, Series, base64, write_file};
 use crate::scenes::AnyScene;
 use flate2::read::GzDecoder;
 use serde_json::{Map, Value, json};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -40,6 +41,19 @@ fn floats(numbers: impl IntoIterator<Item = f64>) -> Value {
     base64(&bytes).into()
 }
 
+/// The command that is being carried out, as a shell takes it.
+fn command() -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    let quoted = |word: String| match word.chars().all(is_plain) && !word.is_empty() {
+        true => word,
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    };
+    let mut words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let program = words.next().map(PathBuf::from);
+    let program = program.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+    program.chain(words).map(quoted).collect::<Vec<_>>().join(" ")
+}
+
 impl Page {
     /// A page about a scene: `what` a command did to it.
     pub fn new(scene: &dyn AnyScene, what: &str) -> Self {
@@ -47,6 +61,7 @@ impl Page {
         object.insert("title".into(), scene.name().into());
         object.insert("summary".into(), scene.summary().into());
         object.insert("what".into(), what.into());
+        object.insert("command".into(), command().into());
         object.insert("version".into(), env!("CARGO_PKG_VERSION").into());
         Page { object, notes: Vec::new() }
     }
@@ -80,6 +95,14 @@ impl Page {
         self.push("tables", json!({"heading": heading, "columns": columns, "rows": rows}));
     }
 
+    /// Bars to both sides of zero below a heading, with what they show; a number that is not finite has none.
+    pub fn bars(&mut self, heading: &str, label: &str, bars: &[(String, f64)]) {
+        if bars.iter().any(|(_, value)| value.is_finite()) {
+            let bars: Vec<_> = bars.iter().map(|(name, value)| json!([name, json_number(*value)])).collect();
+            self.push("bars", json!({"heading": heading, "label": label, "bars": bars}));
+        }
+    }
+
     /// Charts below a heading.
     pub fn charts(&mut self, heading: &str, charts: &[Chart]) {
         for Chart { title, x_label, y_label, series, log_y, .. } in charts {
@@ -104,11 +127,15 @@ impl Page {
         }
     }
 
-    /// Writes the page.
+    /// Writes the page, with links to the files that belong to it.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(mut self, path: &Path) -> Result<(), Failure> {
+    pub fn write(mut self, path: &Path, files: &[PathBuf]) -> Result<(), Failure> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let beside = files.iter().filter(|file| *file != path).filter_map(|file| file.strip_prefix(folder).ok());
+        let links = beside.map(|file| file.display().to_string().replace('\\', "/"));
+        self.object.insert("files".into(), links.collect::<Vec<_>>().into());
         self.object.insert("notes".into(), json!(self.notes));
         let mut viewer = String::new();
         GzDecoder::new(VIEWER).read_to_string(&mut viewer).map_err(|cause| Failure::run(format!("the viewer: {cause}")))?;
@@ -149,13 +176,16 @@ mod tests {
         let series = vec![Series { name: "x".into(), points, style: Style::Line }];
         page.charts("histories", &[Chart { series, ..Chart::default() }]);
         let folder = std::env::temp_dir().join(format!("costate-page-{}", std::process::id()));
-        page.write(&folder.join("report.html")).unwrap();
+        let files = ["report.html", "meshes/a b.vtu"].map(|name| folder.join(name));
+        page.write(&files[0], &files).unwrap();
         let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
         std::fs::remove_dir_all(folder).unwrap();
         assert_eq!(html.matches("</script>").count(), PAGE.matches("</script>").count());
         let data = html.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
         let object: Value = serde_json::from_str(data).unwrap();
         assert_eq!(object["what"], "</script><b>{{SCRIPT}}");
+        assert_eq!(object["files"], json!(["meshes/a b.vtu"]));
+        assert!(object["command"].as_str().is_some_and(|words| words.starts_with("costate-")), "{}", object["command"]);
         assert!(object["notes"][0].as_str().unwrap().contains("one of 3 of 5000 kept points"));
         // 1667 of them, and the last: 5000 - 1 is a third one anyway
         assert_eq!(object["charts"][0]["x"].as_str().unwrap().len(), (4 * 1668_usize).div_ceil(3) * 4);

@@ -24,6 +24,12 @@
   byId("title").textContent = report.title;
   byId("summary").textContent = [report.summary, report.what].filter(Boolean).join(" · ");
   byId("version").textContent = report.version;
+  byId("command").textContent = report.command;
+  byId("files").hidden = !(report.files ?? []).length;
+  (report.files ?? []).forEach((name, k) => {
+    byId("files").append(k ? " · " : "");
+    element("a", name, byId("files")).href = name.split("/").map(encodeURIComponent).join("/");
+  });
   for (const [name, value] of report.facts ?? []) {
     const pair = element("div", null, byId("facts"));
     element("dt", name, pair);
@@ -45,6 +51,23 @@
       row.forEach((cell, k) => element("td", typeof cell === "number" ? brief(cell) : cell, line, numeric[k] ? "number" : ""));
     }
   });
+
+  // bars to both sides of zero, the longest above
+  const mostBars = 24;
+  for (const { heading, label, bars } of report.bars ?? []) {
+    const card = element("section", null, byId("bars"));
+    const known = bars.filter(([, value]) => value !== null).sort((a, b) => Math.abs(b[1]) - Math.abs(a[1]));
+    const more = known.length - mostBars;
+    element("h2", heading, card);
+    element("p", label + (more > 0 ? `; ${more} smaller ones are not shown` : ""), card);
+    const grid = element("div", null, card, "bars");
+    for (const [name, value] of known.slice(0, mostBars)) {
+      element("span", name, grid);
+      const bar = element("i", null, element("div", null, grid), value < 0 ? "below" : "");
+      bar.style.width = `${(50 * Math.abs(value)) / (Math.abs(known[0][1]) || 1)}%`;
+      element("span", brief(value), grid);
+    }
+  }
 
   // charts
   const palette = ["#0b6bcb", "#d1600a", "#2c8a3d", "#9a3fb5", "#c2334d", "#0f8b8d", "#7a6a00"];
@@ -204,12 +227,12 @@
   // bodies and links as rods, joints and masses as balls
   const segments = [], balls = [];
   const isSingle = triangles.length === 0;
-  for (const { link, vertices } of report.space.rods) {
+  for (const { link, part, vertices } of report.space.rods) {
     const radius = size * (link ? 0.0032 : isSingle ? 0.0085 : 0.006);
-    for (let k = 0; k + 1 < vertices.length; k += 1) segments.push({ a: vertices[k], b: vertices[k + 1], radius, link });
-    vertices.forEach((vertex) => balls.push({ vertex, radius: radius * (link ? 1.5 : 1.35), link }));
+    for (let k = 0; k + 1 < vertices.length; k += 1) segments.push({ a: vertices[k], b: vertices[k + 1], radius, link, part });
+    vertices.forEach((vertex) => balls.push({ vertex, radius: radius * (link ? 1.5 : 1.35), link, part }));
   }
-  report.space.points.forEach((vertex) => balls.push({ vertex, radius: size * 0.014, link: false }));
+  report.space.points.forEach(([vertex, part]) => balls.push({ vertex, radius: size * 0.014, link: false, part }));
   const material = () => new T.MeshStandardMaterial({ roughness: 0.6, metalness: 0.1 });
   const cylinders = new T.InstancedMesh(new T.CylinderGeometry(1, 1, 1, 14, 1), material(), Math.max(1, segments.length));
   const spheres = new T.InstancedMesh(new T.SphereGeometry(1, 18, 12), material(), Math.max(1, balls.length));
@@ -252,20 +275,30 @@
   const trailMaterials = [];
   const legend = byId("legend");
   let trails = [];
+  const { parts } = report.space;
+  /** A colour for each body; behind those of the palette they go around the circle by the golden angle. */
+  const colourOf = (part) => (part < palette.length ? palette[part] : `hsl(${(137.5 * part) % 360}, 60%, 42%)`);
+  const trailColour = (k) => palette[((parts.length < palette.length ? Math.max(1, parts.length) : 1) + k) % palette.length];
   const drawTrails = () => {
     trails.forEach((own) => scene.remove(own));
     trails = [];
     legend.textContent = "";
+    if (parts.length > 1 && state.colour === "plain") {
+      parts.slice(0, 12).forEach((name, part) => {
+        element("i", "", legend, "part").style.color = colourOf(part);
+        legend.append(name);
+      });
+    }
     report.space.followed.slice(0, 7).forEach(({ name, vertex }, k) => {
       const points = new Float32Array(clip.times.length * 3);
       clip.times.forEach((_, frame) => [0, 1, 2].forEach((axis) => { points[3 * frame + axis] = place(frame, vertex, axis); }));
       const own = new T.Line(new T.BufferGeometry().setAttribute("position", new T.BufferAttribute(points, 3)),
-        trailMaterials[k] ??= new T.LineBasicMaterial({ color: palette[(k + 1) % palette.length], transparent: true, opacity: 0.75 }));
+        trailMaterials[k] ??= new T.LineBasicMaterial({ color: trailColour(k), transparent: true, opacity: 0.75 }));
       own.frustumCulled = false;
       trails.push(own);
       scene.add(own);
       const line = element("i", "", legend);
-      line.style.color = palette[(k + 1) % palette.length];
+      line.style.color = trailColour(k);
       legend.append(`path of ${name}`);
     });
     element("span", `${legend.textContent ? " · " : ""}grid: ${brief(cell)} m`, legend);
@@ -282,6 +315,7 @@
   const linear = (x) => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
   const shade = (table) => Array.from({ length: 256 }, (_, k) => between(table, k / 255).map(linear));
   const shades = { viridis: shade(viridis), signed: shade(signed) };
+  const ofParts = parts.map((_, part) => new T.Color(colourOf(part)).toArray());
   const plain = { solid: [0.36, 0.55, 0.76].map(linear), rod: [0.09, 0.42, 0.72].map(linear), link: [0.85, 0.48, 0.1].map(linear) };
   const modes = [{ key: "plain", name: "part" }, { key: "displacement", name: "displacement [m]", shades: shades.viridis, table: viridis }];
   if (clips.some((own) => own.stress)) modes.push({ key: "stress", name: "stress [N/m2]", shades: shades.viridis, table: viridis });
@@ -340,6 +374,7 @@
     }
     return colouring.values ? colouring.values[vertex] : NaN;
   };
+  const ofRod = (link, part) => (link ? plain.link : parts.length > 1 ? ofParts[part] : plain.rod);
   const grey = [0.62, 0.65, 0.69].map(linear);
   const shadeOf = (value, otherwise) => {
     if (!Number.isFinite(value)) return colouring.key === "plain" ? otherwise : grey;
@@ -372,7 +407,7 @@
     }
     placeAttribute.needsUpdate = colourAttribute.needsUpdate = true;
     if (triangles.length) geometry.computeVertexNormals();
-    segments.forEach(({ a, b, radius, link }, k) => {
+    segments.forEach(({ a, b, radius, link, part }, k) => {
       start.fromArray(positions, 3 * a);
       end.fromArray(positions, 3 * b);
       along.subVectors(end, start);
@@ -380,12 +415,12 @@
       turn.setFromUnitVectors(upright, length > 0 ? along.divideScalar(length) : upright);
       matrix.compose(start.add(end).multiplyScalar(0.5), turn, scale.set(radius, Math.max(length, 1e-12), radius));
       cylinders.setMatrixAt(k, matrix);
-      cylinders.setColorAt(k, colour.setRGB(...shadeOf(0.5 * (values[a] + values[b]), link ? plain.link : plain.rod)));
+      cylinders.setColorAt(k, colour.setRGB(...shadeOf(0.5 * (values[a] + values[b]), ofRod(link, part))));
     });
-    balls.forEach(({ vertex, radius, link }, k) => {
+    balls.forEach(({ vertex, radius, link, part }, k) => {
       matrix.makeScale(radius, radius, radius).setPosition(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]);
       spheres.setMatrixAt(k, matrix);
-      spheres.setColorAt(k, colour.setRGB(...shadeOf(values[vertex], link ? plain.link : plain.rod)));
+      spheres.setColorAt(k, colour.setRGB(...shadeOf(values[vertex], ofRod(link, part))));
     });
     for (const own of [cylinders, spheres]) {
       own.instanceMatrix.needsUpdate = true;
@@ -469,6 +504,7 @@
     colouring = modes.find(({ key }) => key === colourList.value);
     state.colour = colouring.key;
     setRange();
+    drawTrails();
     show(state.time);
   });
   controls.addEventListener("change", draw);

@@ -1,7 +1,8 @@
 //! What commands have in common to say on a page.
 
 use super::{Clip, Page};
-use crate::cli::console::json_number;
+use crate::cli::console::{brief, json_number};
+use crate::cli::gradient::relative_effect;
 use crate::cli::motions::motion;
 use crate::cli::results::Snapshot;
 use crate::cli::simulation::{Simulation, long_number};
@@ -15,6 +16,8 @@ use serde_json::{Value, json};
 
 /// A gradient with what it was compared with beside it, if that was asked for: of each functional by each variable.
 pub struct GradientRows<'g> {
+    /// Values of the functionals.
+    pub values: &'g [f64],
     /// By the adjoint.
     pub adjoint: &'g [Vec<f64>],
     /// In which other way, by that, and relative differences.
@@ -135,13 +138,20 @@ impl Page {
                 row.push(json!(long_number(gradient.adjoint[k][i]).trim()));
                 if let Some((_, [other, differences])) = gradient.check {
                     row.push(json!(long_number(other[k][i]).trim()));
-                    row.push(json!(format!("{:.1e}", differences[k][i])));
+                    row.push(json!(brief(differences[k][i])));
                 }
                 row
             };
             let rows = prepared.variables.iter().zip(&prepared.x).enumerate().map(row).collect();
             let heading = format!("Gradient of {} [{} / unit of the variable]", functional.name, functional.value_unit());
             self.table(&heading, &columns, rows);
+            let bar = |(i, (variable, &x)): (usize, (&'_ DesignVariable, &f64))| {
+                let relative = relative_effect(x, gradient.adjoint[k][i], gradient.values[k]);
+                (variable.name.clone(), relative.unwrap_or(f64::NAN))
+            };
+            let bars: Vec<_> = prepared.variables.iter().zip(&prepared.x).enumerate().map(bar).collect();
+            let label = "relative change of the functional by a relative change of a variable, x / f df/dx; none of a variable that is 0";
+            self.bars(&format!("What changes {}", functional.name), label, &bars);
         }
         if !gradient.verdict.is_empty() {
             self.fact("gradient", gradient.verdict.clone());

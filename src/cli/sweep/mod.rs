@@ -12,7 +12,7 @@ use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::options::SceneOptions;
 use super::results::check_folder;
-use super::simulation::{steps_in_words, warnings, with_hint};
+use super::simulation::{crossings_in_words, steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
 use crate::history::{Keep, Watch};
 use crate::integrators::{Method, StepRecord};
@@ -20,7 +20,7 @@ use crate::io::{Progress, write_file};
 use crate::optimize::runs_at_once::run_at_once;
 use crate::scenes::{AnyScene, Prepared, Settings};
 use clap::Args;
-use rows::{Outcome, Outcomes, Rows, header, row};
+use rows::{Outcome, Outcomes, Rows, row};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -47,6 +47,10 @@ pub struct SweepOptions {
     /// Threads: as many designs are run at once [default: all]
     #[arg(long, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
     threads: Option<usize>,
+    /// Each design also gets the derivatives of all functionals by the variables that vary, by the adjoint: a column for each,
+    /// d FUNCTIONAL / d VARIABLE
+    #[arg(long)]
+    gradient: bool,
     /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept; one design is run again to see
     /// that they are of this sweep
     #[arg(long)]
@@ -92,12 +96,12 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     options.scene.without_histories("a sweep")?;
     let sweep = Sweep::new(options, scene)?;
     let folder = options.scene.folder(scene);
-    let (path, header) = (folder.join("sweep.csv"), sweep.header());
+    let (path, names) = (folder.join("sweep.csv"), sweep.column_names());
     let (mut rows, mut outcomes) = match options.resume {
-        true => Rows::resume(&path, header, &sweep.variation)?,
+        true => Rows::resume(&path, &names, &sweep.variation)?,
         false => {
             check_folder(&folder)?;
-            (Rows::begin(&path, header)?, vec![None; sweep.variation.points.len()])
+            (Rows::begin(&path, &names)?, vec![None; sweep.variation.points.len()])
         }
     };
     let kept = outcomes.iter().flatten().count();
@@ -109,6 +113,11 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     sweep.run_all(rows, &mut outcomes, &guard)?;
     let summary = summary::Summary::new(&sweep, &outcomes, kept, begun.elapsed().as_secs_f64());
     let mut files = vec![path];
+    #[cfg(feature = "arrow")]
+    {
+        files.push(folder.join("sweep.arrow"));
+        rows::write_columns(&files[1], &names, &outcomes, &sweep.variation)?;
+    }
     files.extend(summary.draw(&folder)?);
     files.push(folder.join("sweep.json"));
     let json = summary.json(&files);
@@ -122,7 +131,10 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
 impl<'s> Sweep<'s> {
     fn new(options: &'s SweepOptions, scene: &'s dyn AnyScene) -> Result<Self, Failure> {
         let variables = scene.variables();
-        let (method, settings) = options.scene.simulation(scene)?;
+        let (mut method, settings) = options.scene.simulation(scene)?;
+        if options.gradient {
+            method = options.scene.differentiable(method)?;
+        }
         options.scene.design(scene)?;
         let variation = Variation::of(options, &variables, &options.scene.set_places(&variables))?;
         let base = options.scene.prepare(scene)?;
@@ -145,11 +157,21 @@ impl<'s> Sweep<'s> {
         format!("{} [{}]", self.axis_name(axis), self.base.variables[self.variation.axes[axis].place].unit)
     }
 
-    fn header(&self) -> String {
-        let variable = |axis: usize| {
-            (self.axis_name(axis).to_string(), self.base.variables[self.variation.axes[axis].place].unit.to_string())
-        };
-        header(&(0..self.variation.axes.len()).map(variable).collect::<Vec<_>>(), &self.functionals)
+    /// Names of the numbers of a row: variables, functionals, and the derivatives of each functional if these are asked for.
+    fn column_names(&self) -> Vec<String> {
+        let axes = 0..self.variation.axes.len();
+        let functional = |(name, unit): &(String, String)| format!("functional {name} [{unit}]");
+        let mut names: Vec<String> = axes.clone().map(|axis| format!("design {}", self.axis_label(axis))).collect();
+        names.extend(self.functionals.iter().map(functional));
+        if self.options.gradient {
+            names.extend(self.functionals.iter().flat_map(|(name, unit)| {
+                axes.clone().map(move |axis| {
+                    let by = self.base.variables[self.variation.axes[axis].place].unit;
+                    format!("d {name} / d {} [{}]", self.axis_name(axis), ratio_of_units(unit, by))
+                })
+            }));
+        }
+        names
     }
 
     fn announce(&self, kept: usize) {
@@ -162,13 +184,14 @@ impl<'s> Sweep<'s> {
         say(format_args!("each design: {}\n", steps_in_words(&self.method, settings)));
     }
 
-    /// Runs a design as `costate run` does, but keeps no step; `None` if it was stopped.
+    /// Runs a design as `costate run` does, but keeps no step beyond its gradient; `None` if it was stopped.
     fn outcome(&self, place: usize, guard: &Guard) -> Option<Outcome> {
         let run = || -> Result<(Vec<f64>, Vec<String>), Failure> {
             let x = self.variation.design(&self.base.x, place);
             let mut prepared = Prepared::with(self.scene, &x, self.method.clone(), self.settings.clone())
                 .map_err(|error| self.options.scene.located(self.scene, error))?;
-            prepared.keep = Keep::Nothing;
+            // there are as many runs at once as threads
+            prepared.keep = if self.options.gradient { Keep::shared_by(self.threads) } else { Keep::Nothing };
             let names = prepared.functionals().iter().map(|own| &own.name);
             if !names.eq(self.functionals.iter().map(|own| &own.0)) {
                 return Err(Failure::input("the scene has other functionals at this design"));
@@ -179,6 +202,12 @@ impl<'s> Sweep<'s> {
             checked.map_err(|error| with_hint(error, &prepared))?;
             match statement(&prepared, &forward) {
                 Some(Statement::Warning(message)) if self.options.scene.requires_stability() => Err(Failure::run(message)),
+                _ if self.options.gradient => {
+                    let rows = prepared.analysis().adjoint(&prepared.x, &forward)?.rows;
+                    let own = |row: Vec<f64>| self.variation.axes.iter().map(move |axis| row[axis.place]);
+                    let told = [warnings(&prepared, &forward), crossings_in_words(&forward.crossings)].concat();
+                    Ok((forward.values.iter().copied().chain(rows.into_iter().flat_map(own)).collect(), told))
+                }
                 _ => Ok((forward.values.clone(), warnings(&prepared, &forward))),
             }
         };
@@ -189,7 +218,8 @@ impl<'s> Sweep<'s> {
         Some(match run {
             Ok((values, warnings)) => Outcome { values, failed: false, message: warnings.join("; ") },
             Err(Failure { message, .. }) => {
-                Outcome { values: vec![f64::NAN; self.functionals.len()], failed: true, message }
+                let numbers = self.column_names().len() - self.variation.axes.len();
+                Outcome { values: vec![f64::NAN; numbers], failed: true, message }
             }
         })
     }
@@ -242,5 +272,14 @@ impl<'s> Sweep<'s> {
         let (rows, outcomes, _, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
         unwritten.map_or_else(|| rows.sort(outcomes, &self.variation), Err)?;
         Ok(())
+    }
+}
+
+/// The unit of a derivative: `m / (N/m)`.
+fn ratio_of_units(of: &str, by: &str) -> String {
+    match by {
+        "-" => of.into(),
+        by if by.chars().all(char::is_alphanumeric) => format!("{of} / {by}"),
+        by => format!("{of} / ({by})"),
     }
 }

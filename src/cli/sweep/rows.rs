@@ -1,4 +1,5 @@
-//! sweep.csv: a row for each design, added when it is finished, read again by `--resume`, sorted at the end.
+//! sweep.csv: a row for each design, added when it is finished, read again by `--resume`, sorted at the end; with the feature `arrow` its numbers
+//! as sweep.arrow, too.
 
 use super::variation::Variation;
 use crate::cli::earlier::keep_earlier;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// What came of one design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Values of the functionals; NaN where the design failed.
+    /// Values of the functionals, and their derivatives if these are asked for; NaN where the design failed.
     pub values: Vec<f64>,
     /// It could not be simulated.
     pub failed: bool,
@@ -34,14 +35,10 @@ pub struct Rows {
 
 const STATES: [&str; 2] = ["done", "failed"];
 
-/// Names of the columns: number, variables, functionals, state, message.
-pub fn header(variables: &[(String, String)], functionals: &[(String, String)]) -> String {
-    let named = |kind: &str, (name, unit): &(String, String)| quoted(&format!("{kind} {name} [{unit}]"));
-    let mut names = vec!["number".to_string()];
-    names.extend(variables.iter().map(|own| named("design", own)));
-    names.extend(functionals.iter().map(|own| named("functional", own)));
-    names.extend(["status", "message"].map(String::from));
-    names.join(",") + "\n"
+/// The first line: number, variables, functionals and derivatives by their names, state, message.
+fn header(numbers: &[String]) -> String {
+    let names: Vec<String> = numbers.iter().map(|name| quoted(name)).collect();
+    format!("number,{},status,message\n", names.join(","))
 }
 
 /// The row of a design, numbered from 1 on, with its values of the variables that vary.
@@ -59,26 +56,27 @@ fn locked(path: &Path, options: &OpenOptions) -> io::Result<File> {
 }
 
 impl Rows {
-    /// Begins a file; an earlier one keeps its rows under another name.
+    /// Begins a file with the names of its numbers; an earlier one keeps its rows under another name.
     ///
     /// # Errors
     /// A place that cannot be written to, and a file that another sweep is writing.
-    pub fn begin(path: &Path, header: String) -> Result<Self, Failure> {
+    pub fn begin(path: &Path, names: &[String]) -> Result<Self, Failure> {
         let cannot = |cause: io::Error| Failure::input(format!("cannot write {}: {cause}", path.display()));
         if path.is_file() {
             locked(path, File::options().read(true)).map_err(cannot)?;
         }
         keep_earlier(path)?;
         let file = locked(path, File::options().write(true).create_new(true)).map_err(cannot)?;
-        Ok(Rows { path: path.to_path_buf(), header, file, end: 0 })
+        Ok(Rows { path: path.to_path_buf(), header: header(names), file, end: 0 })
     }
 
     /// Goes on with a file: its rows are what is finished. A last line that was not written whole counts as not there.
     ///
     /// # Errors
     /// A file that cannot be read, or whose rows are no designs of this sweep, with the line.
-    pub fn resume(path: &Path, header: String, variation: &Variation) -> Result<(Self, Outcomes), Failure> {
+    pub fn resume(path: &Path, names: &[String], variation: &Variation) -> Result<(Self, Outcomes), Failure> {
         let refused = |message: String| Failure::input(format!("--resume {}: {message}", path.display()));
+        let header = header(names);
         let mut file = locked(path, File::options().read(true).write(true)).map_err(|cause| refused(cause.to_string()))?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(|cause| refused(cause.to_string()))?;
@@ -122,6 +120,22 @@ impl Rows {
         let rows = rows.filter_map(|(place, (outcome, point))| Some(row(place + 1, point, outcome.as_ref()?)));
         write_file(&self.path, (self.header + &rows.collect::<String>()).as_bytes())
     }
+}
+
+/// The numbers of the finished rows as columns, with 1 where a design failed and 0 where it did not.
+///
+/// # Errors
+/// A file that cannot be written.
+#[cfg(feature = "arrow")]
+pub fn write_columns(path: &Path, names: &[String], outcomes: &Outcomes, variation: &Variation) -> Result<(), IoError> {
+    let names = [&["number".to_string()], names, &["failed".to_string()]].concat();
+    let mut file = crate::io::ArrowFile::create(path, &names)?;
+    for (place, (outcome, point)) in outcomes.iter().zip(&variation.points).enumerate() {
+        if let Some(Outcome { values, failed, .. }) = outcome {
+            file.row(&[&[(place + 1) as f64], &point[..], values, &[f64::from(*failed)]].concat())?;
+        }
+    }
+    file.finish()
 }
 
 /// What the lines of a file say.

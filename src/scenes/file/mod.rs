@@ -1,3 +1,4 @@
+#![doc = include_str!("../../guide/links.txt")]
 #![doc = include_str!("format.md")]
 #![doc = include_str!("reference.md")]
 
