@@ -217,6 +217,22 @@ fn the_command_line_runs_one_or_all() {
         code == 0 && folder.join("all/down/summary.json").is_file() && folder.join("all/aside/summary.json").is_file(),
         "{text}"
     );
+    // side by side, as each gives alone
+    let read = |file: String| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(folder.join(file)).unwrap()).unwrap()
+    };
+    let both = read("all/scenarios.json".into());
+    assert_eq!(both["scenarios"], serde_json::json!(["down", "aside"]));
+    for (place, name) in ["down", "aside"].iter().enumerate() {
+        let alone = read(format!("all/{name}/summary.json"));
+        for own in both["functionals"].as_array().unwrap() {
+            let named = |other: &&serde_json::Value| other["name"] == own["name"];
+            // one of a scenario alone has no value in the others
+            let value = alone["functionals"].as_array().unwrap().iter().find(named).map(|other| &other["value"]);
+            assert_eq!(&own["values"][place], value.unwrap_or(&serde_json::Value::Null), "{name}");
+        }
+    }
+    assert!(folder.join("out/bracket/scenarios.json").is_file() && !folder.join("one/scenarios.json").exists());
     let (code, text) = run(&["optimize", "bracket.toml", "--iterations", "40"]);
     assert!(code == 0 && text.contains("scenario \"down\": static") && text.contains("way [aside]"), "{code} {text}");
     let (code, text) = run(&["run", "bracket.toml", "--scenario", "side"]);
