@@ -161,6 +161,9 @@ fn loops_lie_in_loops() {
 #[test]
 fn what_is_wrong_with_several_numbers_is_told() {
     for (from, to, part) in [
+        ("count = 4", "count = 0", "count of [variable.push]"),
+        ("count = 3", "count = 1", "count of [variable.wall]"),
+        ("count = 4", "count = 1000000000000", "count of [variable.push]"),
         ("initial = 2", "initial = [1, 2]", "\"push\" has 4 values, and these are 2"),
         ("initial = [0.01, 0.03, 0.02]", "initial = [0.01, 0.3, 0.02]", "initial of \"thickness\" is 0.3"),
         ("\"100 * wall[{k}]\"", "\"100 * wall[{k + 1}]\"", "there is no wall[3]: the last one is wall[2]"),

@@ -9,7 +9,7 @@ use super::order::ordered;
 use super::own_parts::OwnParts;
 use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
-use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
+use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
 use crate::elements::entries::{Form, Forms, Range};
 use crate::scenes::MeshData;
 use crate::scenes::unknown;
@@ -388,9 +388,11 @@ impl Reader {
                 }
                 (Some(each), _) => Extent::OfMesh(each),
                 // what is no such number is told where values are checked
-                (None, count) => {
-                    count.and_then(Raw::whole).and_then(|own| own.try_into().ok()).map_or(Extent::One, Extent::Array)
-                }
+                (None, count) => count
+                    .and_then(Raw::whole)
+                    .and_then(|own| own.try_into().ok())
+                    .filter(|own| MANY.contains(own))
+                    .map_or(Extent::One, Extent::Array),
             };
             match &extent {
                 Extent::OfMesh(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),

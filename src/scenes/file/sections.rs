@@ -18,6 +18,9 @@ use Type::{
 /// The version of the format that this program reads.
 pub(super) const VERSION: usize = 1;
 
+/// How many numbers a design variable may have that has several.
+pub(super) const MANY: std::ops::RangeInclusive<usize> = 2..=10_000;
+
 /// Most elements along a line.
 const MOST: usize = 10_000;
 /// Most steps of a run.
@@ -312,7 +315,7 @@ pub(super) const SECTIONS: &[Section] = &[
             may("unit", Text, "unit, for tables and charts; -"),
             may(
                 "count",
-                Count(2, 10_000),
+                Count(*MANY.start(), *MANY.end()),
                 "how many there are: NAME[0], NAME[1] and so on are numbers in formulas, spline(NAME, s) is a value between them, and where a \
                  list of numbers is wanted NAME stands for all; one"
             ),
