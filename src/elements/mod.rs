@@ -21,6 +21,7 @@ mod parameter;
 mod table;
 mod time_formula;
 mod time_function;
+mod turning;
 
 pub mod bodies;
 pub mod entries;
@@ -44,3 +45,4 @@ pub use parameter::{Admissible, Parameter};
 pub use table::Table;
 pub use time_formula::{RecordedFunction, TimeFormula};
 pub use time_function::{MOST_BREAKPOINTS, TimeFunction};
+pub(crate) use turning::{InTurningFrame, SPIN_PARAMETERS, turn, turn_gradient};

@@ -61,8 +61,9 @@ impl<S: RunScalar> RestingStart<S> {
         t: f64,
         guide: Option<&SolveRecord<f64>>,
     ) -> Result<Self, RunError> {
-        let model = problem.model.at_rest();
-        let system = Arc::new(System::new(&model, method.system_options(dropped, false)));
+        let resting = problem.model.at_rest();
+        let (model, p) = (&resting.model, resting.parameters(&problem.p));
+        let system = Arc::new(System::new(model, method.system_options(dropped, false)));
         let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend);
         let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         newton.counters = Counters::measuring(method.measures_phases);
@@ -70,10 +71,10 @@ impl<S: RunScalar> RestingStart<S> {
         let base = VectorsAvq { a: vec![S::zero(); model.dofs], v, q: problem.start.q.clone() };
         let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
         if guide.is_some() {
-            solve(&mut newton, &mut record, InitialGuess::guided(guide), &problem.p, &|| PLACE.into())?;
+            solve(&mut newton, &mut record, InitialGuess::guided(guide), &p, &|| PLACE.into())?;
             return Ok(RestingStart { record, stability: None, counters: newton.counters });
         }
-        let mut search = Search { newton, p: &problem.p, record, h: FIRST, at: Vec::new(), ended: None };
+        let mut search = Search { newton, p: &p, record, h: FIRST, at: Vec::new(), ended: None };
         search.run()?;
         let stability = search.newton.stability();
         Ok(RestingStart { record: search.record, stability: Some(stability), counters: search.newton.counters })

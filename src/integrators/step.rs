@@ -292,6 +292,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             Some(dropped) => Some(self.come_to_rest(dropped, t, &mut q, guide)?),
             None => None,
         };
+        if equilibrium.is_some() {
+            model.spin_velocities(&q, &self.problem.p, &mut v);
+        }
         // a large solver before the next one is used
         let give_back =
             |newton: &mut Newton<'m, S>| newton.release().map_err(|singular| RunError::of_pattern("start", singular));
