@@ -28,13 +28,20 @@ impl RestingModel {
 impl Model {
     /// The model at the equilibrium where its motion begins.
     pub(crate) fn at_rest(&self) -> RestingModel {
-        let mut model = self.clone();
+        let mut resting = self.in_frame();
+        let model = &mut resting.model;
         self.states.iter().for_each(|node| model.nodes[node.0].fixed = true);
         for mut hold in std::mem::take(&mut model.holds) {
             hold.equations = model.equations..model.equations + hold.physics.equation_count();
             model.equations = hold.equations.end;
             model.constraints.push(hold);
         }
+        resting
+    }
+
+    /// The model in the frame that turns with what spins.
+    pub(crate) fn in_frame(&self) -> RestingModel {
+        let mut model = self.clone();
         let mut sources: Vec<usize> = (0..self.parameters).collect();
         if let Some(spin) = &self.spin {
             model.turn_elements(spin, &mut sources);

@@ -116,6 +116,24 @@ impl NodeKind {
         }
     }
 
+    /// Its coordinates after a rotation of the world about the world point `about`, into `turned`; forces on them turn like coordinates about the
+    /// origin.
+    pub fn rotate<S: Scalar>(self, q: &[S], about: Vector3<S>, rotation: Quaternion<S>, turned: &mut [S]) {
+        if self.in_space().is_none() {
+            return turned.copy_from_slice(q);
+        }
+        let rotated = |x: Vector3<S>| rotation.rotate(x).components();
+        let place = about + rotation.rotate(Vector3::first_three(q) - about);
+        turned[..3].copy_from_slice(&place.components());
+        match self {
+            NodeKind::Body => turned[3..].copy_from_slice(&rotation.times(Quaternion::from_slice(&q[3..])).0),
+            _ => {
+                let vectors = q[3..].chunks_exact(3).map(Vector3::first_three);
+                vectors.zip(turned[3..].chunks_exact_mut(3)).for_each(|(x, own)| own.copy_from_slice(&rotated(x)));
+            }
+        }
+    }
+
     /// Adds the generalized force of the world force `force` \[N\] at the body point `point`.
     #[inline(always)]
     pub fn add_force<S: Scalar>(self, q: &[S], point: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {

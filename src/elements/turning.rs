@@ -29,7 +29,7 @@ pub(crate) const SPIN_PARAMETERS: [Parameter; 7] = [
     Parameter::new("rate", "rad/s"),
 ];
 
-/// The first of three parameters that are the acceleration by weight.
+/// What the name of the first of three parameters ends with that are the acceleration by weight.
 const GRAVITY: &str = "gravity x";
 
 /// The velocities of a node that turns with the frame, into `v`: [`NodeKind::turn`] with the numbers of a spin.
@@ -72,7 +72,8 @@ impl InTurningFrame {
         let (mut all, n) = (arguments.to_vec(), self.own.dof_count());
         let [about, axis] = [&spin[..3], &spin[3..]].map(Vector3::first_three);
         let omega = axis * spin[6];
-        if let Some(first) = self.own.parameter_list().iter().position(|own| own.name == GRAVITY) {
+        let list = self.own.parameter_list();
+        for (first, _) in list.iter().enumerate().filter(|(_, own)| own.name.ends_with(GRAVITY)) {
             let gravity = &mut all[3 * n + first..][..3];
             let along = axis * axis.dot(&Vector3::first_three(gravity));
             gravity.copy_from_slice(&along.components());

@@ -75,8 +75,8 @@ impl<S: RunScalar> RestingStart<S> {
             return Ok(RestingStart { record, stability: None, counters: newton.counters });
         }
         let mut search = Search { newton, p: &p, record, h: FIRST, at: Vec::new(), ended: None };
-        search.run()?;
-        let stability = search.newton.stability();
+        search.run().or_else(|why| search.turns_on(why))?;
+        let stability = Stability { turns: model.spin.is_some(), ..search.newton.stability() };
         Ok(RestingStart { record: search.record, stability: Some(stability), counters: search.newton.counters })
     }
 }
@@ -154,6 +154,16 @@ impl<S: RunScalar> Search<'_, '_, S> {
             }
         }
         Err(self.moves_on(&step.unknowns))
+    }
+
+    /// A turn may go on where energies are not least: its equilibrium nearest to the given coordinates, or why none was found before.
+    fn turns_on(&mut self, why: RunError) -> Result<(), RunError> {
+        let Search { newton, p, record, .. } = self;
+        if newton.system.model.spin.is_none() {
+            return Err(why);
+        }
+        record.unknowns = Residual::unknowns(&newton.system);
+        solve(newton, record, InitialGuess::Given, p, &|| PLACE.into()).map_err(|_| why)
     }
 
     /// Makes a step from rest, and goes where it leads if it is not too long.
