@@ -12,19 +12,27 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::krylov::{Space, add, largest_pairs};
+use super::krylov::{Space, add, dot, largest_pairs};
 use super::march::{Method, Problem};
-use super::vibrations::{Mode, Operator, chosen_shift, first_shift, is_rigid};
+use super::vibrations::{Mode, Operator, first_shift, is_rigid};
 use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 
 /// Most shifts that are tried.
 const MOST_SHIFTS: usize = 6;
+/// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
+const FAR: f64 = 3.0;
+/// theta below this share of the largest one is none.
+const INFINITE: f64 = 1e-10;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// What the operator may leave of a mode beside theta times itself.
 const LEFT: f64 = 1e-7;
+/// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
+const NO_GROWTH: f64 = 1e-9;
+/// Rigid motions that differ by this share of their size are the same.
+const SAME: f64 = 1e-3;
 
 /// The operator with a damping matrix, on pairs of a vector and its rate by the shift.
 struct Damped<'o, 'm> {
@@ -54,10 +62,19 @@ impl Space for Damped<'_, '_> {
         let z: Vec<f64> = y.iter().zip(x).map(|(y, x)| y + x / self.shift).collect();
         [y, z].concat()
     }
+    fn first(&mut self, vector: &[f64]) -> Vec<f64> {
+        // the rate of the result has the vector in it
+        let once = self.apply(vector);
+        self.apply(&once)
+    }
     fn obey_constraints(&mut self, vector: &mut [f64]) {
         let (x, rate) = vector.split_at_mut(self.operator.nodes);
         [x, rate].into_iter().for_each(|part| self.operator.obey(part));
     }
+}
+
+fn size(Eigenpair { value: [re, im], .. }: &Eigenpair) -> f64 {
+    re.hypot(*im)
 }
 
 /// lambda = s + 1 / theta.
@@ -89,44 +106,72 @@ pub fn complex_modes(
     let damping = operator.assembled(&equations);
     let mut shift = first_shift(largest).sqrt();
     let mut ritz = Vec::new();
-    for _ in 0..MOST_SHIFTS {
+    // rates are counted by the shift: it should be of the size of what is sought
+    for attempt in 0..MOST_SHIFTS {
         operator.set_shift([shift * shift, shift])?;
         ritz = largest_pairs(&mut Damped { operator: &mut operator, damping: &damping, shift }, count, SPARE)?;
+        let most = ritz.first().map_or(0.0, size);
+        // what is not there for want of inertia is infinitely fast
+        ritz.retain(|pair| size(pair) > INFINITE * most);
         let values = ritz.iter().map(|pair| value(pair, shift));
-        let squares: Vec<f64> = values.clone().map(|[re, im]| re * re + im * im).collect();
-        let grows = values.clone().any(|[re, _]| re > 0.0 && !is_rigid(re * re, shift * shift, largest));
-        match chosen_shift(&squares, (shift * shift, largest), grows) {
-            Some(other) => shift = other.sqrt(),
-            None => break,
+        let squares = values.clone().map(|[re, im]| re * re + im * im).filter(|own| !is_rigid(*own, shift * shift, largest));
+        let lowest = squares.fold(f64::INFINITY, f64::min).sqrt();
+        let is_near = shift <= FAR * lowest && lowest <= FAR * shift;
+        if is_near || !lowest.is_finite() || attempt + 1 == MOST_SHIFTS {
+            break;
         }
+        // at the shift of a mode that grows the matrix is singular
+        let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
+        shift = if grows { 0.7 * lowest } else { lowest };
     }
     let mut damped = Damped { operator: &mut operator, damping: &damping, shift };
-    let mut modes = Vec::new();
+    let (mut modes, mut rigid_shapes) = (Vec::new(), Vec::new());
     for pair in &ritz {
         let vectors = pair.vector.each_ref().map(|part| damped.apply(part));
+        let [mut growth, frequency] = value(pair, shift);
+        let is_rigid = is_rigid(growth * growth + frequency * frequency, shift * shift, largest);
         let left = left_over(&vectors, pair);
-        if !(left <= LEFT) {
+        if !(is_rigid || left <= LEFT) {
             return Err(RunError::Input(format!(
                 "a mode is known to a share of {left:.1e} only: masses, stiffnesses or dampings differ by more than the digits of a number hold; \
                  ask for fewer modes"
             )));
         }
-        let [re, im] = value(pair, shift);
-        let rigid = is_rigid(re * re + im * im, shift * shift, largest);
-        // of a pair the value with a positive imaginary part, and its vector
-        let [growth, frequency] = if rigid { [0.0; 2] } else { [re, im.abs()] };
         let nodes = damped.operator.nodes;
-        let [x, mut y] = vectors.map(|vector| vector[..nodes].to_vec());
-        if im < 0.0 {
-            y.iter_mut().for_each(|part| *part = -*part);
+        let [shape, ahead] = damped.operator.in_coordinates(vectors.map(|vector| vector[..nodes].to_vec()));
+        if is_rigid {
+            // one of a motion and its rate, which are two values 0 with one vector
+            if is_new(&mut rigid_shapes, &shape) {
+                modes.push(Mode { frequency: 0.0, growth: 0.0, ahead: vec![0.0; shape.len()], shape });
+            }
+            continue;
         }
-        // the operator's result is theta x: its phase is none of the mode's
-        let [shape, ahead] = damped.operator.in_coordinates([x, y]);
-        modes.push(Mode { frequency, growth, shape, ahead });
+        if growth.abs() <= NO_GROWTH * frequency.hypot(growth - shift) {
+            growth = 0.0;
+        }
+        // of a pair the value with a positive imaginary part, and its vector
+        let turned = if frequency < 0.0 { ahead.iter().map(|part| -part).collect() } else { ahead };
+        modes.push(Mode { frequency: frequency.abs(), growth, shape, ahead: turned });
     }
-    let size = |mode: &Mode| mode.frequency.hypot(mode.growth);
-    modes.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.growth.total_cmp(&b.growth)));
+    let absolute = |mode: &Mode| mode.frequency.hypot(mode.growth);
+    modes.sort_by(|a, b| absolute(a).total_cmp(&absolute(b)).then(a.growth.total_cmp(&b.growth)));
     Ok(modes)
+}
+
+/// Adds a vector to orthonormal ones unless it depends on them.
+fn is_new(known: &mut Vec<Vec<f64>>, vector: &[f64]) -> bool {
+    let (mut left, size) = (vector.to_vec(), dot(vector, vector).sqrt());
+    for own in &*known {
+        let share = dot(own, &left);
+        add(&mut left, -share, own);
+    }
+    let length = dot(&left, &left).sqrt();
+    if !(length > SAME * size) {
+        return false;
+    }
+    left.iter_mut().for_each(|entry| *entry /= length);
+    known.push(left);
+    true
 }
 
 /// What is left of the operator's result less theta times the vector, as a share of it.

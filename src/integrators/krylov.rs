@@ -27,6 +27,11 @@ pub(super) trait Space {
     fn apply(&mut self, image: &[f64]) -> Vec<f64>;
     /// Moves a vector back onto the constraints.
     fn obey_constraints(&mut self, vector: &mut [f64]);
+    /// A vector that obeys the constraints, of any other.
+    fn first(&mut self, vector: &[f64]) -> Vec<f64> {
+        let image = self.image(vector);
+        self.apply(&image)
+    }
 }
 
 /// Vectors that are orthonormal in the inner product, and what the operator does to them.
@@ -106,8 +111,7 @@ impl Krylov {
 pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
     let (mut krylov, length) = (Krylov::default(), space.size());
     for k in 0..(count + spare).min(length) {
-        let start = space.image(&(0..length).map(|i| noise(i, k)).collect::<Vec<f64>>());
-        let vector = space.apply(&start);
+        let vector = space.first(&(0..length).map(|i| noise(i, k)).collect::<Vec<f64>>());
         krylov.extend(space, vector);
     }
     loop {

@@ -142,7 +142,7 @@ pub(super) fn is_rigid(square: f64, shift: f64, largest: f64) -> bool {
 }
 
 /// A shift that suits the sizes of omega^2 that were found with another one better; half of the least where some are on the side of the shift.
-pub(super) fn chosen_shift(squares: &[f64], (shift, largest): (f64, f64), is_beside: bool) -> Option<f64> {
+fn chosen_shift(squares: &[f64], (shift, largest): (f64, f64), is_beside: bool) -> Option<f64> {
     let (rigid, moving): (Vec<f64>, Vec<f64>) = squares.iter().partition(|square| is_rigid(**square, shift, largest));
     let lowest = moving.into_iter().fold(f64::INFINITY, f64::min);
     let too_small = !rigid.is_empty() && shift < FAR[0] * lowest;
