@@ -143,7 +143,12 @@ impl<S: RunScalar> Search<'_, '_, S> {
                     }
                 }
                 // nothing leads away from an equilibrium that does not stand
-                Ok(Step::NotLeast(displacement)) if displacement <= NONE => return self.end(),
+                Ok(Step::NotLeast(displacement)) if displacement <= NONE => {
+                    if self.ended.is_none() {
+                        self.looks_at_rest(&step.unknowns);
+                    }
+                    return self.end();
+                }
                 failed => {
                     step.unknowns = before;
                     self.h /= GROWTH;
