@@ -14,13 +14,15 @@
 
 use super::krylov::{Space, add, dot, largest_pairs};
 use super::march::{Method, Problem};
-use super::vibrations::{Mode, Operator, first_shift, is_rigid};
+use super::vibrations::{Mode, Operator, is_rigid};
 use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 
 /// Most shifts that are tried.
 const MOST_SHIFTS: usize = 6;
+/// The first shift, as a share of the root of the largest ratio of stiffness and inertia.
+const FIRST_SHIFT: f64 = 1e-3;
 /// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
 const FAR: f64 = 3.0;
 /// theta below this share of the largest one is none.
@@ -28,7 +30,7 @@ const INFINITE: f64 = 1e-10;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// What the operator may leave of a mode beside theta times itself.
-const LEFT: f64 = 1e-7;
+const LEFT: f64 = 1e-6;
 /// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
 const NO_GROWTH: f64 = 1e-9;
 /// Rigid motions that differ by this share of their size are the same.
@@ -104,7 +106,7 @@ pub fn complex_modes(
     let largest = operator.largest_ratio();
     let equations = Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity);
     let damping = operator.assembled(&equations);
-    let mut shift = first_shift(largest).sqrt();
+    let mut shift = if largest > 0.0 { FIRST_SHIFT * largest.sqrt() } else { 1.0 };
     let mut ritz = Vec::new();
     // rates are counted by the shift: it should be of the size of what is sought
     for attempt in 0..MOST_SHIFTS {
@@ -117,12 +119,17 @@ pub fn complex_modes(
         let squares = values.clone().map(|[re, im]| re * re + im * im).filter(|own| !is_rigid(*own, shift * shift, largest));
         let lowest = squares.fold(f64::INFINITY, f64::min).sqrt();
         let is_near = shift <= FAR * lowest && lowest <= FAR * shift;
-        if is_near || !lowest.is_finite() || attempt + 1 == MOST_SHIFTS {
+        if is_near || attempt + 1 == MOST_SHIFTS {
             break;
         }
         // at the shift of a mode that grows the matrix is singular
         let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
-        shift = if grows { 0.7 * lowest } else { lowest };
+        shift = match (lowest.is_finite(), grows) {
+            // rigid motions hide what is far from the shift
+            (false, _) => shift / FIRST_SHIFT.sqrt(),
+            (true, true) => 0.7 * lowest,
+            (true, false) => lowest,
+        };
     }
     let mut damped = Damped { operator: &mut operator, damping: &damping, shift };
     let (mut modes, mut rigid_shapes) = (Vec::new(), Vec::new());
