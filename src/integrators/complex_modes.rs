@@ -20,9 +20,11 @@ use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 
 /// Most shifts that are tried.
-const MOST_SHIFTS: usize = 6;
-/// The first shift, as a share of the root of the largest ratio of stiffness and inertia.
-const FIRST_SHIFT: f64 = 1e-3;
+const MOST_SHIFTS: usize = 12;
+/// The first shift, as a share of the root of the largest ratio of stiffness and inertia: below most modes, which one far above would not tell apart.
+const FIRST_SHIFT: f64 = 1e-7;
+/// By how much it grows where rigid motions hide all others.
+const GROWTH: f64 = 30.0;
 /// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
 const FAR: f64 = 3.0;
 /// theta below this share of the largest one is none.
@@ -166,7 +168,7 @@ fn near_zero(
         let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
         shift = match (lowest.is_finite(), grows) {
             // rigid motions hide what is far from the shift
-            (false, _) => shift / FIRST_SHIFT.sqrt(),
+            (false, _) => shift * GROWTH,
             (true, true) => 0.7 * lowest,
             (true, false) => lowest,
         };
