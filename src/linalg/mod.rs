@@ -7,7 +7,7 @@ mod column_groups;
 mod dense;
 mod eigen;
 mod factorization;
-pub mod multifrontal;
+mod multifrontal;
 mod rank;
 mod scaling;
 mod simd;

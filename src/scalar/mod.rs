@@ -19,9 +19,9 @@ mod complex;
 mod curve;
 mod duals;
 mod jet;
-mod moving;
+pub(crate) mod moving;
 mod real;
-mod rotation;
+pub(crate) mod rotation;
 mod slopes;
 mod vector;
 
@@ -29,9 +29,10 @@ pub use complex::COMPLEX_STEP;
 pub(crate) use curve::check_knots;
 pub use curve::{Curve, Interpolant};
 pub use duals::{TANGENTS, Tangents};
-pub use moving::Moving;
+pub(crate) use moving::Moving;
 pub(crate) use real::larger;
-pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
+pub use rotation::Quaternion;
+pub(crate) use rotation::{angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub use vector::SpatialVector;
 
 pub use nalgebra::{Matrix3, Vector3};

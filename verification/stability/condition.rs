@@ -1,8 +1,10 @@
 //! Condition of a stage matrix.
 
-use costate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, VectorsAvq};
-use costate::integrators::{ConstraintLevel, Systems};
-use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
+use costate::integrators::ConstraintLevel;
+use costate::internals::{
+    DenseLu, Equations, Jacobian, Level, LinearSolver, Residual, SparsePattern, StageCoefficients, StageSystem, Systems,
+    VectorsAvq,
+};
 use costate::scenes::Prepared;
 
 /// Condition in the 1-norm of the first step's last stage matrix at the start, rows and columns scaled to a largest entry of 1.

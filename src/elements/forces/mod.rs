@@ -1,30 +1,30 @@
 //! Springs, dampers and loads.
 
-mod applied_force;
-mod applied_torque;
-mod bushing;
+pub(crate) mod applied_force;
+pub(crate) mod applied_torque;
+pub(crate) mod bushing;
 mod coordinate_spring_damper;
-mod gravity;
-mod line_damper;
+pub(crate) mod gravity;
+pub(crate) mod line_damper;
 mod line_spring;
 mod slide_spring_damper;
-mod soft;
+pub(crate) mod soft;
 mod spring_law;
-mod torsion_spring_damper;
-mod vector_damper;
+pub(crate) mod torsion_spring_damper;
+pub(crate) mod vector_damper;
 
-pub use applied_force::AppliedForce;
-pub use applied_torque::AppliedTorque;
-pub use bushing::Bushing;
-pub use coordinate_spring_damper::CoordinateSpringDamper;
-pub use gravity::Gravity;
-pub use line_damper::LineDamper;
-pub use line_spring::LineSpring;
-pub use slide_spring_damper::SlideSpringDamper;
-pub use soft::Soft;
-pub use spring_law::{AngleLaw, LineLaw, SlideLaw, SpringLaw, Stretch, TorsionLaw};
-pub use torsion_spring_damper::TorsionSpringDamper;
-pub use vector_damper::VectorDamper;
+pub(crate) use applied_force::AppliedForce;
+pub(crate) use applied_torque::AppliedTorque;
+pub(crate) use bushing::Bushing;
+pub(crate) use coordinate_spring_damper::CoordinateSpringDamper;
+pub(crate) use gravity::Gravity;
+pub(crate) use line_damper::LineDamper;
+pub(crate) use line_spring::LineSpring;
+pub(crate) use slide_spring_damper::SlideSpringDamper;
+pub(crate) use soft::Soft;
+pub(crate) use spring_law::{AngleLaw, LineLaw, SlideLaw, SpringLaw, Stretch, TorsionLaw};
+pub(crate) use torsion_spring_damper::TorsionSpringDamper;
+pub(crate) use vector_damper::VectorDamper;
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;

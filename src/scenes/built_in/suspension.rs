@@ -1,6 +1,6 @@
 use crate::assembly::NodeId;
 use crate::design::DesignVariable;
-use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
