@@ -45,9 +45,7 @@ pub use crate::integrators::{
 #[cfg(feature = "cli")]
 pub use crate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};
 pub use crate::io::{read_csv, write_csv};
-pub use crate::linalg::{
-    DenseLu, Factorization, LinearSolver, Singular, SolverPlan, SparsePattern, TransposedSolution, Work,
-};
+pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
 pub use crate::program::{
     ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, compile_time, lanes, record,
 };

@@ -37,6 +37,9 @@
 //! guide         how to use all of this, and what it computes: text alone
 //! ```
 
+// much of what the command line draws on is used by nothing else
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+
 pub mod scalar;
 
 mod program;
@@ -45,7 +48,7 @@ mod design;
 
 pub mod elements;
 
-mod linalg;
+pub mod linalg;
 
 mod assembly;
 

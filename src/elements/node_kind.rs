@@ -58,7 +58,7 @@ impl NodeKind {
     }
 
     /// Name of coordinate `index`.
-    pub fn coordinate_name(self, index: usize) -> String {
+    pub(crate) fn coordinate_name(self, index: usize) -> String {
         match self {
             NodeKind::Coordinates(_) => format!("coordinate {index}"),
             NodeKind::Natural => ["x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz", "wx", "wy", "wz"][index].to_string(),
@@ -129,7 +129,7 @@ impl NodeKind {
 
     /// Adds the gradient of force . R s for the vector s in the body frame: what a force at its tip does to the turning of the node.
     #[inline(always)]
-    pub fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
+    pub(crate) fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         match self {
             NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
             NodeKind::Body => {
@@ -166,7 +166,7 @@ impl NodeKind {
 
     /// Adds the generalized force of the world moment `moment` [N m]: its power is moment . omega.
     #[inline(always)]
-    pub fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
+    pub(crate) fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
         match self {
             NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
             NodeKind::Body => {

@@ -23,7 +23,6 @@ pub(crate) use frames::check_place;
 pub(crate) use memory::{Memory, MemoryWithin};
 pub(crate) use nothing::Nothing;
 pub(crate) use rerun::Rerun;
-pub(crate) use schedule::{recomputed_steps, split};
 
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
@@ -66,7 +65,7 @@ impl Keep {
     ///
     /// # Errors
     /// A file that cannot be created, or is that of something else.
-    pub fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
+    pub(crate) fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),
             Keep::Auto => return Keep::shared_by(1).history(steps, run),

@@ -6,7 +6,7 @@
 mod column_groups;
 mod dense;
 mod eigen;
-mod factorization;
+pub(crate) mod factorization;
 mod multifrontal;
 mod rank;
 mod scaling;
@@ -15,10 +15,11 @@ mod sparse_pattern;
 mod vectors;
 
 pub use dense::DenseLu;
-pub use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
-pub use factorization::{Backend, Factorization, Signs, SolverPlan, TransposedSolution, Work};
-pub use multifrontal::Inertia;
-pub use rank::{SparseRow, independent_rows, sign_of_determinant};
+pub(crate) use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
+pub use factorization::Backend;
+pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
+pub use multifrontal::{Inertia, MultifrontalLu};
+pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;
 

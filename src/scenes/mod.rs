@@ -23,11 +23,11 @@ pub mod built_in;
 pub use crate::assembly::{ConstraintId, ElementId, NodeId};
 pub use crate::design::DesignVariable;
 
+pub(crate) use builder::LineElement;
 pub use builder::{
     BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
     MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
 };
-pub(crate) use builder::{Drawing, LineElement};
 #[cfg(feature = "files")]
 pub use file::FileScene;
 pub use gmsh::{parse_gmsh, read_gmsh};
@@ -38,8 +38,8 @@ pub use prepared::{Prepared, Settings};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 pub use scene::{AnyScene, Output, Scenario, Scene};
 pub use signal::Signal;
-pub(crate) use sketch::{Drawn, NodePoint, Sketch};
-pub(crate) use solids::{Rod, Solids};
+pub(crate) use sketch::{Drawn, NodePoint};
+pub(crate) use solids::Solids;
 pub use statics::Equilibrium;
 pub(crate) use surfaces::Surface;
 pub(crate) use unknown::unknown;

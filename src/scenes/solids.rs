@@ -85,7 +85,7 @@ pub struct Solids<'m> {
 
 impl MechanismBuilder<f64> {
     /// The mechanism in space.
-    pub fn solids(&self) -> Solids<'_> {
+    pub(crate) fn solids(&self) -> Solids<'_> {
         let mut solids = Solids {
             mechanism: self,
             surfaces: self.surfaces(),

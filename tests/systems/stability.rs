@@ -211,7 +211,7 @@ fn caps_welded_to_arms_at_right_angles_are_determined() {
     let scene = file(&(0..4).fold(hub.to_string(), |all, k| all + &text(k)));
     // k angle = m g d cos(angle), and the point sinks by 0.1 sin(angle)
     let angle = (0..50).fold(0.0_f64, |angle, _| 3.0 * 9.81 * 0.03 * angle.cos() / 100.0);
-    for solver in [costate::integrators::Backend::Dense, costate::integrators::Backend::Multifrontal] {
+    for solver in [costate::linalg::Backend::Dense, costate::linalg::Backend::Multifrontal] {
         let mut prepared = Prepared::new(&scene).unwrap();
         prepared.method.backend = solver;
         let forward = prepared.analysis().forward(&[]).unwrap();
@@ -296,7 +296,7 @@ fn what_ties_delay_in_several_fronts_has_its_signs() {
     let scene =
         FileScene::parse("stiffened-plate.toml", include_str!("../../examples/scenes/stiffened-plate.toml")).unwrap();
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    for solver in [costate::integrators::Backend::Dense, costate::integrators::Backend::Multifrontal] {
+    for solver in [costate::linalg::Backend::Dense, costate::linalg::Backend::Multifrontal] {
         let mut prepared = Prepared::new(&scene).unwrap();
         prepared.method.backend = solver;
         let end = prepared.analysis().forward(&x).unwrap().stability.expect("of equilibria").end;

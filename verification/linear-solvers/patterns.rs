@@ -1,7 +1,7 @@
 //! Matrices like those of flexible structures, of any size.
 
 use crate::verification::Noise;
-use costate::internals::SparsePattern;
+use costate::linalg::SparsePattern;
 use std::sync::Arc;
 
 /// A matrix by its pattern and its values.

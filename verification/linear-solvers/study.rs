@@ -9,8 +9,8 @@ mod patterns;
 
 use crate::verification::memory::{forget_peak, memory_of_now, peak_memory};
 use crate::verification::{Clock, Noise, Report, Study, on_threads};
-use costate::integrators::Backend;
 use costate::internals::{Factorization, Work};
+use costate::linalg::Backend;
 use patterns::{Matrix, chain, full, shell};
 use std::time::Instant;
 
@@ -169,7 +169,7 @@ fn fastest(threads: usize, mut work: impl FnMut() -> Result<(), String>) -> Resu
 fn measure(report: &mut Report, matrix: &Matrix, backend: Backend, threads: usize) -> Result<(), String> {
     let Matrix { name, pattern, values } = matrix;
     let name = format!("{name}, {}, {threads} thread{}", backend.name(), if threads > 1 { "s" } else { "" });
-    let singular = |error: costate::internals::Singular| format!("{name}: unknown {} is not determined", error.unknown);
+    let singular = |error: costate::linalg::Singular| format!("{name}: unknown {} is not determined", error.unknown);
     let before = memory_of_now();
     forget_peak();
     let watch = Watch::start(threads);

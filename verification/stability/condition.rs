@@ -1,10 +1,8 @@
 //! Condition of a stage matrix.
 
 use costate::integrators::ConstraintLevel;
-use costate::internals::{
-    DenseLu, Equations, Jacobian, Level, LinearSolver, Residual, SparsePattern, StageCoefficients, StageSystem, Systems,
-    VectorsAvq,
-};
+use costate::internals::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Systems, VectorsAvq};
+use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
 use costate::scenes::Prepared;
 
 /// Condition in the 1-norm of the first step's last stage matrix at the start, rows and columns scaled to a largest entry of 1.

@@ -27,12 +27,12 @@ pub use cable_section::{CableSection, CableStrain};
 pub(crate) use distributed_load::{DistributedLoad, DistributedLoadField};
 pub use faces::FaceKind;
 pub use laminate::{Laminate, Ply, PlyStrength};
-pub(crate) use outline::Outline;
-pub(crate) use outline_stress::OutlineStress;
+pub use outline::Outline;
+pub use outline_stress::OutlineStress;
 pub use section::{Material, Section, Shape};
-pub(crate) use shell::{DRILLING_INERTIA, Shell, ShellField, ShellPoint};
+pub(crate) use shell::Shell;
 pub use shell::{ShellKind, ShellSection};
-pub(crate) use shell_pressure::{ShellPressure, ShellPressureField, shell_pressure};
+pub(crate) use shell_pressure::{ShellPressure, shell_pressure};
 pub(crate) use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;

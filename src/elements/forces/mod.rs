@@ -22,7 +22,7 @@ pub(crate) use line_damper::LineDamper;
 pub(crate) use line_spring::LineSpring;
 pub(crate) use slide_spring_damper::SlideSpringDamper;
 pub(crate) use soft::Soft;
-pub(crate) use spring_law::{AngleLaw, LineLaw, SlideLaw, SpringLaw, Stretch, TorsionLaw};
+pub(crate) use spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
 pub(crate) use torsion_spring_damper::TorsionSpringDamper;
 pub(crate) use vector_damper::VectorDamper;
 

@@ -106,7 +106,7 @@ const OBJECTIVE: &str = "displacement of the chassis, squared, integral";
 
 impl Suspension {
     /// Number of beams.
-    pub const BEAMS: usize = 16;
+    pub(crate) const BEAMS: usize = 16;
 
     /// The variable that mirrors variable `index` on the other side, and its sign.
     pub fn mirrored(index: usize) -> (usize, f64) {
