@@ -1,6 +1,6 @@
 //! Linear systems: analyse a pattern once, factor values, solve, solve transposed.
 //!
-//! Only `f64` is factored; derivative parts are solved with the same factors. [`Factorization`] scales rows and columns,
+//! Only `f64` is factored; derivative parts are solved with the same factors. `Factorization` scales rows and columns,
 //! chooses the backend by size, refines solutions, and names the unknown of a singular system.
 
 mod column_groups;
@@ -30,7 +30,7 @@ pub struct Singular {
     pub unknown: usize,
 }
 
-/// A direct solver for square matrices of one pattern; scaled and refined by [`Factorization`].
+/// A direct solver for square matrices of one pattern; scaled and refined by `Factorization`.
 pub trait LinearSolver: Send {
     /// Factors values given in the order of the pattern.
     ///

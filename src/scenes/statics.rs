@@ -65,7 +65,7 @@ impl Prepared<'_> {
     /// Equilibria along their path, through limits of the load; the load factor is 0 at the start, whatever the method.
     ///
     /// # Errors
-    /// See [`follow_path`].
+    /// A start or options that are no good, a first equilibrium that is not found, or a path that ends, with its last load.
     pub fn path(&self, arc: &ArcLength) -> Result<Path, RunError> {
         follow_path(&self.problem(), &self.method, &self.plan, arc)
     }
@@ -74,7 +74,7 @@ impl Prepared<'_> {
     /// about the start, which must be one, or is looked for in a run from equilibrium.
     ///
     /// # Errors
-    /// See [`Prepared::equilibrium`] and [`vibrations`].
+    /// See [`Prepared::equilibrium`], and modes that are there by their count, but were not found.
     pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RunError> {
         Ok(self.modes_with_state(count)?.1)
     }

@@ -6,10 +6,10 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// Which strains a cable's energy is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CableStrain {
-    /// Green's axial strain and the exact curvature: see [`Cable`](super::Cable).
+    /// Green's axial strain and the exact curvature.
     #[default]
     Exact,
-    /// Strain of the chord and second derivative: see [`SmallStrainCableField`](super::SmallStrainCableField).
+    /// Strain of the chord and second derivative.
     Small,
 }
 

@@ -75,8 +75,8 @@ impl<S: Scalar> LineStress<S> {
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of the von Mises stress by the yield stress [-] of shells of one material, on both surfaces (see
-    /// [`VonMises`]), of beams, at points on the outlines of their sections ([`OutlineStress`]), and of cables, in
-    /// their outer fibres ([`CableVonMises`]).
+    /// `VonMises`), of beams, at points on the outlines of their sections ([`OutlineStress`]), and of cables, in
+    /// their outer fibres (`CableVonMises`).
     pub fn von_mises_functional(&mut self, name: &str, over: Over, group: &ElementGroup, yield_stress: S) {
         let is_line = |&element: &ElementId| self.is_line(element);
         let (lines, others): (Vec<ElementId>, Vec<ElementId>) = group.elements.iter().copied().partition(is_line);
