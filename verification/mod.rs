@@ -33,6 +33,8 @@ mod rigid_benchmarks;
 mod rigid_spring_beam;
 #[path = "robustness/study.rs"]
 mod robustness;
+#[path = "rotor-hub/study.rs"]
+mod rotor_hub;
 mod rounding;
 #[path = "shell-benchmarks/study.rs"]
 mod shell_benchmarks;
@@ -76,6 +78,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(work_precision::WorkPrecision),
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(shell_benchmarks::ShellBenchmarks),
+        Box::new(rotor_hub::RotorHub),
         Box::new(functionals::Functionals),
         Box::new(signals::Signals),
         Box::new(four_bar::FourBar),

@@ -8,6 +8,7 @@ use crate::program::Digest;
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Laws {
     nodes: Vec<Digest>,
+    spin: Option<Vec<usize>>,
     elements: Vec<Digest>,
     constraints: Vec<Digest>,
     parameters: usize,
@@ -36,6 +37,7 @@ impl Model {
     ) -> Laws {
         Laws {
             nodes: self.nodes.iter().map(|node| Digest::of(&(node.kind, node.fixed))).collect(),
+            spin: self.spin.as_ref().map(|spin| spin.nodes.iter().map(|node| node.0).collect()),
             elements: self.elements.iter().map(|own| law(own, of_element(&own.physics))).collect(),
             constraints: self
                 .constraints
@@ -69,6 +71,7 @@ impl Laws {
                 Some(format!("the law of \"{name}\": its formula, its options, times of its jumps, or its nodes"))
             }
             (_, false) => Some("the number of nodes, elements, joints or parameters".into()),
+            (None, true) if self.spin != other.spin => Some("what turns steadily at the start".into()),
             (None, true) => None,
         }
     }

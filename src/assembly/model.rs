@@ -1,5 +1,4 @@
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
-use crate::scalar::Scalar;
 use std::any::TypeId;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -55,6 +54,15 @@ pub struct Attached<P> {
     pub physics: P,
 }
 
+/// Nodes that turn steadily about an axis of the world.
+#[derive(Clone)]
+pub struct Spin {
+    /// The nodes.
+    pub nodes: Vec<NodeId>,
+    /// Places in p of a point of the axis \[m\], its direction, and the rate of the turn [rad/s].
+    pub parameters: Range<usize>,
+}
+
 /// The topology of a mechanism: nodes, elements and constraints, without any physical number.
 ///
 /// A clone is the same model: what belongs to one belongs to the other.
@@ -68,6 +76,8 @@ pub struct Model {
     pub constraints: Vec<Attached<ConstraintPhysics>>,
     /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by [`Model::at_rest`].
     pub holds: Vec<Attached<ConstraintPhysics>>,
+    /// What turns steadily where a motion begins.
+    pub spin: Option<Spin>,
     /// Nodes whose rates are states of first order; these are given where a motion begins at an equilibrium, which does not move them.
     pub states: Vec<NodeId>,
     /// Length of q.
@@ -200,27 +210,6 @@ impl Model {
         let physics = ConstraintPhysics::new(physics);
         let parameters = self.add_parameters(physics.parameter_count());
         self.holds.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
-    }
-
-    /// The same model with what holds parts at the start as constraints, behind the others, and with states that stay.
-    pub fn at_rest(&self) -> Model {
-        let mut model = self.clone();
-        self.states.iter().for_each(|node| model.nodes[node.0].fixed = true);
-        for mut hold in std::mem::take(&mut model.holds) {
-            hold.equations = model.equations..model.equations + hold.physics.equation_count();
-            model.equations = hold.equations.end;
-            model.constraints.push(hold);
-        }
-        model
-    }
-
-    /// Velocities of the model at rest: zero, but for states.
-    pub(crate) fn velocities_at_rest<S: Scalar>(&self, v: &[S]) -> Vec<S> {
-        let mut rest = vec![S::zero(); v.len()];
-        for place in self.states.iter().flat_map(|node| self.nodes[node.0].dofs.clone()) {
-            rest[place] = v[place];
-        }
-        rest
     }
 
     /// A node.

@@ -32,6 +32,7 @@
 //! }
 //! ```
 
+mod campbell;
 mod check;
 mod columns;
 mod comparison;

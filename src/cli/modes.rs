@@ -1,4 +1,5 @@
 use super::CommandLine;
+use super::campbell::{Branches, Rates};
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::{mode_moments, mode_picture, motion};
@@ -6,7 +7,6 @@ use super::options::{changed_design, located, only_scenario};
 use super::report::{Clip, Page};
 use super::results::Snapshot;
 use super::simulation::{long_number, names};
-use crate::assembly::Model;
 use crate::integrators::{Mode, STATIC_TABLE};
 use crate::io::{Cell, Table, number as number_of, write_file};
 use crate::scenes::Prepared;
@@ -26,6 +26,12 @@ pub struct ModesOptions {
     /// About the equilibrium after the scene's load steps instead of its start; scenes of equilibria do so anyway
     #[arg(long = "static")]
     statics: bool,
+    /// With dampers, states of first order and what else depends on velocities: complex modes; about a steady turn they are that anyway
+    #[arg(long)]
+    damped: bool,
+    /// Modes over the rate of a steady turn [rad/s], followed by their shapes: campbell.csv, .png and .svg
+    #[arg(long, value_name = "FIRST:LAST:NUMBER", allow_hyphen_values = true)]
+    speed: Option<Rates>,
     /// Folder for the pictures [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -54,7 +60,7 @@ fn mode_count(text: &str) -> Result<usize, String> {
     }
 }
 
-/// `costate modes`: frequencies and shapes of small undamped vibrations.
+/// `costate modes`: frequencies and shapes of small vibrations.
 pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure> {
     let found = program.find_scene(&options.scene)?;
     let scene = only_scenario(&*found, options.scenario.as_deref())?;
@@ -67,19 +73,30 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
         let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
         located(scene, &options.scene, Failure { message, ..failure })
     };
-    let prepared = Prepared::with(scene, &x, method, settings.clone()).map_err(named)?;
+    let mut prepared = Prepared::with(scene, &x, method, settings.clone()).map_err(named)?;
     let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
-    let (q, modes) = prepared.modes_with_state(options.count).map_err(named)?;
+    let spins = prepared.spin_rate().is_some();
+    let kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
+    let (q, modes) = match kind {
+        Kind::Undamped => prepared.modes_with_state(options.count).map_err(named)?,
+        Kind::Complex => prepared.complex_modes_with_state(options.count).map_err(named)?,
+    };
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.name(), scene.summary()));
+    let what = if kind == Kind::Complex { "small vibrations with damping" } else { "small undamped vibrations" };
     match about {
-        "start" if prepared.plan.equilibrium.is_some() => {
-            say("small undamped vibrations about the equilibrium at which the motion begins\n");
+        "start" if spins => {
+            say(
+                "small vibrations about the steady turn at which the motion begins, in the frame that turns, with damping\n",
+            );
         }
-        "start" => say("small undamped vibrations about the start\n"),
-        _ => say(format_args!("small undamped vibrations about the equilibrium at the load factor {}\n", settings.end)),
+        "start" if prepared.plan.equilibrium.is_some() => {
+            say(format_args!("{what} about the equilibrium at which the motion begins\n"));
+        }
+        "start" => say(format_args!("{what} about the start\n")),
+        _ => say(format_args!("{what} about the equilibrium at the load factor {}\n", settings.end)),
     }
-    say_modes(prepared.model(), &modes);
+    say_modes(&prepared, kind, &modes);
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
     } else if modes.len() < options.count {
@@ -88,14 +105,29 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     let mut files = draw(&prepared, &q, &modes, &folder)?;
     let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
     files.extend([report.clone(), summary.clone()]);
-    page(&prepared, &q, &modes, about).write(&report, &files)?;
+    let branches = match &options.speed {
+        Some(_) if !spins => {
+            let text =
+                "--speed needs a scene that begins with a steady turn ([[spin]] and start = \"steady\" of a scene file)";
+            return Err(Failure::input(text));
+        }
+        Some(Rates(rates)) => Some(Branches::follow(&mut prepared, rates, options.count)?),
+        None => None,
+    };
+    if let Some(branches) = &branches {
+        branches.say();
+        files.extend(branches.write(format!("{}: modes over the rate of the turn", scene.name()), &folder)?);
+    }
+    page(&prepared, (&q, kind), &modes, about).write(&report, &files)?;
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
         "scene": scene.name(),
         "about": about,
         "design": Value::from(design.collect::<Map<_, _>>()),
-        "modes": modes.iter().map(|mode| json_of(prepared.model(), mode)).collect::<Vec<_>>(),
+        "kind": if kind == Kind::Complex { "complex" } else { "undamped" },
+        "modes": modes.iter().map(|mode| json_of(&prepared, mode)).collect::<Vec<_>>(),
+        "speeds": branches.as_ref().map(Branches::json),
         "files": names(&files),
     });
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
@@ -104,13 +136,13 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
 }
 
 /// The modes as a page on which they swing.
-fn page(prepared: &Prepared, q: &[f64], modes: &[Mode], about: &str) -> Page {
+fn page(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode], about: &str) -> Page {
     let mut page = Page::new(prepared.scene, "small vibrations");
     page.fact("about", format!("the {about}"));
     page.table(
         "Modes",
-        &MODE_COLUMNS,
-        mode_rows(prepared.model(), modes).into_iter().map(|row| row.map(Value::from).to_vec()).collect(),
+        kind.columns(),
+        mode_rows(prepared, kind, modes).into_iter().map(|row| row.into_iter().map(Value::from).collect()).collect(),
     );
     page.design(&prepared.variables, &prepared.x);
     let angles = || (0..=FRAMES).map(|k| TAU * k as f64 / FRAMES as f64);
@@ -151,31 +183,55 @@ fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result
     Ok(files)
 }
 
-const MODE_COLUMNS: [&str; 5] = ["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "moves most"];
+/// Which modes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Undamped,
+    Complex,
+}
 
-fn mode_rows(model: &Model, modes: &[Mode]) -> Vec<[String; 5]> {
-    let row = |(number, mode): (usize, &Mode)| {
-        let largest = (0..model.dofs).max_by(|&a, &b| mode.shape[a].abs().total_cmp(&mode.shape[b].abs()));
-        [
-            (number + 1).to_string(),
-            long_number(mode.frequency),
-            long_number(mode.frequency / TAU),
-            if mode.is_unstable() { format!("{} unstable", long_number(mode.growth)) } else { "0".into() },
-            largest.map_or_else(String::new, |dof| model.dof_name(dof)),
-        ]
+impl Kind {
+    fn columns(self) -> &'static [&'static str] {
+        match self {
+            Kind::Undamped => &["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "moves most"],
+            Kind::Complex => {
+                &["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "damping ratio", "whirl", "moves most"]
+            }
+        }
+    }
+}
+
+fn mode_rows(prepared: &Prepared, kind: Kind, modes: &[Mode]) -> Vec<Vec<String>> {
+    let model = prepared.model();
+    let row = |(place, mode): (usize, &Mode)| {
+        let size = |dof: usize| mode.shape[dof].hypot(mode.ahead[dof]);
+        let largest = (0..model.dofs).max_by(|&a, &b| size(a).total_cmp(&size(b)));
+        let growth = match kind {
+            _ if mode.is_unstable() => format!("{} unstable", long_number(mode.growth)),
+            Kind::Undamped => "0".into(),
+            Kind::Complex => long_number(mode.growth),
+        };
+        let mut row = vec![(place + 1).to_string(), long_number(mode.frequency), long_number(mode.frequency / TAU), growth];
+        if kind == Kind::Complex {
+            let whirl = prepared.whirl(mode).map_or_else(String::new, |whirl| format!("{whirl:+.2}"));
+            row.extend([number_of(mode.damping_ratio()), whirl]);
+        }
+        row.push(largest.map_or_else(String::new, |dof| model.dof_name(dof)));
+        row
     };
     modes.iter().enumerate().map(row).collect()
 }
 
-fn say_modes(model: &Model, modes: &[Mode]) {
-    let mut table = Table::new(&MODE_COLUMNS);
-    for row in mode_rows(model, modes) {
-        table.row(row.map(Cell::from));
+fn say_modes(prepared: &Prepared, kind: Kind, modes: &[Mode]) {
+    let mut table = Table::new(kind.columns());
+    for row in mode_rows(prepared, kind, modes) {
+        table.row(row.into_iter().map(Cell::from));
     }
     say(format_args!("{table}\n"));
 }
 
-fn json_of(model: &Model, mode: &Mode) -> Value {
+fn json_of(prepared: &Prepared, mode: &Mode) -> Value {
+    let model = prepared.model();
     let list = |values: &[f64]| values.iter().copied().map(json_number).collect::<Vec<_>>();
     let shape = |values: &[f64]| -> Map<String, Value> {
         model.nodes.iter().map(|node| (node.name.clone(), list(&values[node.dofs.clone()]).into())).collect()
@@ -184,6 +240,8 @@ fn json_of(model: &Model, mode: &Mode) -> Value {
         "omega_rad_s": json_number(mode.frequency),
         "frequency_hz": json_number(mode.frequency / TAU),
         "growth_1_s": json_number(mode.growth),
+        "damping_ratio": json_number(mode.damping_ratio()),
+        "whirl": prepared.whirl(mode).map(json_number),
         "shape": shape(&mode.shape),
         "ahead": shape(&mode.ahead),
     })

@@ -18,13 +18,15 @@ pub enum Statement {
 
 /// What is said of the last equilibrium of a run.
 pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
-    let StabilityCourse { end: Stability { negative, determinant, .. }, lost } = forward.stability?;
+    let StabilityCourse { end: Stability { negative, determinant, turns, .. }, lost } = forward.stability?;
     let is_start = prepared.plan.equilibrium.is_some();
     let which = match is_start {
         // nothing is said of it once it is let go
         true if !prepared.model().holds.is_empty() => {
-            "the equilibrium at which the motion begins, while it is held,".to_string()
+            let what = if turns { "steady turn" } else { "equilibrium" };
+            format!("the {what} at which the motion begins, while it is held,")
         }
+        true if turns => "the steady turn at which the motion begins".to_string(),
         true => "the equilibrium at which the motion begins".to_string(),
         false => format!("the equilibrium at the load factor {}", forward.grid.times[forward.grid.steps()]),
     };
@@ -60,6 +62,7 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
         Verdict::Undecided => Statement::Warning(format!(
             "whether {which} is stable is not known: {}; `modes{}` tells more",
             match determinant {
+                _ if turns => "its energy in the frame that turns is not the least, and Coriolis forces may hold it or not",
                 None => "a direction has no stiffness but for round-off",
                 Some(_) => "loads follow the motion, and signs of the stiffness do not decide",
             },

@@ -143,7 +143,7 @@ impl RunScalar for Tangents {
 }
 
 /// A formula, or why there is none.
-type Recording = Result<Arc<Formula>, String>;
+pub(super) type Recording = Result<Arc<Formula>, String>;
 
 /// An element with its type erased; every [`Element`] is one.
 pub trait AnyElement: Send + Sync {
@@ -368,6 +368,10 @@ impl ElementPhysics {
     /// Path of its type.
     pub fn type_name(&self) -> &'static str {
         self.0.own.type_name()
+    }
+    /// Kinds of its nodes.
+    pub(crate) fn node_kinds(&self) -> Vec<NodeKind> {
+        self.0.own.node_kinds()
     }
     /// The element itself, if it is one of type `E`.
     pub fn downcast<E: 'static>(&self) -> Option<&E> {

@@ -21,6 +21,7 @@ mod parameter;
 mod table;
 mod time_formula;
 mod time_function;
+mod turning;
 
 pub(crate) mod bodies;
 pub mod entries;
@@ -45,3 +46,4 @@ pub use table::Table;
 pub(crate) use time_formula::RecordedFunction;
 pub use time_formula::TimeFormula;
 pub use time_function::{MOST_BREAKPOINTS, TimeFunction};
+pub(crate) use turning::{InTurningFrame, SPIN_PARAMETERS, turn, turn_gradient};

@@ -98,7 +98,7 @@ impl NodeKind {
     }
 
     /// Velocities of its coordinates, into `v`, while the world turns with the angular velocity `omega` [rad/s] about the world point
-    /// `about`.
+    /// `about`: linear in what lies at the origin. Changes of coordinates turn like coordinates about the origin.
     pub fn turn<S: Scalar>(self, q: &[S], about: Vector3<S>, omega: Vector3<S>, v: &mut [S]) {
         if self.in_space().is_none() {
             return;
@@ -107,11 +107,30 @@ impl NodeKind {
         v[..3].copy_from_slice(&omega.cross(&(Vector3::first_three(q) - about)).components());
         match self {
             NodeKind::Body => {
-                let e = Quaternion::from_slice(&q[3..]);
-                v[3..].copy_from_slice(&e.rate_of_body_velocity(e.rotate_back(omega)));
+                let half = omega * S::from(0.5);
+                let rate = Quaternion([S::zero(), half[0], half[1], half[2]]).times(Quaternion::from_slice(&q[3..]));
+                v[3..].copy_from_slice(&rate.0);
             }
             // slopes and axes are vectors in the world
             _ => q[3..].chunks_exact(3).zip(v[3..].chunks_exact_mut(3)).for_each(|(x, v)| v.copy_from_slice(&turned(x))),
+        }
+    }
+
+    /// Its coordinates after a rotation of the world about the world point `about`, into `turned`; forces on them turn like coordinates about the
+    /// origin.
+    pub fn rotate<S: Scalar>(self, q: &[S], about: Vector3<S>, rotation: Quaternion<S>, turned: &mut [S]) {
+        if self.in_space().is_none() {
+            return turned.copy_from_slice(q);
+        }
+        let rotated = |x: Vector3<S>| rotation.rotate(x).components();
+        let place = about + rotation.rotate(Vector3::first_three(q) - about);
+        turned[..3].copy_from_slice(&place.components());
+        match self {
+            NodeKind::Body => turned[3..].copy_from_slice(&rotation.times(Quaternion::from_slice(&q[3..])).0),
+            _ => {
+                let vectors = q[3..].chunks_exact(3).map(Vector3::first_three);
+                vectors.zip(turned[3..].chunks_exact_mut(3)).for_each(|(x, own)| own.copy_from_slice(&rotated(x)));
+            }
         }
     }
 

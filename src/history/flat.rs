@@ -173,7 +173,7 @@ flat! {
     Pace { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
     StepErrors { worst, sizes, accelerations, orientation, leap, stability }
-    Stability { negative, neutral, determinant }
+    Stability { negative, neutral, determinant, turns }
     StabilityCourse { end, lost }
     Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
     Pause<f64> { checkpoint, t, pace, errors, counters }

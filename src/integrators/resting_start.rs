@@ -61,8 +61,9 @@ impl<S: RunScalar> RestingStart<S> {
         t: f64,
         guide: Option<&SolveRecord<f64>>,
     ) -> Result<Self, RunError> {
-        let model = problem.model.at_rest();
-        let system = Arc::new(System::new(&model, method.system_options(dropped, false)));
+        let resting = problem.model.at_rest();
+        let (model, p) = (&resting.model, resting.parameters(&problem.p));
+        let system = Arc::new(System::new(model, method.system_options(dropped, false)));
         let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend);
         let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         newton.counters = Counters::measuring(method.measures_phases);
@@ -70,12 +71,12 @@ impl<S: RunScalar> RestingStart<S> {
         let base = VectorsAvq { a: vec![S::zero(); model.dofs], v, q: problem.start.q.clone() };
         let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
         if guide.is_some() {
-            solve(&mut newton, &mut record, InitialGuess::guided(guide), &problem.p, &|| PLACE.into())?;
+            solve(&mut newton, &mut record, InitialGuess::guided(guide), &p, &|| PLACE.into())?;
             return Ok(RestingStart { record, stability: None, counters: newton.counters });
         }
-        let mut search = Search { newton, p: &problem.p, record, h: FIRST, at: Vec::new(), ended: None };
-        search.run()?;
-        let stability = search.newton.stability();
+        let mut search = Search { newton, p: &p, record, h: FIRST, at: Vec::new(), ended: None };
+        search.run().or_else(|why| search.turns_on(why))?;
+        let stability = Stability { turns: model.spin.is_some(), ..search.newton.stability() };
         Ok(RestingStart { record: search.record, stability: Some(stability), counters: search.newton.counters })
     }
 }
@@ -142,7 +143,12 @@ impl<S: RunScalar> Search<'_, '_, S> {
                     }
                 }
                 // nothing leads away from an equilibrium that does not stand
-                Ok(Step::NotLeast(displacement)) if displacement <= NONE => return self.end(),
+                Ok(Step::NotLeast(displacement)) if displacement <= NONE => {
+                    if self.ended.is_none() {
+                        self.looks_at_rest(&step.unknowns);
+                    }
+                    return self.end();
+                }
                 failed => {
                     step.unknowns = before;
                     self.h /= GROWTH;
@@ -153,6 +159,16 @@ impl<S: RunScalar> Search<'_, '_, S> {
             }
         }
         Err(self.moves_on(&step.unknowns))
+    }
+
+    /// A turn may go on where energies are not least: its equilibrium nearest to the given coordinates, or why none was found before.
+    fn turns_on(&mut self, why: RunError) -> Result<(), RunError> {
+        let Search { newton, p, record, .. } = self;
+        if newton.system.model.spin.is_none() {
+            return Err(why);
+        }
+        record.unknowns = Residual::unknowns(&newton.system);
+        solve(newton, record, InitialGuess::Given, p, &|| PLACE.into()).map_err(|_| why)
     }
 
     /// Makes a step from rest, and goes where it leads if it is not too long.

@@ -17,6 +17,8 @@ pub struct Stability {
     pub neutral: usize,
     /// Where loads follow the motion, so that K is not symmetric: the sign of its determinant, 0 where it is not known.
     pub determinant: Option<f64>,
+    /// Of a model that turns, in its frame: there Coriolis forces may hold what the stiffness, with centrifugal forces in it, does not.
+    pub turns: bool,
 }
 
 /// Whether an equilibrium stands.
@@ -35,6 +37,7 @@ impl Stability {
     pub fn verdict(&self) -> Verdict {
         match *self {
             Stability { negative: 0, neutral: 0, .. } => Verdict::Stable,
+            Stability { turns: true, .. } => Verdict::Undecided,
             Stability { determinant: None, negative: 1.., .. } => Verdict::Unstable,
             // as many of the real eigenvalues of M^-1 K are negative as makes an odd number
             Stability { determinant: Some(sign), .. } if sign < 0.0 => Verdict::Unstable,
@@ -74,6 +77,6 @@ impl<S: RunScalar> Newton<'_, S> {
             let sign = if constraints.is_multiple_of(2) { 1.0 } else { -1.0 };
             if negative + neutral == 0 { 1.0 } else { self.factorization.determinant_sign(values).unwrap_or(0.0) * sign }
         });
-        Stability { negative, neutral, determinant }
+        Stability { negative, neutral, determinant, turns: false }
     }
 }

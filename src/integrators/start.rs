@@ -5,7 +5,7 @@ use super::newton::Newton;
 use super::not_finite::not_finite;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
-use crate::assembly::{Equations, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
+use crate::assembly::{Equations, Model, Residual, Spin, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
@@ -58,9 +58,10 @@ impl StartPlan {
         examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
         let equilibrium = policy.from_equilibrium.then(|| {
-            let (model, Problem { p, start, .. }) = (problem.model.at_rest(), problem.clone());
+            let (resting, start) = (problem.model.at_rest(), problem.start.clone());
+            let (model, p) = (&resting.model, resting.parameters(&problem.p));
             let (q, v) = (start.q.clone(), model.velocities_at_rest(&start.v));
-            dependent_equations(&Problem { model: &model, p, start }, (&q, &v), 0.0, None)
+            dependent_equations(&Problem { model, p, start }, (&q, &v), 0.0, None)
         });
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start, equilibrium })
     }
@@ -93,7 +94,7 @@ fn examine(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> R
         check_stillness(problem)?;
     }
     if policy.from_equilibrium {
-        check_equilibrium(model, table)?;
+        check_equilibrium(model, &problem.start, table)?;
     }
     if table.variational.is_some() {
         check_lagrangian(model, &table.name)?;
@@ -242,13 +243,25 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
 }
 
 /// Whether a motion can begin at an equilibrium.
-fn check_equilibrium(model: &Model, table: &Table) -> Result<(), RunError> {
+fn check_equilibrium(model: &Model, start: &InitialState<f64>, table: &Table) -> Result<(), RunError> {
     if table.is_static() {
         let text =
             "a start from equilibrium is one of a motion: statics find equilibria themselves; leave one of the two out";
         return Err(RunError::Input(text.into()));
     }
-    check_holonomic(model, "start it from given coordinates")
+    check_holonomic(model, "start it from given coordinates")?;
+    let given = |spin: &Spin| {
+        let mut dofs = spin.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
+        dofs.find(|&dof| start.v[dof] != 0.0)
+    };
+    match model.spin.as_ref().and_then(given) {
+        Some(dof) => Err(RunError::Input(format!(
+            "initial velocity of {} is {}: what turns steadily at the start has the velocities of that turn; leave it out",
+            model.dof_name(dof),
+            start.v[dof]
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Constraints on velocities alone leave equilibria undetermined.

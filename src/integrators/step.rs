@@ -10,6 +10,7 @@ use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
 use super::start::check_velocities;
+use super::steady_turn;
 use super::{
     Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, Stability, StabilityCourse,
     StartPlan, Systems, Table, TimeGrid, Verdict,
@@ -292,6 +293,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             Some(dropped) => Some(self.come_to_rest(dropped, t, &mut q, guide)?),
             None => None,
         };
+        if equilibrium.is_some() {
+            model.spin_velocities(&q, &self.problem.p, &mut v);
+        }
         // a large solver before the next one is used
         let give_back =
             |newton: &mut Newton<'m, S>| newton.release().map_err(|singular| RunError::of_pattern("start", singular));
@@ -388,7 +392,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn check_velocities(&self, q: &[S], v: &[S]) -> Result<(), RunError> {
         let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
         let start = InitialState { q: real(q), v: real(v) };
-        check_velocities(&Problem { model: self.problem.model, p: real(&self.problem.p), start }, &self.method.table)
+        let problem = Problem { model: self.problem.model, p: real(&self.problem.p), start };
+        check_velocities(&problem, &self.method.table)?;
+        steady_turn::check(problem.model, &problem.p, [&problem.start.q, &problem.start.v])
     }
 
     /// The end of a run.

@@ -14,26 +14,33 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::krylov::{Space, add, dot, largest_pairs};
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{RunError, Stability, StartPlan, Systems};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
-use crate::linalg::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
+use crate::linalg::Eigenpair;
 
 /// One mode: the motion is the real part of shape exp((growth + i frequency) t), and where it grows also one that fades as fast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
     /// omega [rad/s]; 0 for a rigid motion, and for an unstable equilibrium that is left without a vibration.
     pub frequency: f64,
-    /// Rate of growth [1/s]: 0 where the equilibrium is stable.
+    /// Rate of growth [1/s], negative for one that fades: 0 of an undamped mode of a stable equilibrium.
     pub growth: f64,
-    /// Change of every coordinate of the model, x^T M x = 1; the largest one is positive.
+    /// Change of every coordinate of the model, x^H M x = 1; the largest one is positive.
     pub shape: Vec<f64>,
-    /// The part that runs ahead by a quarter of a period: zero unless follower loads make the mode flutter.
+    /// The part that runs ahead by a quarter of a period: zero unless follower loads, dampers or a turn make it.
     pub ahead: Vec<f64>,
 }
 
 impl Mode {
+    /// Share of the critical damping: - growth by the size of growth + i omega; 0 of a rigid motion.
+    pub fn damping_ratio(&self) -> f64 {
+        let size = self.growth.hypot(self.frequency);
+        if size > 0.0 { -self.growth / size } else { 0.0 }
+    }
+
     /// True if a small disturbance grows.
     pub fn is_unstable(&self) -> bool {
         self.growth > 0.0
@@ -52,14 +59,6 @@ const ZERO: f64 = 1e-10;
 const NOISE: f64 = 1e-16;
 /// Displacement towards an equilibrium, as a share of the largest coordinate, beyond which a state is none.
 const AWAY: f64 = 1e-7;
-/// Residual of a mode, relative to theta.
-const CONVERGED: f64 = 1e-11;
-/// Vectors that are dependent on others but for this share are left out.
-const DEPENDENT: f64 = 1e-10;
-/// Vectors that are dependent but for this share may be what round-off leaves of the constraints ...
-const SUSPICIOUS: f64 = 1e-4;
-/// ... and are, if less than this is left of them once they obey these.
-const GENUINE: f64 = 0.5;
 /// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 2;
 /// Modes that are sought beyond those asked for.
@@ -87,52 +86,36 @@ pub fn vibrations(
     t: f64,
     count: usize,
 ) -> Result<Vec<Mode>, RunError> {
-    if count == 0 {
-        return Err(RunError::Input("0 modes are asked for; it must be at least 1".into()));
-    }
-    super::start::check_stillness(problem)?;
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let newton = Newton::new(systems.plain, method.tolerance, method.backend);
-    let newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
-    let system = newton.system.clone();
-    let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());
-    if nodes == 0 {
+    let mut operator = Operator::new(problem, method, plan, (t, count))?;
+    if operator.nodes == 0 {
         return Ok(Vec::new());
     }
-    let zeros = vec![0.0; problem.model.dofs];
-    let base = VectorsAvq { a: zeros.clone(), v: zeros, q: problem.start.q.clone() };
-    let mass = Jacobian::default();
-    let reactions = Unknowns::default();
-    let mut operator = Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false };
     let largest = operator.largest_ratio();
-    let floor = |shift: f64| ZERO * shift + NOISE * largest;
-    let mut shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
+    let mut shift = first_shift(largest);
     let mut ritz = Vec::new();
     for _ in 0..MOST_SHIFTS {
-        operator.set_shift(shift)?;
-        ritz = operator.largest_pairs(count, SPARE)?;
-        let sizes = ritz.iter().map(|pair| square(pair, shift)).map(|[re, im]| re.hypot(im));
-        let (moving, rigid): (Vec<f64>, Vec<f64>) = sizes.partition(|size| *size > floor(shift));
-        let lowest = moving.into_iter().fold(f64::INFINITY, f64::min);
-        let too_small = !rigid.is_empty() && shift < FAR[0] * lowest;
-        if !(lowest.is_finite() && (too_small || shift > FAR[1] * lowest)) {
-            break;
-        }
+        operator.set_shift([shift, 0.0])?;
+        ritz = largest_pairs(&mut operator, count, SPARE)?;
+        let squares: Vec<f64> = ritz.iter().map(|pair| square(pair, shift)).map(|[re, im]| re.hypot(im)).collect();
         // at the shift of an unstable mode K + s M is singular
-        let has_unstable = ritz.iter().any(|pair| square(pair, shift)[0] < -floor(shift));
-        shift = if has_unstable { 0.5 * lowest } else { lowest };
+        let has_unstable =
+            ritz.iter().map(|pair| square(pair, shift)[0]).any(|re| re < 0.0 && !is_rigid(-re, shift, largest));
+        match chosen_shift(&squares, (shift, largest), has_unstable) {
+            Some(other) => shift = other,
+            None => break,
+        }
     }
     operator.complete(&mut ritz, (count, shift, largest))?;
     let mut modes: Vec<(f64, Mode)> = Vec::new();
     for pair in &ritz {
         let [mut re, mut im] = square(pair, shift);
-        if re.hypot(im) <= floor(shift) {
+        if is_rigid(re.hypot(im), shift, largest) {
             (re, im) = (0.0, 0.0);
         }
         // (growth + i omega)^2 = -omega^2
         let size = re.hypot(im);
         let [growth, frequency] = [(0.5 * (size - re)).max(0.0).sqrt(), (0.5 * (size + re)).max(0.0).sqrt()];
-        let [shape, ahead] = operator.shape(pair)?;
+        let [shape, ahead] = operator.shape(pair);
         modes.push((re, Mode { frequency, growth, shape, ahead }));
     }
     modes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -148,6 +131,25 @@ fn undetermined(unknown: String) -> RunError {
     RunError::Singular { place: PLACE.into(), unknown, hint }
 }
 
+/// The first shift, for a largest ratio of stiffness and inertia.
+pub(super) fn first_shift(largest: f64) -> f64 {
+    if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 }
+}
+
+/// Whether omega^2 is that of a rigid motion but for round-off.
+pub(super) fn is_rigid(square: f64, shift: f64, largest: f64) -> bool {
+    square <= ZERO * shift + NOISE * largest
+}
+
+/// A shift that suits the sizes of omega^2 that were found with another one better; half of the least where some are on the side of the shift.
+fn chosen_shift(squares: &[f64], (shift, largest): (f64, f64), is_beside: bool) -> Option<f64> {
+    let (rigid, moving): (Vec<f64>, Vec<f64>) = squares.iter().partition(|square| is_rigid(**square, shift, largest));
+    let lowest = moving.into_iter().fold(f64::INFINITY, f64::min);
+    let too_small = !rigid.is_empty() && shift < FAR[0] * lowest;
+    let is_far = lowest.is_finite() && (too_small || shift > FAR[1] * lowest);
+    is_far.then(|| if is_beside { 0.5 * lowest } else { lowest })
+}
+
 /// omega^2 = 1 / theta - s.
 fn square(pair: &Eigenpair, shift: f64) -> [f64; 2] {
     let [re, im] = pair.value;
@@ -155,45 +157,15 @@ fn square(pair: &Eigenpair, shift: f64) -> [f64; 2] {
     [re / size - shift, -im / size]
 }
 
-/// A number from -0.5 to 0.5 in no pattern that a mode could follow (the generator SplitMix64).
-fn noise(i: usize, k: usize) -> f64 {
-    let mut z = (i as u64 + ((k as u64) << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn add(target: &mut [f64], factor: f64, values: &[f64]) {
-    target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
-}
-
-impl Krylov {
-    /// Takes from a vector what lies along the basis, twice for the sake of round-off, and adds up the coefficients.
-    fn orthogonalize(&self, vector: &mut [f64], mut coefficients: Option<&mut [f64]>) {
-        for _ in 0..2 {
-            for (place, (image, own)) in self.images.iter().zip(&self.basis).enumerate() {
-                let share = dot(image, vector);
-                add(vector, -share, own);
-                if let Some(coefficients) = &mut coefficients {
-                    coefficients[place] += share;
-                }
-            }
-        }
-    }
-}
-
-struct Operator<'m> {
+/// A model at an equilibrium, and what is linear in small motions about it.
+pub(super) struct Operator<'m> {
     problem: &'m Problem<'m, f64>,
-    /// Its matrix is that of K + s M with the constraints.
+    /// Its matrix is that of K + beta C + gamma M with the constraints.
     newton: Newton<'m, f64>,
     /// M, with rows A.
     mass: Jacobian,
     /// Unknowns of nodes, in front of multipliers.
-    nodes: usize,
+    pub nodes: usize,
     /// The equilibrium.
     base: VectorsAvq<f64>,
     /// Its reactions, without displacements.
@@ -203,19 +175,52 @@ struct Operator<'m> {
     is_symmetric: bool,
 }
 
-/// Vectors that are orthonormal in M, and what the operator does to them.
-#[derive(Default)]
-struct Krylov {
-    basis: Vec<Vec<f64>>,
-    /// M times the basis.
-    images: Vec<Vec<f64>>,
-    /// Coefficients of the operator's results, one list for each vector that it was applied to.
-    columns: Vec<Vec<f64>>,
+impl Space for Operator<'_> {
+    fn size(&self) -> usize {
+        self.nodes
+    }
+    fn is_symmetric(&self) -> bool {
+        self.is_symmetric
+    }
+    fn image(&self, vector: &[f64]) -> Vec<f64> {
+        self.times_mass(vector)
+    }
+    fn apply(&mut self, image: &[f64]) -> Vec<f64> {
+        self.solve_nodes(image)
+    }
+    fn obey_constraints(&mut self, vector: &mut [f64]) {
+        self.obey(vector);
+    }
 }
 
-impl Operator<'_> {
+impl<'m> Operator<'m> {
+    /// At the start, where nothing may move, for so many modes.
+    ///
+    /// # Errors
+    /// As for [`vibrations`].
+    pub fn new(
+        problem: &'m Problem<'m, f64>,
+        method: &Method,
+        plan: &StartPlan,
+        (t, count): (f64, usize),
+    ) -> Result<Self, RunError> {
+        if count == 0 {
+            return Err(RunError::Input("0 modes are asked for; it must be at least 1".into()));
+        }
+        super::start::check_stillness(problem)?;
+        let systems = Systems::new(problem.model, method, &plan.dropped);
+        let newton = Newton::new(systems.plain, method.tolerance, method.backend);
+        let newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
+        let system = newton.system.clone();
+        let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());
+        let zeros = vec![0.0; problem.model.dofs];
+        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: problem.start.q.clone() };
+        let (mass, reactions) = (Jacobian::default(), Unknowns::default());
+        Ok(Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false })
+    }
+
     /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2.
-    fn largest_ratio(&mut self) -> f64 {
+    pub fn largest_ratio(&mut self) -> f64 {
         let Problem { p, .. } = self.problem;
         let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         self.assemble_mass();
@@ -233,19 +238,24 @@ impl Operator<'_> {
     }
 
     fn assemble_mass(&mut self) {
-        let Newton { system, residual, .. } = &mut self.newton;
-        let equations = Equations::acceleration();
-        let mut unknowns = Residual::unknowns(system);
-        let stage = StageSystem { equations: &equations, base: &self.base, p: &self.problem.p, t: self.t };
-        residual.evaluate(system, stage, &mut unknowns);
-        self.mass.assemble(system, &equations, residual, &unknowns, &self.problem.p, self.t);
+        self.mass = self.assembled(&Equations::acceleration());
     }
 
-    /// Finds the reactions of the equilibrium and factors K + s M there: with a = s x and q + x the equations have the solution x = 0 in
-    /// an equilibrium, stable or not, and that matrix.
-    fn set_shift(&mut self, shift: f64) -> Result<(), RunError> {
+    /// A matrix without reactions: M, or C with the rows A.
+    pub fn assembled(&mut self, equations: &Equations) -> Jacobian {
+        let Newton { system, residual, .. } = &mut self.newton;
+        let (mut matrix, mut unknowns) = (Jacobian::default(), Residual::unknowns(system));
+        let stage = StageSystem { equations, base: &self.base, p: &self.problem.p, t: self.t };
+        residual.evaluate(system, stage, &mut unknowns);
+        matrix.assemble(system, equations, residual, &unknowns, &self.problem.p, self.t);
+        matrix
+    }
+
+    /// Finds the reactions of the equilibrium and factors K + beta C + gamma M there: with a = gamma x, v = beta x and q + x the equations have the
+    /// solution x = 0 in an equilibrium, stable or not, and that matrix.
+    pub fn set_shift(&mut self, [gamma, beta]: [f64; 2]) -> Result<(), RunError> {
         let Problem { model, p, .. } = self.problem;
-        let equations = Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position);
+        let equations = Equations::stage(StageCoefficients::new(gamma, beta, 1.0), Level::Position);
         let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         let no_equilibrium = |how: String| {
             Err(RunError::Input(format!(
@@ -270,14 +280,14 @@ impl Operator<'_> {
         unknowns.x.fill(0.0);
         self.assemble_mass();
         self.reactions = unknowns;
-        let factored = self.factor(shift);
+        let factored = self.factor([gamma, beta]);
         self.is_symmetric = matches!(factored, Ok(Stability { determinant: None, .. }));
         factored.map(|_| ()).map_err(undetermined)
     }
 
-    /// Factors K + s M at the equilibrium, and counts its negative eigenvalues; or the name of an unknown that it does not determine.
-    fn factor(&mut self, shift: f64) -> Result<Stability, String> {
-        let equations = Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position);
+    /// Factors K + beta C + gamma M at the equilibrium, and counts its negative eigenvalues; or the name of an unknown that it does not determine.
+    fn factor(&mut self, [gamma, beta]: [f64; 2]) -> Result<Stability, String> {
+        let equations = Equations::stage(StageCoefficients::new(gamma, beta, 1.0), Level::Position);
         let Operator { newton, base, reactions, t, problem: Problem { p, .. }, .. } = self;
         newton.linearize(StageSystem { equations: &equations, base, p, t: *t }, reactions)?;
         Ok(newton.stability())
@@ -305,16 +315,17 @@ impl Operator<'_> {
             }
             let found = sizes.iter().filter(|size| **size < bound).count();
             // where a bound meets a mode by chance, one beside it does not
-            let mut known = |shift: f64| self.factor(shift).ok().filter(|own| own.neutral == 0).map(|own| own.negative);
+            let mut known =
+                |shift: f64| self.factor([shift, 0.0]).ok().filter(|own| own.neutral == 0).map(|own| own.negative);
             let mut below = |bound: f64| known(-bound).or_else(|| known(-bound * (1.0 + BESIDE)));
             let counts = (below(bound), below(-bound));
-            self.factor(shift).map_err(undetermined)?;
+            self.factor([shift, 0.0]).map_err(undetermined)?;
             let (Some(above), Some(unstable)) = counts else { return Ok(()) };
             counted = [found, above.saturating_sub(unstable)];
             if counted[0] == counted[1] {
                 return Ok(());
             }
-            *ritz = self.largest_pairs(count, SPARE + search * (counted[1].saturating_sub(found) + 2))?;
+            *ritz = largest_pairs(self, count, SPARE + search * (counted[1].saturating_sub(found) + 2))?;
         }
         let [found, there] = counted;
         Err(RunError::Input(format!(
@@ -324,17 +335,29 @@ impl Operator<'_> {
     }
 
     /// M x.
-    fn times_mass(&self, x: &[f64]) -> Vec<f64> {
+    pub fn times_mass(&self, x: &[f64]) -> Vec<f64> {
+        self.times(&self.mass, x)
+    }
+
+    /// A matrix of the nodes' unknowns times x.
+    pub fn times(&self, matrix: &Jacobian, x: &[f64]) -> Vec<f64> {
         let pattern = &self.newton.system.pattern;
         let mut product = vec![0.0; self.nodes];
         for (column, &x) in x.iter().enumerate() {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
                 if (pattern.rows[place] as usize) < self.nodes {
-                    product[pattern.rows[place] as usize] += self.mass.values[place] * x;
+                    product[pattern.rows[place] as usize] += matrix.values[place] * x;
                 }
             }
         }
         product
+    }
+
+    /// Solves with forces on nodes alone.
+    pub fn solve_nodes(&mut self, forces: &[f64]) -> Vec<f64> {
+        let mut rhs = vec![0.0; self.newton.system.size()];
+        rhs[..self.nodes].copy_from_slice(forces);
+        self.solve(&rhs)
     }
 
     /// Solves with K + s M and the constraints, refined: where the shift is all the stiffness that a constrained direction has, pivots
@@ -357,15 +380,8 @@ impl Operator<'_> {
         x
     }
 
-    /// The operator on a vector x, given as M x.
-    fn apply(&mut self, image: &[f64]) -> Vec<f64> {
-        let mut rhs = vec![0.0; self.newton.system.size()];
-        rhs[..self.nodes].copy_from_slice(image);
-        self.solve(&rhs)
-    }
-
     /// Moves a vector back onto the constraints, A x = 0.
-    fn obey_constraints(&mut self, vector: &mut [f64]) {
+    pub fn obey(&mut self, vector: &mut [f64]) {
         let pattern = &self.newton.system.pattern;
         let mut rhs = vec![0.0; self.newton.system.size()];
         for (column, &x) in vector.iter().enumerate() {
@@ -378,88 +394,17 @@ impl Operator<'_> {
         add(vector, 1.0, &self.solve(&rhs));
     }
 
-    /// Length in M.
-    fn norm(&self, vector: &[f64]) -> f64 {
-        dot(vector, &self.times_mass(vector)).max(0.0).sqrt()
-    }
-
-    /// Adds a vector to the basis where it does not depend on it; returns its coefficients.
-    fn extend(&mut self, krylov: &mut Krylov, mut vector: Vec<f64>) -> Vec<f64> {
-        let before = self.norm(&vector);
-        let mut coefficients = vec![0.0; krylov.basis.len()];
-        krylov.orthogonalize(&mut vector, Some(&mut coefficients));
-        let left = self.norm(&vector);
-        if !(left > DEPENDENT * before) {
-            return coefficients;
-        }
-        vector.iter_mut().for_each(|value| *value /= left);
-        if left < SUSPICIOUS * before {
-            self.obey_constraints(&mut vector);
-            krylov.orthogonalize(&mut vector, None);
-            let genuine = self.norm(&vector);
-            if !(genuine > GENUINE) {
-                return coefficients;
-            }
-            vector.iter_mut().for_each(|value| *value /= genuine);
-        }
-        krylov.images.push(self.times_mass(&vector));
-        krylov.basis.push(vector);
-        coefficients.push(left);
-        coefficients
-    }
-
-    /// Eigenvalues theta of largest size, with their vectors in unknowns of nodes, from a few vectors more than values.
-    fn largest_pairs(&mut self, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
-        let mut krylov = Krylov::default();
-        for k in 0..(count + spare).min(self.nodes) {
-            let start = self.times_mass(&(0..self.nodes).map(|i| noise(i, k)).collect::<Vec<f64>>());
-            let vector = self.apply(&start);
-            self.extend(&mut krylov, vector);
-        }
-        loop {
-            let known = krylov.columns.len();
-            for place in known..krylov.basis.len() {
-                let result = self.apply(&krylov.images[place]);
-                let column = self.extend(&mut krylov, result);
-                krylov.columns.push(column);
-            }
-            let size = krylov.columns.len();
-            let entry = |i: usize, j: usize| krylov.columns[j].get(i).copied().unwrap_or(0.0);
-            let found = if self.is_symmetric { symmetric_part_eigenpairs(size, entry) } else { eigenpairs(size, entry) };
-            let mut pairs = found.ok_or_else(|| {
-                RunError::Input(
-                    "the matrices of the vibrations hold numbers that are not finite, or the search for their eigenvalues does not \
-                     converge: check masses and stiffnesses"
-                        .into(),
-                )
-            })?;
-            let magnitude = |pair: &Eigenpair| pair.value[0].hypot(pair.value[1]);
-            pairs.sort_by(|a, b| magnitude(b).total_cmp(&magnitude(a)));
-            pairs.truncate(count);
-            let left = |pair: &Eigenpair| {
-                let beyond = |part: &[f64], i: usize| (0..size).map(|j| entry(i, j) * part[j]).sum::<f64>();
-                let rows = size..krylov.basis.len();
-                rows.flat_map(|i| [beyond(&pair.vector[0], i), beyond(&pair.vector[1], i)]).fold(0.0, f64::hypot)
-            };
-            if krylov.basis.len() == size || pairs.iter().all(|pair| left(pair) <= CONVERGED * magnitude(pair)) {
-                for pair in &mut pairs {
-                    for part in &mut pair.vector {
-                        let mut vector = vec![0.0; self.nodes];
-                        krylov.basis.iter().zip(&*part).for_each(|(own, share)| add(&mut vector, *share, own));
-                        *part = vector;
-                    }
-                }
-                return Ok(pairs);
-            }
-        }
-    }
-
     /// A mode in all coordinates, with x^T M x = 1 and its largest entry positive.
-    fn shape(&mut self, pair: &Eigenpair) -> Result<[Vec<f64>; 2], RunError> {
+    fn shape(&mut self, pair: &Eigenpair) -> [Vec<f64>; 2] {
         // once more through the operator: what has no inertia follows what has, and theta is divided by its size alone
         let images = [0, 1].map(|part| self.times_mass(&pair.vector[part]));
         let vectors = images.map(|image| self.apply(&image));
-        let norm = vectors.iter().map(|vector| dot(vector, &self.times_mass(vector))).sum::<f64>().sqrt();
+        self.in_coordinates(vectors)
+    }
+
+    /// A complex vector in all coordinates, with x^H M x = 1, or where it moves no mass with 1 as its largest entry, which is real and positive.
+    pub fn in_coordinates(&self, vectors: [Vec<f64>; 2]) -> [Vec<f64>; 2] {
+        let inertia = vectors.iter().map(|vector| dot(vector, &self.times_mass(vector))).sum::<f64>();
         let [re, im] = vectors.map(|vector| {
             let mut unknowns = Residual::<f64>::unknowns(&self.newton.system);
             let mut reduced = vec![0.0; self.newton.system.size()];
@@ -472,8 +417,9 @@ impl Operator<'_> {
         let largest = (0..re.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
         // turned so that the largest entry is real and positive
         let turn = re[largest].hypot(im[largest]);
+        let norm = if inertia > 0.0 { inertia.sqrt() } else { turn };
         let (cosine, sine) = (re[largest] / turn / norm, -im[largest] / turn / norm);
         let combine = |a: f64, b: f64| re.iter().zip(&im).map(|(re, im)| a * re + b * im).collect();
-        Ok([combine(cosine, -sine), combine(sine, cosine)])
+        [combine(cosine, -sine), combine(sine, cosine)]
     }
 }

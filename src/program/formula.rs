@@ -1,4 +1,4 @@
-use super::arguments::Arguments;
+use super::arguments::{ArgumentKind, Arguments};
 use super::digest::Digest;
 use super::graph::{Graph, OperationHasher};
 use super::listing::Listing;
@@ -347,6 +347,42 @@ impl Formula {
         let inputs: Vec<Node> = (0..self.inputs).map(|index| graph.input(index)).collect();
         let outputs = results(&mut graph, &inputs, &self.outputs);
         Self::shared(self.arguments.clone(), outputs, None, graph)
+    }
+
+    /// The formula of a part with `count` more parameters behind its own: `arguments` makes its arguments of those of the new one, without and with
+    /// these.
+    ///
+    /// # Errors
+    /// A formula without parameters of a part.
+    pub fn with_parameters(
+        &self,
+        count: usize,
+        arguments: impl FnOnce(&[Recorded], &[Recorded]) -> Vec<Recorded>,
+    ) -> Result<Arc<Formula>, String> {
+        let mut kinds = self.arguments.kinds().to_vec();
+        let place = kinds.iter().position(|(kind, _)| *kind == ArgumentKind::Parameter);
+        let place = place.ok_or("it has no parameters of its own")?;
+        let end: usize = kinds[..=place].iter().map(|(_, own)| own).sum();
+        kinds[place].1 += count;
+        Self::record_in_stages(kinds, |x| {
+            let (before, rest) = x.split_at(end);
+            let (added, behind) = rest.split_at(count);
+            self.again(&arguments(&[before, behind].concat(), added))
+        })
+    }
+
+    /// Its results for arguments of another recording.
+    fn again(&self, arguments: &[Recorded]) -> Results {
+        let of_stages = |stages: &Stages<Node>| [stages.numbers.concat(), stages.forces.clone()].concat();
+        let nodes = [self.outputs.clone(), self.stages.as_ref().map_or_else(Vec::new, of_stages)].concat();
+        let mut values = lock(&self.graph).values_of(&nodes, arguments).into_iter();
+        let mut next = |count: usize| values.by_ref().take(count).collect::<Vec<_>>();
+        let results = next(self.outputs.len());
+        let stages = self.stages.as_ref().map(|own| {
+            let numbers = own.numbers.each_ref().map(|list| next(list.len()));
+            Stages { numbers, forces: next(own.forces.len()) }
+        });
+        (results, stages)
     }
 
     /// What it computes of which arguments: the same for equal recordings in every process.

@@ -439,18 +439,31 @@ impl Graph {
     pub fn evaluate<S: Scalar>(&self, inputs: &[S], values: &mut Vec<S>) {
         values.reserve(self.operations.len() - values.len());
         for &operation in &self.operations[values.len()..] {
-            let of = |node: Node| values[node.0 as usize];
-            let value = match operation {
-                Operation::Input(index) => inputs[index as usize],
-                Operation::Constant(bits) => S::from(f64::from_bits(bits)),
-                Operation::Unary(function, x) => function.apply(of(x)),
-                Operation::Binary(function, x, y) => function.apply(of(x), of(y)),
-                Operation::Power(x, bits) => of(x).powf(f64::from_bits(bits)),
-                Operation::Select([mask, then, otherwise]) => of(mask).select(of(then), of(otherwise)),
-                Operation::Curve { curve, order, at } => of(at).on_curve(&self.curves[curve as usize], order as usize),
-                Operation::Gather { first, count, at } => of(at).gather(&values[first.0 as usize..][..count as usize]),
-            };
-            values.push(value);
+            values.push(self.value_of(operation, inputs, values));
+        }
+    }
+
+    /// Values of some nodes alone.
+    pub fn values_of<S: Scalar>(&self, nodes: &[Node], inputs: &[S]) -> Vec<S> {
+        let mut values = Vec::with_capacity(self.operations.len());
+        for (needed, &operation) in self.needed(nodes).into_iter().zip(&self.operations) {
+            values.push(if needed { self.value_of(operation, inputs, &values) } else { S::zero() });
+        }
+        nodes.iter().map(|node| values[node.0 as usize]).collect()
+    }
+
+    /// The value of an operation from those of the nodes before it.
+    fn value_of<S: Scalar>(&self, operation: Operation, inputs: &[S], values: &[S]) -> S {
+        let of = |node: Node| values[node.0 as usize];
+        match operation {
+            Operation::Input(index) => inputs[index as usize],
+            Operation::Constant(bits) => S::from(f64::from_bits(bits)),
+            Operation::Unary(function, x) => function.apply(of(x)),
+            Operation::Binary(function, x, y) => function.apply(of(x), of(y)),
+            Operation::Power(x, bits) => of(x).powf(f64::from_bits(bits)),
+            Operation::Select([mask, then, otherwise]) => of(mask).select(of(then), of(otherwise)),
+            Operation::Curve { curve, order, at } => of(at).on_curve(&self.curves[curve as usize], order as usize),
+            Operation::Gather { first, count, at } => of(at).gather(&values[first.0 as usize..][..count as usize]),
         }
     }
 

@@ -18,6 +18,7 @@ mod shell_joining;
 mod shell_mesh;
 mod shell_parts;
 mod shells;
+mod spin;
 mod surface_mesh;
 mod surface_search;
 mod thin_walls;

@@ -1,8 +1,9 @@
 use super::Prepared;
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StabilityCourse, StartRecord, StepRecord, follow_path,
-    march, march_adaptive, march_dividing, resting_start, vibrations,
+    ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StabilityCourse, StartPlan, StartRecord, StepRecord,
+    complex_modes, follow_path, march, march_adaptive, march_dividing, resting_start, vibrations,
 };
+use crate::scalar::{SpatialVector, Vector3};
 
 /// The last state of a run over load steps.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,18 +85,67 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::modes`].
     pub fn modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
-        let mut problem = self.problem();
-        if !self.method.table.is_static() {
-            if self.plan.equilibrium.is_some() {
-                problem.start.q = self.resting_start()?;
-            }
-            let modes = vibrations(&problem, &self.method, &self.plan, 0.0, count)?;
-            return Ok((problem.start.q, modes));
+        let (start, plan, load) = self.still_state()?;
+        let problem = Problem { start, ..self.problem() };
+        let modes = vibrations(&problem, &self.method, &plan, load, count)?;
+        Ok((problem.start.q, modes))
+    }
+
+    /// Lowest modes of small vibrations with dampers, states of first order and, about a steady turn, Coriolis and centrifugal forces in the frame
+    /// that turns; with the coordinates about which they vibrate first.
+    ///
+    /// # Errors
+    /// See [`Prepared::equilibrium`] and [`complex_modes`].
+    pub fn complex_modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
+        let (start, plan, load) = self.still_state()?;
+        let frame = self.model().in_frame();
+        let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
+        let modes = complex_modes(&problem, &self.method, &plan, load, count)?;
+        Ok((problem.start.q, modes))
+    }
+
+    /// The state about which things vibrate, with the equations that are left out there, and the load factor.
+    fn still_state(&self) -> Result<(InitialState<f64>, StartPlan, f64), RunError> {
+        let mut start = self.problem().start;
+        if self.method.table.is_static() {
+            let Equilibrium { load, q, dropped, .. } = self.equilibrium()?;
+            start.q = q;
+            return Ok((start, StartPlan { dropped, ..self.plan.clone() }, load));
         }
-        let Equilibrium { load, q, dropped, .. } = self.equilibrium()?;
-        let start = InitialState { q: q.clone(), ..problem.start };
-        let plan = crate::integrators::StartPlan { dropped, ..self.plan.clone() };
-        let modes = vibrations(&Problem { start, ..problem }, &self.method, &plan, load, count)?;
-        Ok((q, modes))
+        if self.plan.equilibrium.is_some() {
+            start.q = self.resting_start()?;
+        }
+        Ok((start, self.plan.clone(), 0.0))
+    }
+
+    /// The rate of the steady turn at which the motion begins [rad/s], if it begins with one.
+    pub fn spin_rate(&self) -> Option<f64> {
+        self.plan.equilibrium.as_ref()?;
+        Some(self.mechanism.numbers.p[self.model().spin.as_ref()?.parameters.end - 1])
+    }
+
+    /// Takes another rate of that turn [rad/s].
+    pub fn turn_at(&mut self, rate: f64) {
+        if let Some(spin) = &self.mechanism.model.spin {
+            self.mechanism.numbers.p[spin.parameters.end - 1] = rate;
+        }
+    }
+
+    /// How a mode goes round the axis of the steady turn, in its frame: from 1, circles with the sense of the axis, by 0, no circles, to -1, circles
+    /// against it. `None` without a steady turn, and of what moves along the axis alone.
+    pub fn whirl(&self, mode: &Mode) -> Option<f64> {
+        let spin = self.model().spin.as_ref()?;
+        let axis = Vector3::first_three(&self.mechanism.numbers.p[spin.parameters.clone()][3..]);
+        let across = |x: &[f64]| -> Vector3<f64> {
+            let x = Vector3::first_three(x);
+            x - axis * axis.dot(&x)
+        };
+        let (mut round, mut size) = (0.0, 0.0);
+        for node in spin.nodes.iter().map(|node| &self.model().nodes[node.0]) {
+            let [shape, ahead] = [&mode.shape, &mode.ahead].map(|own| across(&own[node.dofs.clone()]));
+            round += axis.dot(&ahead.cross(&shape));
+            size += 0.5 * (shape.dot(&shape) + ahead.dot(&ahead));
+        }
+        (size > 0.0).then(|| round / size)
     }
 }

@@ -158,16 +158,25 @@ impl<'m> Sweep<'m> {
 
     /// Back through the equilibrium at which a motion begins, without some equations of the model at rest.
     fn equilibrium(&mut self, record: &SolveRecord<f64>, dropped: &[usize], back: &mut [Backward]) -> Result<(), RunError> {
-        let model = self.problem.model.at_rest();
-        let system = Arc::new(System::new(&model, self.method.system_options(dropped, false)));
+        let resting = self.problem.model.at_rest();
+        let (model, p, active) = (&resting.model, resting.parameters(&self.problem.p), resting.parameters(self.active));
+        let q = record.point().q;
+        for Backward { carried, p: p_bar, .. } in &mut *back {
+            let [q_bar, v_bar, ..] = &mut carried[..] else { continue };
+            self.problem.model.spin_velocities_back((&q, &self.problem.p), [q_bar, v_bar, p_bar]);
+        }
+        let system = Arc::new(System::new(model, self.method.system_options(dropped, false)));
         let multipliers = system.multipliers();
-        let mut solver = TransposedSolver::new(system, self.method, self.active)?;
+        let mut solver = TransposedSolver::new(system, self.method, &active)?;
         let bar = |back: &Backward| SolutionBar { x: back.carried[0].clone(), rate: Vec::new(), mu: vec![0.0; multipliers] };
         let bars: Vec<SolutionBar> = back.iter().map(bar).collect();
-        let bases = solver.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
-        for (back, base) in back.iter_mut().zip(bases) {
+        let nothing = || Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p: vec![0.0; model.parameters] };
+        let mut own: Vec<Backward> = back.iter().map(|_| nothing()).collect();
+        let bases = solver.through(record, &p, &bars, &mut own, &mut self.counters)?;
+        for ((back, own), base) in back.iter_mut().zip(own).zip(bases) {
             add(&mut back.carried[0], 1.0, &base.q);
             add(&mut back.carried[1], 1.0, &model.velocities_at_rest(&base.v));
+            resting.add_gradient(&own.p, &mut back.p);
         }
         Ok(())
     }

@@ -16,6 +16,7 @@ const FILES: &[(&str, &str)] = &[
     ("shells", include_str!("coverage/shells.toml")),
     ("meshes", include_str!("coverage/meshes.toml")),
     ("a start from equilibrium", include_str!("coverage/equilibrium.toml")),
+    ("a start from a steady turn", include_str!("coverage/steady.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
     ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];

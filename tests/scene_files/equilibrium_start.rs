@@ -302,3 +302,18 @@ fn what_has_no_equilibrium_is_refused() {
         parts.iter().for_each(|part| assert!(told.contains(part), "{part}: {told}"));
     }
 }
+
+#[test]
+fn what_stands_on_its_tip_stays_there_however_fast_it_would_fall() {
+    // so heavy that no step of the search from rest is short enough
+    let text = "version = 1\ngravity = [0, 0, -2000]\nsettings = { start = \"equilibrium\", end = 1e-3, steps = 2 }\n\
+                variable.m = { initial = 2, bounds = [1, 3], unit = \"kg\" }\n\
+                [[body]]\nname = \"rod\"\nmass = \"m\"\nmass_centre = [0, 0, 1]\ninertia = [0.1, 0.1, 0.1]\n\
+                [[joint]]\nname = \"hinge\"\ntype = \"revolute\"\nbetween = [\"ground\", \"rod\"]\naxis = [0, 1, 0]\n\
+                [[functional]]\nname = \"tip\"\ntype = \"position\"\non = \"rod\"\npoint = [0, 0, 1]\ndirection = [0, 0, 1]\nover = \"initial\"\n";
+    let scene = scene(text);
+    let prepared = prepared(&scene);
+    let forward = forward(&prepared);
+    assert_eq!(forward.values, [1.0]);
+    assert_eq!(forward.stability.map(|course| course.end.verdict()), Some(Verdict::Unstable));
+}

@@ -1,6 +1,7 @@
 //! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
 
 mod arrays;
+mod complex_modes;
 mod coverage;
 mod equilibrium_start;
 mod formula_parts;
@@ -13,6 +14,7 @@ mod runge_kutta;
 mod scenarios;
 mod signals;
 mod states;
+mod steady_start;
 mod tables;
 mod twins;
 mod wrong_files;

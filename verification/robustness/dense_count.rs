@@ -24,7 +24,7 @@ pub enum Told {
 
 /// The stability that a run tells of its last equilibrium, beside the dense count.
 pub fn compare(prepared: &Prepared, forward: &Forward) -> Result<Told, String> {
-    let Some(Stability { negative, neutral, determinant: None }) = forward.stability.map(|course| course.end) else {
+    let Some(Stability { negative, neutral, determinant: None, .. }) = forward.stability.map(|course| course.end) else {
         return Ok(Told::Open);
     };
     let [surely, possibly] = negative_eigenvalues(prepared, forward)?;

@@ -75,6 +75,12 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             node_sets(known, fields, m)?.into_iter().for_each(|node| m.hold(node, &directions));
             Ok(Made::Nothing)
         }
+        "spin" => {
+            let nodes: Vec<NodeId> = list(fields, "parts").flat_map(|(_, part)| nodes_of(known, part)).collect();
+            let [point, axis] = [known.vector_or(fields, "point", Vector3::zeros())?, known.vector(fields, "axis")?];
+            m.spin(&nodes, point, axis, known.number(fields, "rate")?);
+            Ok(Made::Nothing)
+        }
         "tie" => {
             let nodes = node_sets(known, fields, m)?;
             m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
@@ -103,6 +109,21 @@ fn node_sets<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -
         }
     }
     Ok(nodes)
+}
+
+/// All nodes of a part.
+fn nodes_of<S: Scalar>(known: &Known<S>, part: &Value) -> Vec<NodeId> {
+    let (Value::Item(item) | Value::Group(item, _)) = part else { return Vec::new() };
+    match &known.made[*item] {
+        Made::Node(node) => vec![*node],
+        Made::Beam(beam) => beam.nodes.clone(),
+        Made::Cable(cable) => cable.nodes.clone(),
+        Made::Shell(shell) => shell.nodes.clone(),
+        Made::Mesh(shell) => shell.nodes.clone(),
+        Made::Walls(walls) => walls.walls.iter().flat_map(|wall| wall.nodes.clone()).collect(),
+        Made::Sphere(faces) => faces.iter().flat_map(|face| face.nodes.clone()).collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// Three or six numbers of an inertia tensor.

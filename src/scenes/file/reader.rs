@@ -169,7 +169,7 @@ pub(super) struct Reader {
 /// Sections whose names may be the same, as nobody takes one for the other, have different words here.
 pub(super) fn name_space(section: &str) -> &'static str {
     match section {
-        "variable" | "material" | "section" | "laminate" | "drawing" | "hold" => {
+        "variable" | "material" | "section" | "laminate" | "drawing" | "hold" | "spin" => {
             SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
         }
         "joint" | "driver" | "rigid_interface" | "tie" => "joint",
@@ -353,7 +353,7 @@ impl Reader {
         for (raw, name) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);
             let space = name_space(section.name);
-            if !["drawing", "hold"].contains(&space) && !name.is_empty() {
+            if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
                 if name == "ground" && space == "member" {
                     self.wrong(at, "the name \"ground\" belongs to the body that never moves and is there already");
                 }

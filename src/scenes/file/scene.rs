@@ -354,10 +354,23 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     settings.divide = flag(fields, "divide_steps", false);
     settings.policy.drop_redundant = flag(fields, "drop_redundant", false);
     settings.policy.project_start = flag(fields, "project_start", false);
-    settings.policy.from_equilibrium = text(fields, "start") == Some("equilibrium");
-    if let Some(hold) = contents.items.iter().find(|item| item.section == "hold" && !settings.policy.from_equilibrium) {
-        let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\"";
+    let start = text(fields, "start");
+    settings.policy.from_equilibrium = matches!(start, Some("equilibrium" | "steady"));
+    let first = |section: &str| contents.items.iter().find(|item| item.section == section);
+    if let Some(hold) = first("hold").filter(|_| !settings.policy.from_equilibrium) {
+        let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\" or \"steady\"";
         mistakes.push(Mistake::new(hold.fields.at, text));
+    }
+    match (first("spin"), start == Some("steady")) {
+        (Some(spin), false) => {
+            let text = "[[spin]] is for a motion that begins with a steady turn: give [settings] the key start = \"steady\"";
+            mistakes.push(Mistake::new(spin.fields.at, text));
+        }
+        (None, true) => {
+            let text = "start = \"steady\" needs a [[spin]]: which parts turn, about which axis, at which rate";
+            mistakes.push(Mistake::new(at("start"), text));
+        }
+        _ => {}
     }
     settings.control = tolerance.map(|tolerance| {
         let mut control = StepControl::new(tolerance);

@@ -166,8 +166,10 @@ fn of_key(key: &Key) -> Value {
             unit = of;
             array(array(formula(Range::Any), 2, Some(2)), 2, None)
         }
-        Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string", "pattern": "[{]"}]}),
-        Type::Counts(count, least, most) => array(whole(least, most), count, Some(count)),
+        Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string"}]}),
+        Type::Counts(count, least, most) => {
+            array(json!({"anyOf": [whole(least, most), {"type": "string"}]}), count, Some(count))
+        }
         Type::Flag => json!({"type": "boolean"}),
         Type::SeriesOfNodes(of) => {
             unit = of;

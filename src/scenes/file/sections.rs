@@ -176,6 +176,7 @@ pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver"];
 
 const BEAM: &[&str] = &["beam"];
 const CABLE: &[&str] = &["cable"];
+const MEMBERS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 const SHELLS: &[&str] = &["shell", "mesh", "thin_walls"];
 const MATERIAL: Key = need("material", Item(&["material"]), "name of a material");
 const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
@@ -649,6 +650,18 @@ pub(super) const SECTIONS: &[Section] = &[
         ],
     },
     Section {
+        name: "spin",
+        shape: Shape::Listed,
+        doc: "Parts that turn steadily about an axis of the world where the motion begins (`start = \"steady\"` of `[settings]`): it begins at the \
+              equilibrium in the frame that turns with them. Weights of what turns count with their part along the axis, the mean over a turn.",
+        forms: one_form![
+            need("parts", Items(MEMBERS), "bodies, points and members that turn, with all their nodes"),
+            may("point", Vector("m"), "a point of the axis; the origin"),
+            need("axis", Vector("-"), "its direction"),
+            need("rate", Number("rad/s", Any), "of the turn about it"),
+        ],
+    },
+    Section {
         name: "tie",
         shape: Shape::Listed,
         doc: "Edges of shells, or other nodes, that follow the faces of shells on which they lie, where nodes do not meet: edges in the mean along \
@@ -813,8 +826,9 @@ pub(super) const SECTIONS: &[Section] = &[
             may("solver", Choice(&["automatic", "dense", "multifrontal"]), "solver of the linear systems; automatic"),
             may(
                 "start",
-                Choice(&["given", "equilibrium"]),
-                "where the motion begins: at the coordinates that the parts give, or at the equilibrium near them under the loads of t = 0; given"
+                Choice(&["given", "equilibrium", "steady"]),
+                "where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in \
+                 the frame that turns with what `[[spin]]` names; given"
             ),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),

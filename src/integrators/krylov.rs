@@ -1,0 +1,153 @@
+//! The largest eigenvalues of an operator, in a block Krylov space (Arnoldi).
+
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+use super::RunError;
+use crate::linalg::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
+
+/// Residual of a pair, relative to its value.
+const CONVERGED: f64 = 1e-11;
+/// Vectors that are dependent on others but for this share are left out.
+const DEPENDENT: f64 = 1e-10;
+/// Vectors that are dependent but for this share may be what round-off leaves of the constraints ...
+const SUSPICIOUS: f64 = 1e-4;
+/// ... and are, if less than this is left of them once they obey these.
+const GENUINE: f64 = 0.5;
+
+/// An operator on vectors that obey constraints, and how these are measured.
+pub(super) trait Space {
+    /// Length of a vector.
+    fn size(&self) -> usize;
+    /// Whether the operator is symmetric in the inner product.
+    fn is_symmetric(&self) -> bool;
+    /// B x, with the inner product x^T B y.
+    fn image(&self, vector: &[f64]) -> Vec<f64>;
+    /// The operator on a vector x, given as B x.
+    fn apply(&mut self, image: &[f64]) -> Vec<f64>;
+    /// Moves a vector back onto the constraints.
+    fn obey_constraints(&mut self, vector: &mut [f64]);
+    /// A vector that obeys the constraints, of any other.
+    fn first(&mut self, vector: &[f64]) -> Vec<f64> {
+        let image = self.image(vector);
+        self.apply(&image)
+    }
+}
+
+/// Vectors that are orthonormal in the inner product, and what the operator does to them.
+#[derive(Default)]
+struct Krylov {
+    basis: Vec<Vec<f64>>,
+    /// B times the basis.
+    images: Vec<Vec<f64>>,
+    /// Coefficients of the operator's results, one list for each vector that it was applied to.
+    columns: Vec<Vec<f64>>,
+}
+
+/// A number from -0.5 to 0.5 in no pattern that a mode could follow (the generator SplitMix64).
+fn noise(i: usize, k: usize) -> f64 {
+    let mut z = (i as u64 + ((k as u64) << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
+    target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
+}
+
+fn norm(space: &dyn Space, vector: &[f64]) -> f64 {
+    dot(vector, &space.image(vector)).max(0.0).sqrt()
+}
+
+impl Krylov {
+    /// Takes from a vector what lies along the basis, twice for the sake of round-off, and adds up the coefficients.
+    fn orthogonalize(&self, vector: &mut [f64], mut coefficients: Option<&mut [f64]>) {
+        for _ in 0..2 {
+            for (place, (image, own)) in self.images.iter().zip(&self.basis).enumerate() {
+                let share = dot(image, vector);
+                add(vector, -share, own);
+                if let Some(coefficients) = &mut coefficients {
+                    coefficients[place] += share;
+                }
+            }
+        }
+    }
+
+    /// Adds a vector to the basis where it does not depend on it; returns its coefficients.
+    fn extend(&mut self, space: &mut dyn Space, mut vector: Vec<f64>) -> Vec<f64> {
+        let before = norm(space, &vector);
+        let mut coefficients = vec![0.0; self.basis.len()];
+        self.orthogonalize(&mut vector, Some(&mut coefficients));
+        let left = norm(space, &vector);
+        if !(left > DEPENDENT * before) {
+            return coefficients;
+        }
+        vector.iter_mut().for_each(|value| *value /= left);
+        if left < SUSPICIOUS * before {
+            space.obey_constraints(&mut vector);
+            self.orthogonalize(&mut vector, None);
+            let genuine = norm(space, &vector);
+            if !(genuine > GENUINE) {
+                return coefficients;
+            }
+            vector.iter_mut().for_each(|value| *value /= genuine);
+        }
+        self.images.push(space.image(&vector));
+        self.basis.push(vector);
+        coefficients.push(left);
+        coefficients
+    }
+}
+
+/// Eigenvalues of largest size with their vectors, from a few vectors more than values.
+///
+/// # Errors
+/// Numbers that are not finite.
+pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
+    let (mut krylov, length) = (Krylov::default(), space.size());
+    for k in 0..(count + spare).min(length) {
+        let vector = space.first(&(0..length).map(|i| noise(i, k)).collect::<Vec<f64>>());
+        krylov.extend(space, vector);
+    }
+    loop {
+        let known = krylov.columns.len();
+        for place in known..krylov.basis.len() {
+            let result = space.apply(&krylov.images[place]);
+            let column = krylov.extend(space, result);
+            krylov.columns.push(column);
+        }
+        let size = krylov.columns.len();
+        let entry = |i: usize, j: usize| krylov.columns[j].get(i).copied().unwrap_or(0.0);
+        let found = if space.is_symmetric() { symmetric_part_eigenpairs(size, entry) } else { eigenpairs(size, entry) };
+        let mut pairs = found.ok_or_else(|| {
+            RunError::Input(
+                "the matrices of the vibrations hold numbers that are not finite, or the search for their eigenvalues does not \
+                 converge: check masses and stiffnesses"
+                    .into(),
+            )
+        })?;
+        let magnitude = |pair: &Eigenpair| pair.value[0].hypot(pair.value[1]);
+        pairs.sort_by(|a, b| magnitude(b).total_cmp(&magnitude(a)));
+        pairs.truncate(count);
+        let left = |pair: &Eigenpair| {
+            let beyond = |part: &[f64], i: usize| (0..size).map(|j| entry(i, j) * part[j]).sum::<f64>();
+            let rows = size..krylov.basis.len();
+            rows.flat_map(|i| [beyond(&pair.vector[0], i), beyond(&pair.vector[1], i)]).fold(0.0, f64::hypot)
+        };
+        if krylov.basis.len() == size || pairs.iter().all(|pair| left(pair) <= CONVERGED * magnitude(pair)) {
+            for pair in &mut pairs {
+                for part in &mut pair.vector {
+                    let mut vector = vec![0.0; length];
+                    krylov.basis.iter().zip(&*part).for_each(|(own, share)| add(&mut vector, *share, own));
+                    *part = vector;
+                }
+            }
+            return Ok(pairs);
+        }
+    }
+}

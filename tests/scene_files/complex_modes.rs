@@ -1,0 +1,138 @@
+//! Modes of what is damped, controlled or turns, against closed forms.
+
+use costate::integrators::Mode;
+use costate::scenes::{FileScene, Prepared};
+use num_complex::Complex64;
+
+fn scene(text: &str) -> FileScene {
+    FileScene::parse("modes.toml", text).unwrap_or_else(|why| panic!("{why}"))
+}
+
+fn modes(text: &str, count: usize) -> Vec<Mode> {
+    let scene = scene(text);
+    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    prepared.complex_modes_with_state(count).unwrap_or_else(|why| panic!("{why}")).1
+}
+
+/// Values lambda with a positive imaginary part or none, in the order of their sizes.
+fn sorted(values: impl IntoIterator<Item = Complex64>) -> Vec<Complex64> {
+    let mut values: Vec<Complex64> = values.into_iter().map(|own| Complex64::new(own.re, own.im.abs())).collect();
+    values.sort_by(|a, b| a.norm().total_cmp(&b.norm()).then(a.re.total_cmp(&b.re)));
+    values
+}
+
+fn assert_values(modes: &[Mode], expected: Vec<Complex64>) {
+    let own = sorted(modes.iter().map(|mode| Complex64::new(mode.growth, mode.frequency)));
+    let expected = sorted(expected);
+    assert_eq!(own.len(), expected.len(), "{own:?} {expected:?}");
+    let size = expected.iter().fold(0.0, |size: f64, value| size.max(value.norm()));
+    for (own, expected) in own.iter().zip(&expected) {
+        assert!((own - expected).norm() < 1e-9 * expected.norm().max(1e-3 * size), "{own} {expected}");
+    }
+}
+
+/// Both roots of x^2 + 2 half x + product.
+fn roots(half: Complex64, product: Complex64) -> [Complex64; 2] {
+    let root = (half * half - product).sqrt();
+    [root - half, -root - half]
+}
+
+fn real(x: f64) -> Complex64 {
+    Complex64::new(x, 0.0)
+}
+
+/// A mass of 2 kg that slides along x between a spring of 200 N/m and a damper, with more text.
+fn sliding(damping: f64, more: &str) -> String {
+    format!(
+        "version = 1\n[variable]\nc = {{ initial = {damping}, bounds = [0, 100], unit = \"N s/m\" }}\n[settings]\nend = 1\nsteps = 10\n\
+         [[body]]\nname = \"mass\"\nmass = 2\ninertia = [1, 1, 1]\n\
+         [[joint]]\nname = \"slide\"\ntype = \"prismatic\"\nbetween = [\"ground\", \"mass\"]\naxis = [1, 0, 0]\n\
+         [[spring]]\nname = \"spring\"\ntype = \"slide\"\nbetween = [\"ground\", \"mass\"]\naxis = [1, 0, 0]\nstiffness = 200\ndamping = \"c\"\n\
+         [[functional]]\nname = \"x\"\ntype = \"position\"\non = \"mass\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n{more}"
+    )
+}
+
+#[test]
+fn a_damped_mass_has_the_roots_of_its_polynomial() {
+    for damping in [0.0, 8.0, 39.999, 80.0] {
+        let pair = roots(real(0.25 * damping), real(100.0));
+        let expected = if damping < 40.0 { pair[..1].to_vec() } else { pair.to_vec() };
+        let modes = modes(&sliding(damping, ""), 2);
+        assert_values(&modes, expected);
+        if damping == 8.0 {
+            assert!((modes[0].damping_ratio() - 0.2).abs() < 1e-12, "{}", modes[0].damping_ratio());
+        }
+    }
+}
+
+#[test]
+fn states_of_first_order_are_modes_too() {
+    // m x'' + c x' + k x = z,  z' = -6 z - 500 x
+    let more = "[[state]]\nname = \"control\"\nnodes = { m = \"mass\" }\ninitial = { z = 0 }\n\
+                rate = { z = \"-6 * control.z - 500 * m.position.x\" }\n\
+                [[element]]\nname = \"actuator\"\nnodes = { m = \"mass\", own = \"control\" }\nforce = { m = \"[own.z, 0, 0]\" }\n";
+    let more = more.replace("control.z", "z");
+    let modes = modes(&sliding(8.0, &more), 4);
+    assert_eq!(modes.len(), 2, "{modes:?}");
+    for mode in &modes {
+        let x = Complex64::new(mode.growth, mode.frequency);
+        let left = (x * x * 2.0 + x * 8.0 + 200.0) * (x + 6.0) + 500.0;
+        assert!(left.norm() < 1e-9 * 1700.0, "{x}: {left}");
+    }
+    // of three roots one is real
+    assert!(modes.iter().any(|mode| mode.frequency == 0.0) && modes.iter().any(|mode| mode.frequency > 1.0));
+}
+
+/// A disc on a bushing of a hub that turns, both about z.
+fn disc(rate: f64, damping: [f64; 2]) -> String {
+    let [along, about] = damping;
+    format!(
+        "version = 1\n[variable]\nrate = {{ initial = {rate}, bounds = [-500, 500], unit = \"rad/s\" }}\n\
+         [settings]\nstart = \"steady\"\nend = 0.01\nsteps = 2\n\
+         [[body]]\nname = \"hub\"\nmass = 1\ninertia = [1, 1, 1]\n\
+         [[body]]\nname = \"disc\"\nmass = 2\ninertia = [0.03, 0.03, 0.05]\n\
+         [[joint]]\nname = \"shaft\"\ntype = \"revolute\"\nbetween = [\"ground\", \"hub\"]\naxis = [0, 0, 1]\n\
+         [[driver]]\nname = \"motor\"\ntype = \"rotation\"\nbetween = [\"ground\", \"hub\"]\naxis = [0, 0, 1]\n\
+         angle = {{ type = \"formula\", value = \"rate * t\" }}\n\
+         [[spring]]\nname = \"shaft's stiffness\"\ntype = \"bushing\"\nbetween = [\"hub\", \"disc\"]\nstiffness = [800, 800, 5000, 30, 30, 70]\n\
+         damping = [{along}, {along}, 0, {about}, {about}, 0]\n\
+         [[spin]]\nparts = [\"hub\", \"disc\"]\naxis = [0, 0, 1]\nrate = \"rate\"\n\
+         [[functional]]\nname = \"x\"\ntype = \"position\"\non = \"disc\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n"
+    )
+}
+
+#[test]
+fn a_turning_disc_has_the_modes_of_a_rotor_seen_from_its_shaft() {
+    let (m, across, polar, diametral, tilt) = (2.0, 800.0, 0.05, 0.03, 30.0);
+    for rate in [0.0, 7.0, -7.0, 19.0, 60.0] {
+        for damping in [[0.0; 2], [3.0, 0.2]] {
+            let i = Complex64::I;
+            // z = x + i y in the frame: z'' + (c/m + 2 i W) z' + (k/m - W^2) z = 0
+            let moves = roots(0.5 * real(damping[0] / m) + i * rate, real(across / m - rate * rate));
+            // of a tilt a + i b: It a'' + (c + i (2 It - Ip) W) a' + (k + (Ip - It) W^2) a = 0
+            let [own, stiff] = [2.0 * diametral - polar, tilt + (polar - diametral) * rate * rate];
+            let tilts = roots(0.5 * (real(damping[1]) + i * own * rate) / diametral, real(stiff / diametral));
+            let alone = [5000.0 / m, 70.0 / polar].map(|square: f64| Complex64::new(0.0, square.sqrt()));
+            let expected = [&moves[..], &tilts, &alone].concat();
+            let found = modes(&disc(rate, damping), 6);
+            assert_values(&found, expected);
+            // what a shaft's own damping does beyond its critical speed of 20 rad/s
+            let grows = found.iter().any(|mode| mode.growth > 1e-6);
+            assert_eq!(grows, damping[0] > 0.0 && rate.abs() > 20.0, "{rate} {damping:?} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn whirls_have_the_sense_of_their_circles() {
+    let text = disc(7.0, [0.0; 2]);
+    let scene = scene(&text);
+    let prepared = Prepared::new(&scene).unwrap();
+    let found = prepared.complex_modes_with_state(6).unwrap().1;
+    // seen from the shaft the circle of 20 rad/s along with the turn is one of 13, the one against it one of 27
+    for (omega, sense) in [(13.0, 1.0), (27.0, -1.0)] {
+        let mode = found.iter().find(|mode| (mode.frequency - omega).abs() < 1e-6).unwrap();
+        let whirl = prepared.whirl(mode).unwrap();
+        assert!((whirl - sense).abs() < 1e-6, "{omega}: {whirl}");
+    }
+}

@@ -1,0 +1,249 @@
+//! A rotor hub at speed: the steady start, frequencies of a turning blade, the kinematics of the swash plate, gradients through all of it.
+
+mod series;
+mod swash_plate;
+
+use crate::verification::{Clock, Report, Study};
+use costate::functionals::Sample;
+use costate::integrators::RunError;
+use costate::scalar::Quaternion;
+use costate::scenes::{AnyScene, FileScene, Prepared};
+use series::blade_frequencies;
+use swash_plate::pitch;
+
+/// Pitch of rigid blades against their geometry \[rad\].
+const PITCH: f64 = 1e-13;
+/// Gaps of the joints over all turns \[m\].
+const GAP: f64 = 1e-14;
+/// By how much the extension changes over the first turn, as a share of it.
+const STEADY: f64 = 1e-6;
+/// The same of stresses.
+const STRESS: f64 = 1e-3;
+/// Extension of a wide blade against that of a rod, whose root is free to narrow.
+const EXTENSION: f64 = 4e-3;
+/// Frequencies of a turning beam against their series.
+const FREQUENCY: f64 = 1e-3;
+/// Southwell's coefficient of the first flapping mode.
+const SOUTHWELL: f64 = 0.03;
+/// Gradients against quotients of whole runs.
+const GRADIENT: f64 = 1e-6;
+/// Turns over which joints are watched.
+const TURNS: usize = 10;
+
+const HUB: &str = include_str!("../../examples/scenes/rotor-hub.toml");
+const FLIGHTS: [(&str, [f64; 3]); 3] =
+    [("collective", [0.05, 0.05, 0.05]), ("longitudinal", [0.025, 0.025, 0.05]), ("lateral", [0.025, 0.05, 0.025])];
+
+/// The study.
+pub struct RotorHub;
+
+impl Study for RotorHub {
+    fn name(&self) -> &'static str {
+        "rotor-hub"
+    }
+    fn summary(&self) -> &'static str {
+        "a rotor hub at speed: steady start, frequencies of a turning blade, swash plate against geometry, gradients"
+    }
+    fn run(&self, report: &mut Report) -> Result<(), String> {
+        blade_extension(report)?;
+        turning_beam(report)?;
+        swash_plate(report)?;
+        flights(report)
+    }
+}
+
+fn told(error: RunError) -> String {
+    error.to_string()
+}
+
+/// A blade of shells on a driven hub.
+fn blade(elements: usize) -> String {
+    format!(
+        "version = 1\n[variable]\nthickness = {{ initial = 0.02, bounds = [0.001, 0.05], unit = \"m\" }}\n\
+         [settings]\nstart = \"steady\"\nend = \"2 * pi / 109.12\"\nsteps = 360\n[material.blade]\nyoung = 70e9\npoisson = 0.3\ndensity = 2500\n\
+         [[body]]\nname = \"hub\"\nmass = 100\ninertia = [10, 10, 10]\n\
+         [[joint]]\nname = \"shaft\"\ntype = \"revolute\"\nbetween = [\"ground\", \"hub\"]\naxis = [0, 0, 1]\n\
+         [[driver]]\nname = \"motor\"\ntype = \"rotation\"\nbetween = [\"ground\", \"hub\"]\naxis = [0, 0, 1]\n\
+         angle = {{ type = \"formula\", value = \"109.12 * t\" }}\n\
+         [[shell]]\nname = \"blade\"\ntype = \"plate\"\ncorner = [0.44, -0.0605, 0]\nfirst = [1.56, 0, 0]\nsecond = [0, 0.121, 0]\n\
+         elements = [{elements}, 1]\nmaterial = \"blade\"\nthickness = \"thickness\"\n\
+         [[rigid_interface]]\nname = \"root\"\nbody = \"hub\"\nnodes = [\"blade.first_start\"]\n\
+         [[spin]]\nparts = [\"hub\", \"blade\"]\naxis = [0, 0, 1]\nrate = 109.12\n\
+         [[functional]]\nname = \"tip\"\ntype = \"position\"\non = \"blade.first_end[1]\"\ndirection = [1, 0, 0]\nover = \"initial\"\n\
+         [[functional]]\nname = \"stress at the start\"\ntype = \"von_mises\"\nof = \"blade\"\nyield_stress = 276e6\n\
+         over = {{ aggregate = \"smooth_maximum\", sharpness = 50, times = \"start\" }}\n\
+         [[functional]]\nname = \"stress at the end\"\ntype = \"von_mises\"\nof = \"blade\"\nyield_stress = 276e6\n\
+         over = {{ aggregate = \"smooth_maximum\", sharpness = 50, times = \"end\" }}\n"
+    )
+}
+
+/// Radius of the tip of a rod that turns: E u'' + rho omega^2 (x + u) = 0, clamped at the root.
+fn rod_tip(young: f64, density: f64, omega: f64, [root, tip]: [f64; 2]) -> f64 {
+    let k = omega * (density / young).sqrt();
+    // y = x + u: y'' + k^2 y = 0, y(root) = root, y'(tip) = 1
+    let length = tip - root;
+    (root + (k * length).sin() / k) / (k * length).cos()
+}
+
+fn blade_extension(report: &mut Report) -> Result<(), String> {
+    eprintln!("[1/4] extension of a blade");
+    let (root, tip) = (0.44, 2.0);
+    let expected = rod_tip(70e9, 2500.0, 109.12, [root, tip]) - tip;
+    report.inform("blade/extension of a rod [mm]", 1e3 * expected);
+    for elements in [6, 12, 24] {
+        let scene = FileScene::parse("blade.toml", &blade(elements))?;
+        let prepared = Prepared::new(&scene).map_err(told)?;
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&prepared.x).map_err(told)?;
+        let extension = forward.values[0] - tip;
+        let name = |what: &str| format!("blade/{elements} x 1/{what}");
+        report.compare(name("extension by that of a rod"), extension / expected, 1.0, EXTENSION);
+        let node = prepared.model().nodes.iter().rposition(|node| node.name.starts_with("blade")).ok_or("no blade")?;
+        let first = prepared.model().nodes[node - 1].dofs.start;
+        let radius = |sample: &Sample<f64>| sample.at.q[first].hypot(sample.at.q[first + 1]);
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        let see = |sample: &Sample<f64>| (least, most) = (least.min(radius(sample)), most.max(radius(sample)));
+        analysis.for_each_sample(&forward, see).map_err(told)?;
+        report.at_most(name("change of the extension over the first turn, share"), (most - least) / extension, STEADY);
+        let [before, after] = [forward.values[1], forward.values[2]];
+        report.at_most(
+            name("change of the largest stress over the first turn, share"),
+            (after / before - 1.0).abs(),
+            STRESS,
+        );
+    }
+    Ok(())
+}
+
+/// A slender beam that turns about its clamped end: EI = rho A = L = 1.
+fn beam(rate: f64) -> String {
+    format!(
+        "version = 1\n[variable]\nrate = {{ initial = {rate}, bounds = [0, 20], unit = \"rad/s\" }}\n\
+         [settings]\nstart = \"steady\"\nend = 1\nsteps = 10\n\
+         [section.slender]\ntype = \"beam\"\naxial = 1e8\nshear = [1e8, 1e8]\ntorsion = 1e4\nbending = [1, 4]\nmass = 1\ninertia = [1e-8, 1e-8]\n\
+         [[body]]\nname = \"hub\"\nmass = 1\ninertia = [1, 1, 1]\n\
+         [[joint]]\nname = \"shaft\"\ntype = \"revolute\"\nbetween = [\"ground\", \"hub\"]\naxis = [0, 0, 1]\n\
+         [[driver]]\nname = \"motor\"\ntype = \"rotation\"\nbetween = [\"ground\", \"hub\"]\naxis = [0, 0, 1]\n\
+         angle = {{ type = \"formula\", value = \"rate * t\" }}\n\
+         [[beam]]\nname = \"blade\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nelements = 24\nsection = \"slender\"\nsecond_axis = [0, 1, 0]\n\
+         [[joint]]\nname = \"root\"\ntype = \"fixed\"\nbetween = [\"hub\", \"blade.start\"]\n\
+         [[spin]]\nparts = [\"hub\", \"blade\"]\naxis = [0, 0, 1]\nrate = \"rate\"\n\
+         [[functional]]\nname = \"tip\"\ntype = \"position\"\non = \"blade.end\"\ndirection = [1, 0, 0]\nover = \"initial\"\n"
+    )
+}
+
+fn turning_beam(report: &mut Report) -> Result<(), String> {
+    eprintln!("[2/4] frequencies of a turning beam");
+    let mut first = Vec::new();
+    for rate in [0.0, 2.0, 4.0, 6.0, 8.0, 10.0] {
+        let scene = FileScene::parse("beam.toml", &beam(rate))?;
+        let prepared = Prepared::new(&scene).map_err(told)?;
+        let (_, modes) = prepared.complex_modes_with_state(4).map_err(told)?;
+        // out of the plane of the turn with EI = 1; in it with EI = 4, and centrifugal forces that push aside
+        let flaps = blade_frequencies::<2>(1.0, rate);
+        let lags = blade_frequencies::<2>(4.0, rate).map(|omega| (omega * omega - rate * rate).sqrt());
+        let tip = prepared.model().nodes.iter().rfind(|node| node.name.starts_with("blade")).ok_or("no blade")?.dofs.start;
+        let flapping = |mode: &&costate::integrators::Mode| mode.shape[tip + 2].abs() > mode.shape[tip + 1].abs();
+        let (own_flaps, own_lags): (Vec<_>, Vec<_>) = modes.iter().partition(flapping);
+        for (what, own, expected) in [("flapping", own_flaps, flaps), ("lagging", own_lags, lags)] {
+            for (number, (mode, expected)) in own.iter().zip(expected).enumerate() {
+                let name = format!("turning beam/rate {rate}/{what} {}, omega by its series", number + 1);
+                report.compare(name, mode.frequency / expected, 1.0, FREQUENCY);
+            }
+        }
+        first.push((rate, modes.iter().find(flapping).ok_or("no flapping mode")?.frequency));
+    }
+    // omega^2 = omega0^2 + S rate^2 with S = 1.193 of a uniform cantilever (Southwell & Gough 1921)
+    let [(_, still), (rate, turning), ..] = first[..] else { return Err("no rates".into()) };
+    let southwell = (turning * turning - still * still) / (rate * rate);
+    report.compare("turning beam/Southwell's coefficient of the first flapping mode", southwell / 1.193, 1.0, SOUTHWELL);
+    Ok(())
+}
+
+/// The hub without blades, at rest or turning on, with its controls.
+fn rigid_hub(lifts: [f64; 3], turns: usize) -> Result<String, String> {
+    let cut = |text: &str, from: &str, to: &str| -> Result<String, String> {
+        let (before, rest) = text.split_once(from).ok_or(format!("no {from}"))?;
+        let (_, after) = rest.split_once(to).ok_or(format!("no {to}"))?;
+        Ok(format!("{before}{to}{after}"))
+    };
+    let text = cut(HUB, "[[shell]]", "# ---------------------------------------------------------------- joints")?;
+    let text = cut(&text, "[[functional]]", "[[scenario]]")?;
+    let (text, _) = text.split_once("[[scenario]]").ok_or("no scenario")?;
+    let [one, two, three] = lifts;
+    Ok(text
+        .replace("u1 = 0.05 ", &format!("u1 = {one} "))
+        .replace("u2 = 0.05\n", &format!("u2 = {two}\n"))
+        .replace("u3 = 0.05\n", &format!("u3 = {three}\n"))
+        .replace("    \"blade 0\", \"blade 1\", \"blade 2\", \"blade 3\",\n", "")
+        .replace("end = \"2 * pi / omega\"", &format!("end = \"{turns} * 2 * pi / omega\""))
+        .replace("steps = 360", &format!("steps = {}", 360 * turns))
+        + "[[functional]]\nname = \"height\"\ntype = \"position\"\non = \"horn 0\"\ndirection = [0, 0, 1]\nover = \"terminal\"\n")
+}
+
+fn swash_plate(report: &mut Report) -> Result<(), String> {
+    eprintln!("[3/4] swash plate and pitch links");
+    for (flight, lifts) in FLIGHTS {
+        let turns = if flight == "collective" { TURNS } else { 2 };
+        let scene = FileScene::parse("rigid-hub.toml", &rigid_hub(lifts, turns)?)?;
+        let prepared = Prepared::new(&scene).map_err(told)?;
+        let model = prepared.model();
+        let node = |name: &str| model.nodes.iter().find(|node| node.name == name).map(|node| node.dofs.clone());
+        let horns: Vec<_> = (0..4).filter_map(|k| node(&format!("horn {k}"))).collect();
+        let hub = node("hub").ok_or("no hub")?;
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&prepared.x).map_err(told)?;
+        let (mut off, mut gap, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let p = &forward.numbers.p;
+        let see = |sample: &Sample<f64>| {
+            let axes = |dofs: &std::ops::Range<usize>| Quaternion::from_slice(&sample.at.q[dofs.clone()][3..]).columns();
+            let azimuth = axes(&hub)[0][1].atan2(axes(&hub)[0][0]);
+            // along 10 s^3 - 15 s^4 + 6 s^5 within the first turn
+            let s = (sample.t * 109.12 / std::f64::consts::TAU).min(1.0);
+            let share = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+            for (k, horn) in horns.iter().enumerate() {
+                let own = axes(horn)[1][2].asin();
+                let expected = pitch(lifts.map(|lift| lift * share), azimuth, k);
+                (off, largest) = (off.max((own - expected).abs()), largest.max(own.abs()));
+            }
+            for joint in &model.constraints {
+                let q: Vec<f64> =
+                    joint.nodes.iter().flat_map(|own| sample.at.q[model.node(*own).dofs.clone()].to_vec()).collect();
+                let g = joint.physics.value(&q, &p[joint.parameters.clone()], sample.t);
+                gap = g.iter().fold(gap, |gap, g| gap.max(g.abs()));
+            }
+        };
+        analysis.for_each_sample(&forward, see).map_err(told)?;
+        report.inform(format!("swash plate/{flight}/largest pitch [rad]"), largest);
+        report.at_most(format!("swash plate/{flight}/pitch of four blades against geometry [rad]"), off, PITCH);
+        report.at_most(format!("swash plate/{flight}/largest gap of a joint over {turns} turns [m]"), gap, GAP);
+    }
+    Ok(())
+}
+
+fn flights(report: &mut Report) -> Result<(), String> {
+    eprintln!("[4/4] three flights of the hub with blades");
+    let scene = FileScene::parse("rotor-hub.toml", HUB)?;
+    for scenario in scene.scenarios() {
+        let name = scenario.name;
+        let prepared = Prepared::new(scenario.scene).map_err(told)?;
+        let (analysis, clock) = (prepared.analysis(), Clock::start());
+        let forward = analysis.forward(&prepared.x).map_err(told)?;
+        let seconds = clock.seconds();
+        let gradient = analysis.adjoint(&prepared.x, &forward).map_err(told)?;
+        report.inform(format!("{name}/unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
+        report.inform(format!("{name}/simulation [s]"), seconds);
+        report.inform(format!("{name}/gradient of {} functionals [s]", forward.values.len()), clock.seconds() - seconds);
+        report.inform(format!("{name}/largest stress by the yield stress"), forward.values[0]);
+        // along a direction in which all variables change
+        let direction: Vec<f64> =
+            prepared.x.iter().enumerate().map(|(k, x)| x * if k % 3 == 1 { -0.7 } else { 0.4 }).collect();
+        let quotients = analysis.quotients(&prepared.x, &direction).map_err(told)?;
+        for ((row, quotient), functional) in gradient.rows.iter().zip(&quotients).zip(prepared.functionals()) {
+            let own: f64 = row.iter().zip(&direction).map(|(own, d)| own * d).sum();
+            let name = format!("{name}/gradient of {} against whole runs, share", functional.name);
+            report.at_most(name, (own - quotient.value).abs() / own.abs().max(1e-9), GRADIENT);
+        }
+    }
+    Ok(())
+}
