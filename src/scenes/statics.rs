@@ -95,7 +95,7 @@ impl Prepared<'_> {
     /// that turns; with the coordinates about which they vibrate first.
     ///
     /// # Errors
-    /// See [`Prepared::equilibrium`] and [`complex_modes`].
+    /// As for [`Prepared::modes`].
     pub fn complex_modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
         let (start, plan, load) = self.still_state()?;
         let frame = self.model().in_frame();
