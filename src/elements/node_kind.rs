@@ -207,7 +207,7 @@ impl NodeKind {
         }
     }
 
-    /// Moment about the origin of the node that generalized forces hold, the inverse of [`add_moment`](NodeKind::add_moment) for what is
+    /// Moment about the origin of the node that generalized forces hold, the inverse of `add_moment` for what is
     /// free to turn: in the world [N m].
     #[inline(always)]
     pub fn moment<S: Scalar>(self, q: &[S], generalized: &[S]) -> Vector3<S> {

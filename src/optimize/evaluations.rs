@@ -256,7 +256,7 @@ impl<'p> Evaluations<'p> {
     ///
     /// # Errors
     /// A point without values.
-    pub(crate) fn accept(&mut self, x: &[f64]) -> Result<Option<Reason>, NoValue> {
+    pub fn accept(&mut self, x: &[f64]) -> Result<Option<Reason>, NoValue> {
         let values = self.values(x)?;
         self.ended.iterations += usize::from(self.begun);
         self.begun = true;
