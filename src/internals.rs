@@ -1,4 +1,5 @@
-//! What the tests and studies of this repository reach into: no promise to anyone, and the whole list.
+//! What the tests and studies of this repository reach into: no promise to anyone, and the whole list; parts are listed in
+//! their folders.
 
 pub use crate::assembly::{
     Equations, Jacobian, Level, Model, PartPrograms, Residual, StageCoefficients, StageSystem, System, SystemOptions,
@@ -14,23 +15,9 @@ pub use crate::elements::flexible::{
     shape::TWO, shell::Shell, shell::ShellField, shell_pressure::ShellPressureField,
     small_strain_cable::SmallStrainCableField,
 };
-pub use crate::elements::forces::{
-    applied_force::AppliedForce, applied_torque::AppliedTorque, bushing::Bushing, gravity::Gravity, line_damper::LineDamper,
-    soft::Soft, torsion_spring_damper::TorsionSpringDamper, vector_damper::VectorDamper,
-};
-pub use crate::elements::joints::{
-    angle_coordinate::AngleCoordinate, cable_corner::CableCorner, cable_end::CableEnd, cylindrical::CylindricalJoint,
-    distance::DistanceJoint, fixed::FixedJoint, gear::GearJoint, held_node::HeldNode, helical::HelicalJoint,
-    planar::PlanarJoint, point_in_plane::PointInPlane, point_on_line::PointOnLine, prescribed_rotation::PrescribedRotation,
-    prescribed_translation::PrescribedTranslation, prismatic::PrismaticJoint, rack_and_pinion::RackAndPinion,
-    revolute::RevoluteJoint, rigid_link::RigidLink, rolling::DiscOnPlane, rolling::RollingDisc, rolling::RollingSphere,
-    spherical::SphericalJoint, tied_node::TiedNode, universal::UniversalJoint,
-};
-pub use crate::functionals::quantities::{
-    cable_largest_stress::CableLargestStress, coordinate::Coordinate, distance::Distance, joint_angle::JointAngle,
-    joint_displacement::JointDisplacement, joint_displacement::JointSpeed, joint_rate::JointRate, position::Position,
-    reaction::Reaction, reaction_norm::ReactionNorm, target_distance::TargetDistance, velocity::Velocity,
-};
+pub use crate::elements::forces::types::*;
+pub use crate::elements::joints::types::*;
+pub use crate::functionals::quantities::types::*;
 pub use crate::functionals::{
     element_sum::ElementSum, functional::Measured, load::JointLoad, measured_group::MeasuredGroup,
     quantity::MeasuredQuantity, weights::QuadratureWeights,

@@ -1,30 +1,35 @@
 //! Springs, dampers and loads.
 
-pub(crate) mod applied_force;
-pub(crate) mod applied_torque;
-pub(crate) mod bushing;
+mod applied_force;
+mod applied_torque;
+mod bushing;
 mod coordinate_spring_damper;
-pub(crate) mod gravity;
-pub(crate) mod line_damper;
+mod gravity;
+mod line_damper;
 mod line_spring;
 mod slide_spring_damper;
-pub(crate) mod soft;
+mod soft;
 mod spring_law;
-pub(crate) mod torsion_spring_damper;
-pub(crate) mod vector_damper;
+mod torsion_spring_damper;
+mod vector_damper;
 
-pub(crate) use applied_force::AppliedForce;
-pub(crate) use applied_torque::AppliedTorque;
-pub(crate) use bushing::Bushing;
-pub(crate) use coordinate_spring_damper::CoordinateSpringDamper;
-pub(crate) use gravity::Gravity;
-pub(crate) use line_damper::LineDamper;
-pub(crate) use line_spring::LineSpring;
-pub(crate) use slide_spring_damper::SlideSpringDamper;
-pub(crate) use soft::Soft;
-pub(crate) use spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
-pub(crate) use torsion_spring_damper::TorsionSpringDamper;
-pub(crate) use vector_damper::VectorDamper;
+/// Springs, dampers and loads as types.
+pub(crate) mod types {
+    pub use super::applied_force::AppliedForce;
+    pub use super::applied_torque::AppliedTorque;
+    pub use super::bushing::Bushing;
+    pub use super::coordinate_spring_damper::CoordinateSpringDamper;
+    pub use super::gravity::Gravity;
+    pub use super::line_damper::LineDamper;
+    pub use super::line_spring::LineSpring;
+    pub use super::slide_spring_damper::SlideSpringDamper;
+    pub use super::soft::Soft;
+    pub use super::spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
+    pub use super::torsion_spring_damper::TorsionSpringDamper;
+    pub use super::vector_damper::VectorDamper;
+}
+
+pub(crate) use types::*;
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;
