@@ -9,8 +9,7 @@
 //! s times as large, so that E dsigma/dE + rho dsigma/drho + m dsigma/dm = sigma.
 //! Run: `cargo run --release --example 07_beams`
 
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{Material, Section};
+use costate::elements::flexible::{Material, Section, Shape};
 use costate::prelude::*;
 use costate::scenes::BeamLine;
 

@@ -37,17 +37,20 @@
 //! guide         how to use all of this, and what it computes: text alone
 //! ```
 
+// much of what the command line draws on is used by nothing else
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+
 pub mod scalar;
 
-pub mod program;
+mod program;
 
-pub mod design;
+mod design;
 
 pub mod elements;
 
 pub mod linalg;
 
-pub mod assembly;
+mod assembly;
 
 pub mod integrators;
 
@@ -61,12 +64,15 @@ pub mod scenes;
 
 pub mod optimize;
 
-pub mod io;
+mod io;
 
 #[cfg(feature = "cli")]
 pub mod cli;
 
 pub mod testing;
+
+#[doc(hidden)]
+pub mod internals;
 
 // text alone: no page that changes asks for another build
 #[cfg(any(doc, doctest))]
@@ -76,8 +82,7 @@ pub mod guide;
 pub mod prelude {
     pub use crate::assembly::{ConstraintId, ElementId, NodeId};
     pub use crate::design::DesignVariable;
-    pub use crate::elements::flexible::section::Shape;
-    pub use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
+    pub use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section, Shape};
     pub use crate::elements::forces::LoadFrame;
     pub use crate::elements::joints::Freedom;
     pub use crate::elements::{

@@ -1,7 +1,8 @@
 //! Steps of a running simulation ask for no memory.
 
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, StepRecord, march, march_adaptive, tables};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, StepRecord, tables};
+use costate::internals::{march, march_adaptive};
 use costate::scenes::built_in::{self, Chain, ChainVariables, FiveBar, HeavyTop};
 use costate::scenes::{AnyScene, Prepared, Settings};
 use std::alloc::{GlobalAlloc, Layout, System};

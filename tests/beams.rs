@@ -1,17 +1,16 @@
 //! Beams against closed forms: momentum, section forces, offsets, bodies at their ends, loads, damping; what a user may get wrong.
 
-use costate::assembly::NodeId;
-use costate::elements::flexible::shape::TWO;
-use costate::elements::flexible::{STRAINS, Section};
-use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::flexible::Section;
+use costate::elements::forces::LoadFrame;
 use costate::elements::{Field, Flexible, Interpolation};
 use costate::functionals::quantities::SectionMeasure;
 use costate::history::Watch;
-use costate::integrators::{StepRecord, march, table_named};
+use costate::integrators::StepRecord;
+use costate::internals::{AppliedForce, AppliedTorque, STRAINS, TWO, march, table_named};
 use costate::prelude::*;
 use costate::scalar::{COMPLEX_STEP, Complex64};
 use costate::scenes::built_in::{FlexibleFourBar, FlyingRod, PrincetonBeam, RightAngleCantilever, SpinUpBeam};
-use costate::scenes::{AnyScene, BeamLine, BeamMember};
+use costate::scenes::{AnyScene, BeamLine, BeamMember, NodeId};
 use costate::sensitivity::largest_difference;
 use std::fs;
 use std::ops::Range;

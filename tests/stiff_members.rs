@@ -9,7 +9,8 @@ mod scenes;
 
 use cantilever::{Line, SlenderCantilever};
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, StepRecord, march, table_by_name};
+use costate::integrators::{ConstraintLevel, Method, StepRecord, table_by_name};
+use costate::internals::march;
 use costate::scenes::{Prepared, Settings};
 use scenes::StiffChain;
 

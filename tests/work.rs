@@ -1,14 +1,12 @@
 //! Work counts and threads: lost efficiency turns red without a clock, and results do not depend on the number of threads.
 
-use costate::assembly::{Equations, Level, StageCoefficients};
-use costate::design::DesignVariable;
 use costate::elements::{Element, NodeKind, Parameter, State};
 use costate::functionals::Over;
-use costate::integrators::{ConstraintLevel, Method, Systems, table_named};
-use costate::program::Program;
+use costate::integrators::{ConstraintLevel, Method};
+use costate::internals::{Equations, Level, Program, StageCoefficients, Systems, table_named};
 use costate::scalar::Scalar;
 use costate::scenes::built_in::FlexiblePendulum;
-use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, built_in};
+use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, built_in};
 use costate::sensitivity::largest_difference;
 
 fn scene(name: &str) -> Box<dyn AnyScene> {

@@ -1,9 +1,10 @@
 //! Optimizations as studies measure them: what they cost, how the objective went, and quantities over time of a design.
 
-use costate::functionals::{Measured, Sample};
+use costate::cli::{Series, Style};
+use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{RunError, StepRecord};
-use costate::io::{Series, Style};
+use costate::internals::Measured;
 use costate::optimize::{DesignHistory, GradientBy, Optimization, Optimized, Sqp};
 use costate::scenes::{AnyScene, Prepared};
 

@@ -12,13 +12,6 @@ pub struct Rates<S> {
     pub second: S,
 }
 
-impl<S: Scalar> Rates<S> {
-    /// Zeros.
-    pub fn zero() -> Self {
-        Rates { value: S::zero(), first: S::zero(), second: S::zero() }
-    }
-}
-
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageCoefficients {

@@ -42,7 +42,7 @@ pub use clock::Clock;
 pub use constraint_programs::ConstraintPart;
 pub(crate) use constraint_rows::ConstraintRows;
 pub use element_programs::Force;
-pub use equations::{Equations, Level, Rates, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
+pub use equations::{Equations, Level, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, cloned_in_place, empty_fields};
 pub use jacobian::Jacobian;
 pub(crate) use laws::Laws;

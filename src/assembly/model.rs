@@ -74,7 +74,7 @@ pub struct Model {
     pub elements: Vec<Attached<ElementPhysics>>,
     /// Joints and drivers.
     pub constraints: Vec<Attached<ConstraintPhysics>>,
-    /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by [`Model::at_rest`].
+    /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by `Model::at_rest`.
     pub holds: Vec<Attached<ConstraintPhysics>>,
     /// What turns steadily where a motion begins.
     pub spin: Option<Spin>,

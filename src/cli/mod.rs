@@ -65,6 +65,7 @@ mod study;
 mod sweep;
 mod verify;
 
+pub use crate::io::{Chart, Series, Style};
 pub use study::{Figure, Form, Report, Study};
 
 use crate::design::repeated;

@@ -5,7 +5,7 @@
 
 mod sampling;
 
-pub use sampling::{SOBOL_DIMENSIONS, latin_hypercube, sobol};
+pub use sampling::{latin_hypercube, sobol};
 
 use crate::program::{Graph, Node, Recorded, Recording, record};
 use crate::scalar::Scalar;

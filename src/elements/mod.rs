@@ -10,7 +10,7 @@
 
 mod characteristic;
 mod constraint;
-mod dyn_layer;
+pub(crate) mod dyn_layer;
 mod element;
 mod field;
 mod frame;
@@ -23,7 +23,7 @@ mod time_formula;
 mod time_function;
 mod turning;
 
-pub mod bodies;
+pub(crate) mod bodies;
 pub mod entries;
 pub mod flexible;
 pub mod forces;
@@ -31,10 +31,10 @@ pub mod joints;
 
 pub use characteristic::{Characteristic, ForceLaw};
 pub use constraint::Constraint;
-pub use dyn_layer::{
-    AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, motion_derivatives,
+pub use dyn_layer::{AnyConstraint, AnyElement};
+pub(crate) use dyn_layer::{
+    ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here, motion_derivatives,
 };
-pub(crate) use dyn_layer::{dofs_of, instantiate_here};
 pub use element::{Element, State};
 pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
@@ -43,6 +43,7 @@ pub use node_kind::NodeKind;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use table::Table;
-pub use time_formula::{RecordedFunction, TimeFormula};
+pub(crate) use time_formula::RecordedFunction;
+pub use time_formula::TimeFormula;
 pub use time_function::{MOST_BREAKPOINTS, TimeFunction};
 pub(crate) use turning::{InTurningFrame, SPIN_PARAMETERS, turn, turn_gradient};

@@ -58,7 +58,7 @@ impl NodeKind {
     }
 
     /// Name of coordinate `index`.
-    pub fn coordinate_name(self, index: usize) -> String {
+    pub(crate) fn coordinate_name(self, index: usize) -> String {
         match self {
             NodeKind::Coordinates(_) => format!("coordinate {index}"),
             NodeKind::Natural => ["x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz", "wx", "wy", "wz"][index].to_string(),
@@ -148,7 +148,7 @@ impl NodeKind {
 
     /// Adds the gradient of force . R s for the vector s in the body frame: what a force at its tip does to the turning of the node.
     #[inline(always)]
-    pub fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
+    pub(crate) fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         match self {
             NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
             NodeKind::Body => {
@@ -185,7 +185,7 @@ impl NodeKind {
 
     /// Adds the generalized force of the world moment `moment` [N m]: its power is moment . omega.
     #[inline(always)]
-    pub fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
+    pub(crate) fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
         match self {
             NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
             NodeKind::Body => {
@@ -207,7 +207,7 @@ impl NodeKind {
         }
     }
 
-    /// Moment about the origin of the node that generalized forces hold, the inverse of [`add_moment`](NodeKind::add_moment) for what is
+    /// Moment about the origin of the node that generalized forces hold, the inverse of `add_moment` for what is
     /// free to turn: in the world [N m].
     #[inline(always)]
     pub fn moment<S: Scalar>(self, q: &[S], generalized: &[S]) -> Vector3<S> {

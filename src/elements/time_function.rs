@@ -145,7 +145,7 @@ impl TimeFunction {
     }
 
     /// Time at which the value or its rate jumps, if there is one: no driven motion can follow.
-    pub fn rate_jump(&self, p: &[f64]) -> Option<f64> {
+    pub(crate) fn rate_jump(&self, p: &[f64]) -> Option<f64> {
         match self {
             TimeFunction::Step { switch } => Some(*switch),
             TimeFunction::SmoothStart(inner) => inner.rate_jump(p.split_last().map_or(p, |(_, own)| own)),

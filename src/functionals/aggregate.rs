@@ -28,7 +28,7 @@ pub struct Aggregate {
     /// rho: of exponentials in units of 1 / y, of powers a number of at least 2. See [`Aggregate::relative_to`].
     pub sharpness: f64,
     /// How points count.
-    pub points: PointWeights,
+    pub(crate) points: PointWeights,
 }
 
 /// Kinds of [aggregates](Aggregate).

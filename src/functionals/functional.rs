@@ -123,7 +123,7 @@ impl<S: RunScalar> Sample<S> {
     }
 
     /// Shares the forces of redundant constraints among all of them, if equations were dropped.
-    pub fn share(&mut self, model: &Model, p: &[S]) {
+    pub(crate) fn share(&mut self, model: &Model, p: &[S]) {
         if !self.dropped.is_empty() && !self.mu.is_empty() {
             let shared = least_multipliers(model, &self.dropped, p, &self.at.q, &self.mu, self.t);
             self.solved_mu = std::mem::replace(&mut self.mu, shared);
@@ -134,7 +134,14 @@ impl<S: RunScalar> Sample<S> {
 impl Sample<f64> {
     /// Goes back through [`Sample::share`]: from the adjoints of shared multipliers to those of solved ones, of coordinates and of
     /// parameters.
-    pub fn share_transposed(&self, model: &Model, p: &[f64], mu_bar: &mut [f64], q_bar: &mut [f64], p_bar: &mut [f64]) {
+    pub(crate) fn share_transposed(
+        &self,
+        model: &Model,
+        p: &[f64],
+        mu_bar: &mut [f64],
+        q_bar: &mut [f64],
+        p_bar: &mut [f64],
+    ) {
         if !self.solved_mu.is_empty() && mu_bar.iter().any(|&bar| bar != 0.0) {
             let shared = mu_bar.to_vec();
             mu_bar.fill(0.0);
@@ -159,7 +166,7 @@ impl Functional {
 
     /// Has its formulas watched in a run, if it reads all of it: where what it measures jumps, derivatives of what it makes of that over time
     /// are wrong; kinks take one order of the step from those of an integral.
-    pub fn watch(&self, model: &Model, watch: &mut SwitchWatch) {
+    pub(crate) fn watch(&self, model: &Model, watch: &mut SwitchWatch) {
         if self.over.times() != Times::Run {
             return;
         }
@@ -177,7 +184,7 @@ impl Functional {
     }
 
     /// Whether it reads multipliers.
-    pub fn reads_multipliers(&self) -> bool {
+    pub(crate) fn reads_multipliers(&self) -> bool {
         match &self.measured {
             Measured::Local { constraints, .. } => !constraints.is_empty(),
             Measured::Load { .. } => true,
@@ -186,7 +193,7 @@ impl Functional {
     }
 
     /// Whether it changes with multipliers that may be added to those of a sample: what it measures beside round-off.
-    pub fn changes_with(&self, model: &Model, sample: &Sample<f64>, p: &[f64], added: &[f64]) -> bool {
+    pub(crate) fn changes_with(&self, model: &Model, sample: &Sample<f64>, p: &[f64], added: &[f64]) -> bool {
         if !self.reads_multipliers() {
             return false;
         }

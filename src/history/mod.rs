@@ -4,25 +4,25 @@
 //! derivative parts) or last to first ([`History::backward`]: the adjoint). The steps are the same bit by bit, wherever they
 //! were kept.
 
-mod checkpoints;
+pub(crate) mod checkpoints;
 mod dense;
-mod file;
+pub(crate) mod file;
 mod flat;
 mod frames;
 mod free_memory;
-mod memory;
-mod nothing;
-mod rerun;
-mod schedule;
+pub(crate) mod memory;
+pub(crate) mod nothing;
+pub(crate) mod rerun;
+pub(crate) mod schedule;
 
-pub use checkpoints::Checkpoints;
-pub use dense::{Dense, Snapshot, moments};
-pub use file::FileHistory;
+pub(crate) use checkpoints::Checkpoints;
+pub use dense::Snapshot;
+pub(crate) use dense::{Dense, moments};
+pub(crate) use file::FileHistory;
 pub(crate) use frames::check_place;
-pub use memory::{Memory, MemoryWithin};
-pub use nothing::Nothing;
-pub use rerun::Rerun;
-pub use schedule::{recomputed_steps, split};
+pub(crate) use memory::{Memory, MemoryWithin};
+pub(crate) use nothing::Nothing;
+pub(crate) use rerun::Rerun;
 
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
@@ -65,7 +65,7 @@ impl Keep {
     ///
     /// # Errors
     /// A file that cannot be created, or is that of something else.
-    pub fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
+    pub(crate) fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),
             Keep::Auto => return Keep::shared_by(1).history(steps, run),

@@ -28,7 +28,7 @@ impl<'r> Rerun<'r> {
     /// Workspace to go through it once more.
     ///
     /// # Errors
-    /// As for [`Stepper::new`].
+    /// As for `Stepper::new`.
     pub fn stepper(&self) -> Result<Stepper<'_, f64>, RunError> {
         Stepper::new(self.problem, self.method, self.systems(), self.plan)
     }

@@ -78,7 +78,7 @@ impl TimeGrid {
     ///
     /// # Errors
     /// Such an order where steps were chosen.
-    pub fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
+    pub(crate) fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
         let end = self.times[self.steps()];
         let groups = grouped(breakpoints, end, SAME_TIME * end / self.asked.max(1) as f64);
         if !groups.iter().map(|(_, numbers)| numbers).eq(self.breakpoints.values()) {
@@ -110,7 +110,7 @@ impl TimeGrid {
     ///
     /// # Errors
     /// Breakpoints that coincide and move apart, in words.
-    pub fn clocks<S: RunScalar>(&self, parts: &[S]) -> Result<Clocks<S>, String> {
+    pub(crate) fn clocks<S: RunScalar>(&self, parts: &[S]) -> Result<Clocks<S>, String> {
         let size = |part: &S| (0..S::PARTS).fold(0.0, |size: f64, i| size.max(part.part(i).abs()));
         let mut moves = vec![S::zero()];
         for (&index, numbers) in &self.breakpoints {

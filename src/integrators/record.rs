@@ -23,7 +23,7 @@ impl<S: Scalar> SolveRecord<S> {
     }
 
     /// Writes the acceleration at a stage that starts from none: that of an equilibrium is zero.
-    pub fn write_acceleration(&self, a: &mut Vec<S>) {
+    pub(crate) fn write_acceleration(&self, a: &mut Vec<S>) {
         let gamma = self.equations.residual.gamma;
         a.clear();
         a.extend(self.unknowns.x.iter().map(|&x| x * gamma));

@@ -131,13 +131,13 @@ impl Table {
     }
 
     /// (gamma, beta, alpha) of a stage: how its own unknown moves it.
-    pub fn shift(&self, stage: usize, h: f64) -> StageCoefficients {
+    pub(crate) fn shift(&self, stage: usize, h: f64) -> StageCoefficients {
         let Stage { a, v, q, .. } = &self.stages[stage];
         StageCoefficients::new(a.stages[stage], h * v.stages[stage], h * h * q.stages[stage])
     }
 
     /// The table of a scheme.
-    pub fn scheme(&self, scheme: Scheme) -> &Table {
+    pub(crate) fn scheme(&self, scheme: Scheme) -> &Table {
         match (scheme, &self.starter) {
             (Scheme::Starter, Some(starter)) => &starter.table,
             _ => self,
@@ -157,7 +157,7 @@ impl Table {
     }
 
     /// Factor from the additional unknown y of stage `index` to its rate correction w: alpha y = h a_ii w.
-    pub fn rate_factor(&self, index: usize, h: f64) -> f64 {
+    pub(crate) fn rate_factor(&self, index: usize, h: f64) -> f64 {
         h * self.stages[index].q.stages[index] / self.rates[index][index]
     }
 

@@ -22,7 +22,7 @@ pub use drawing::{
     Bars, Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_bars,
     write_panels,
 };
-pub use file::{IoError, write_file, write_with};
+pub use file::{IoError, write_file};
 #[cfg(feature = "cli")]
 pub use progress::Progress;
 #[cfg(feature = "cli")]

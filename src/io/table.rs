@@ -6,10 +6,10 @@ use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a CSV file; see [`CsvFile`].
+/// Writes a CSV file; see `CsvFile`.
 ///
 /// # Errors
-/// Those of [`CsvFile`]; no file is left then.
+/// Those of `CsvFile`; no file is left then.
 pub fn write_csv(path: &Path, header: &[String], rows: impl Iterator<Item = Vec<f64>>) -> Result<(), IoError> {
     let mut file = CsvFile::create(path, header)?;
     for row in rows {

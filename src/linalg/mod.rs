@@ -1,13 +1,13 @@
 //! Linear systems: analyse a pattern once, factor values, solve, solve transposed.
 //!
-//! Only `f64` is factored; derivative parts are solved with the same factors. [`Factorization`] scales rows and columns,
+//! Only `f64` is factored; derivative parts are solved with the same factors. `Factorization` scales rows and columns,
 //! chooses the backend by size, refines solutions, and names the unknown of a singular system.
 
 mod column_groups;
 mod dense;
 mod eigen;
-mod factorization;
-pub mod multifrontal;
+pub(crate) mod factorization;
+mod multifrontal;
 mod rank;
 mod scaling;
 mod simd;
@@ -15,10 +15,11 @@ mod sparse_pattern;
 mod vectors;
 
 pub use dense::DenseLu;
-pub use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
-pub use factorization::{Backend, Factorization, Signs, SolverPlan, TransposedSolution, Work};
-pub use multifrontal::Inertia;
-pub use rank::{SparseRow, independent_rows, sign_of_determinant};
+pub(crate) use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
+pub use factorization::Backend;
+pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
+pub use multifrontal::{Inertia, MultifrontalLu};
+pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;
 
@@ -29,7 +30,7 @@ pub struct Singular {
     pub unknown: usize,
 }
 
-/// A direct solver for square matrices of one pattern; scaled and refined by [`Factorization`].
+/// A direct solver for square matrices of one pattern; scaled and refined by `Factorization`.
 pub trait LinearSolver: Send {
     /// Factors values given in the order of the pattern.
     ///

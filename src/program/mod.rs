@@ -25,13 +25,13 @@ mod running;
 mod switches;
 mod undefined;
 
-pub use arguments::{ArgumentKind, Arguments};
+pub use arguments::ArgumentKind;
 pub use digest::Digest;
 pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
-pub use listing::{Instruction, Listing, Source};
-pub use operation::{Binary, Node, Operation, Unary};
-pub use recorded::{Recorded, Recording, along_motion, evaluate, extend, gradient_of, is_from_energies, record};
+pub use listing::Listing;
+pub use operation::Node;
+pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
 pub use running::{Execution, Program, ProgramWork, compile_time, lanes, making_time, refuses_machine_code, set_execution};
 pub use switches::{SwitchKind, Switches};

@@ -8,8 +8,8 @@
 //! | [`Complex64`] | value and one complex perturbation | complex-step verification |
 //! | [`Tangents`], num-dual's `DualSVec64` | value and eight first derivatives | tangent runs |
 //! | num-dual's `Dual64`, `Dual2_64`, `Dual3_64`, `HyperDual64` | derivatives of first to third order | an independent check of what is derived from recordings |
-//! | [`Moving`] over any of them | value and rate along a motion | node maps of flexible elements |
-//! | [`Recorded`](crate::program::Recorded) | a place in a recording | everything else: see [`program`](crate::program) |
+//! | `Moving` over any of them | value and rate along a motion | node maps of flexible elements |
+//! | `Recorded` | a place in a recording | everything else |
 //!
 //! A formula chooses by [`Scalar::select`], [`Scalar::max`], [`Scalar::abs`] and the like, which are right for every type; a formula
 //! that looks at [`Scalar::value`] is refused where it is recorded. Complex numbers are those of num-complex and vectors those of
@@ -19,9 +19,9 @@ mod complex;
 mod curve;
 mod duals;
 mod jet;
-mod moving;
+pub(crate) mod moving;
 mod real;
-mod rotation;
+pub(crate) mod rotation;
 mod slopes;
 mod vector;
 
@@ -29,9 +29,10 @@ pub use complex::COMPLEX_STEP;
 pub(crate) use curve::check_knots;
 pub use curve::{Curve, Interpolant};
 pub use duals::{TANGENTS, Tangents};
-pub use moving::Moving;
+pub(crate) use moving::Moving;
 pub(crate) use real::larger;
-pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
+pub use rotation::Quaternion;
+pub(crate) use rotation::{angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub use vector::SpatialVector;
 
 pub use nalgebra::{Matrix3, Vector3};

@@ -76,9 +76,9 @@ pub struct MechanismBuilder<S> {
     /// Functionals.
     pub functionals: Vec<Functional>,
     /// Lines of the picture.
-    pub drawings: Vec<Drawing>,
+    pub(crate) drawings: Vec<Drawing>,
     /// Nodes that beams and cables made for themselves, which nobody gave a name.
-    pub nodes_of_members: Vec<NodeId>,
+    pub(crate) nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
     /// What was asked for, with the numbers of masses and of elements of beams, cables and shells that have this weight.
     gravities: Vec<(Vector3<S>, [usize; 4])>,

@@ -20,10 +20,13 @@ mod violation;
 
 pub mod built_in;
 
+pub use crate::assembly::{ConstraintId, ElementId, NodeId};
+pub use crate::design::DesignVariable;
+
+pub(crate) use builder::LineElement;
 pub use builder::{
-    BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, Force, FreeMesh,
-    LineElement, MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh,
-    ThinWalls, Torque,
+    BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
+    MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
 };
 #[cfg(feature = "files")]
 pub use file::FileScene;
@@ -35,9 +38,9 @@ pub use prepared::{Prepared, Settings};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 pub use scene::{AnyScene, Output, Scenario, Scene};
 pub use signal::Signal;
-pub use sketch::{Drawn, NodePoint, Sketch};
-pub use solids::{Rod, Solids};
+pub(crate) use sketch::{Drawn, NodePoint};
+pub(crate) use solids::Solids;
 pub use statics::Equilibrium;
-pub use surfaces::Surface;
+pub(crate) use surfaces::Surface;
 pub(crate) use unknown::unknown;
 pub use violation::Violation;

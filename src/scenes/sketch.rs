@@ -74,7 +74,7 @@ pub struct Sketch {
 impl MechanismBuilder<f64> {
     /// The mechanism as lines: its drawings, a line for every part between two points that lie apart at the start, anchors where
     /// joints and links meet the ground, and the points of functionals and point nodes to follow.
-    pub fn sketch(&self) -> Sketch {
+    pub(crate) fn sketch(&self) -> Sketch {
         let mut sketch = Sketch::default();
         for drawing in &self.drawings {
             let points: Vec<_> = drawing.points.iter().filter_map(|&(node, point)| self.node_point(node, point)).collect();
@@ -141,7 +141,7 @@ impl MechanismBuilder<f64> {
     }
 
     /// A place in the frame of a node \[m\]; `None` for a node without a place in space.
-    pub fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
+    pub(crate) fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
         let node = &self.model.nodes[node.0];
         let kind = node.kind.in_space()?;
         let local = if kind.has_axes() { local } else { [0.0; 3] };
@@ -244,7 +244,7 @@ mod tests {
     fn lines_of_shells_are_told_from_others_on_the_same_nodes() {
         let mut plate = mechanism(&PlatePendulum::default());
         let points = plate.drawings[0].points.clone();
-        plate.drawings.push(crate::scenes::Drawing { drawn: Drawn::Body, points });
+        plate.drawings.push(crate::scenes::builder::Drawing { drawn: Drawn::Body, points });
         let kinds: Vec<Drawn> = plate.sketch().lines.into_iter().map(|(drawn, _)| drawn).collect();
         // five elements along and one across
         assert_eq!(kinds, [vec![Drawn::Shell; 8], vec![Drawn::Body]].concat());

@@ -85,7 +85,7 @@ pub struct Solids<'m> {
 
 impl MechanismBuilder<f64> {
     /// The mechanism in space.
-    pub fn solids(&self) -> Solids<'_> {
+    pub(crate) fn solids(&self) -> Solids<'_> {
         let mut solids = Solids {
             mechanism: self,
             surfaces: self.surfaces(),
@@ -419,7 +419,7 @@ fn slope(node: &NodePoint, q: &[f64]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::flexible::section::Shape;
+    use crate::elements::flexible::Shape;
     use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
     use crate::scalar::{Quaternion, SpatialVector, Vector3};
     use crate::scenes::built_in::PlatePendulum;

@@ -66,7 +66,7 @@ impl Prepared<'_> {
     /// Equilibria along their path, through limits of the load; the load factor is 0 at the start, whatever the method.
     ///
     /// # Errors
-    /// See [`follow_path`].
+    /// A start or options that are no good, a first equilibrium that is not found, or a path that ends, with its last load.
     pub fn path(&self, arc: &ArcLength) -> Result<Path, RunError> {
         follow_path(&self.problem(), &self.method, &self.plan, arc)
     }
@@ -75,7 +75,7 @@ impl Prepared<'_> {
     /// about the start, which must be one, or is looked for in a run from equilibrium.
     ///
     /// # Errors
-    /// See [`Prepared::equilibrium`] and [`vibrations`].
+    /// See [`Prepared::equilibrium`], and modes that are there by their count, but were not found.
     pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RunError> {
         Ok(self.modes_with_state(count)?.1)
     }
@@ -95,7 +95,7 @@ impl Prepared<'_> {
     /// that turns; with the coordinates about which they vibrate first.
     ///
     /// # Errors
-    /// See [`Prepared::equilibrium`] and [`complex_modes`].
+    /// As for [`Prepared::modes`].
     pub fn complex_modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
         let (start, plan, load) = self.still_state()?;
         let frame = self.model().in_frame();

@@ -10,7 +10,6 @@ mod signature;
 mod solvers;
 mod transposed;
 
-pub use adjoint::{AdjointRun, adjoint};
 pub use analysis::{Analysis, Forward, Gradient};
 pub use checks::{TaylorTest, largest_difference};
 pub use over_time::GradientCourse;

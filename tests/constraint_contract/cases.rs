@@ -2,14 +2,14 @@
 
 use super::support::motion::body_coordinates;
 use super::support::time_functions::time_functions;
-use costate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
-use costate::elements::joints::{
-    AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HeldSlope, HelicalJoint,
-    PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion,
-    RevoluteJoint, RigidLink, SphericalJoint, TiedNode, UniversalJoint,
+use costate::elements::joints::HeldSlope;
+use costate::elements::{Constraint, NodeKind, Nonholonomic, NonholonomicConstraint, TimeFunction};
+use costate::internals::{
+    AngleCoordinate, CableCorner, CableEnd, ConstraintPhysics, CylindricalJoint, DistanceJoint, EulerParameterNorm,
+    FixedJoint, GearJoint, HelicalJoint, OrthonormalAxes, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation,
+    PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, RollingDisc, RollingSphere,
+    SphericalJoint, TiedNode, UniversalJoint,
 };
-use costate::elements::joints::{RollingDisc, RollingSphere};
-use costate::elements::{Constraint, ConstraintPhysics, NodeKind, Nonholonomic, NonholonomicConstraint, TimeFunction};
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::testing::{self, Sample, check_constraint, check_nonholonomic};
 use std::f64::consts::TAU;

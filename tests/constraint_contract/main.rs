@@ -7,9 +7,8 @@ mod support;
 
 use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, drives, rollings};
 use costate::elements::NodeKind::Body;
-use costate::elements::bodies::EulerParameterNorm;
-use costate::elements::joints::{PrescribedRotation, PrescribedTranslation};
-use costate::elements::{Constraint, NodeKind, RunScalar, State, TimeFunction};
+use costate::elements::{Constraint, NodeKind, State, TimeFunction};
+use costate::internals::{EulerParameterNorm, PrescribedRotation, PrescribedTranslation, RunScalar};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, SpatialVector, TANGENTS, Tangents, Vector3};
 use costate::testing;
 use std::cell::Cell;

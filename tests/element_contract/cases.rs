@@ -3,16 +3,15 @@
 use super::Contract;
 use super::support::time_functions::time_functions;
 use super::users::users_own;
-use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use costate::elements::entries::{Entry, Given, JointVisitor, Placed, SpringVisitor};
-use costate::elements::flexible::faces::{Face, NODE_PARAMETERS, Quad4, Quad9, Triangle6};
-use costate::elements::flexible::{
-    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
-    ShellSection, SmallStrainCableField,
+use costate::elements::flexible::ShellSection;
+use costate::elements::forces::{self, LoadFrame};
+use costate::elements::{Constraint, Element, Field, Flexible, NodeKind, TimeFunction, joints};
+use costate::internals::{
+    AngleCoordinate, AppliedForce, AppliedTorque, BeamField, BeamGravityField, Cable, CableGravity, CableInertia,
+    DistributedLoadField, ElementPhysics, Face, Gravity, NODE_PARAMETERS, NaturalBody, PointMass, Quad4, Quad9, RigidBody,
+    ShellField, ShellPressureField, SmallStrainCableField, Soft, Triangle6,
 };
-use costate::elements::forces::{self, AppliedForce, AppliedTorque, Gravity, LoadFrame, Soft};
-use costate::elements::joints::{self, AngleCoordinate};
-use costate::elements::{Constraint, Element, ElementPhysics, Field, Flexible, NodeKind, TimeFunction};
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::testing::element_physics;
 use std::sync::Arc;

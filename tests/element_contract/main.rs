@@ -8,11 +8,12 @@ mod users;
 use cases::UnderRigidMotion::Invariant;
 use cases::{Case, FRAMES, PAIRS, cases};
 use costate::elements::NodeKind::{Body, Slope};
-use costate::elements::forces::{
-    AppliedForce, AppliedTorque, Bushing, LineDamper, LoadFrame, Soft, TorsionSpringDamper, VectorDamper,
+use costate::elements::forces::LoadFrame;
+use costate::elements::{Element, State, Table, TimeFunction};
+use costate::internals::{
+    AppliedForce, AppliedTorque, Bushing, LineDamper, PrescribedTranslation, RunScalar, Soft, TorsionSpringDamper,
+    VectorDamper,
 };
-use costate::elements::joints::PrescribedTranslation;
-use costate::elements::{Element, RunScalar, State, Table, TimeFunction};
 use costate::scalar::{COMPLEX_STEP, Complex64, Interpolant, Quaternion, SpatialVector, TANGENTS, Tangents, Vector3};
 use costate::testing::{self, check_element};
 use num_dual::{Dual2_64, Dual64};

@@ -1,13 +1,13 @@
 //! Cables in absolute nodal coordinates against closed forms: elastica, stretch, frequencies, momentum, damping; gradients; what a user
 //! may get wrong.
 
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{CableSection, Material};
-use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::elements::flexible::{CableSection, Material, Shape};
+use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
 use costate::functionals::quantities::CableMeasure;
 use costate::history::Watch;
-use costate::integrators::{StepRecord, march};
+use costate::integrators::StepRecord;
+use costate::internals::{AppliedForce, march};
 use costate::prelude::*;
 use costate::scenes::{AnyScene, CableLine, CableMember};
 use std::f64::consts::PI;
@@ -231,7 +231,7 @@ fn frequencies_are_those_of_euler_and_bernoulli() {
 
 /// Momentum, and angular momentum about the origin, of all elements: integrals of m dr/dt and m r x dr/dt, exact by four Gauss points.
 fn momenta(prepared: &Prepared, q: &[f64], v: &[f64]) -> [Vector3<f64>; 2] {
-    use costate::elements::flexible::hermite::values;
+    use costate::internals::hermite_values as values;
     let (inner, outer) = ((3.0 / 7.0 - 2.0 / 7.0 * 1.2_f64.sqrt()).sqrt(), (3.0 / 7.0 + 2.0 / 7.0 * 1.2_f64.sqrt()).sqrt());
     let weights = [(18.0 + 30.0_f64.sqrt()) / 72.0, (18.0 - 30.0_f64.sqrt()) / 72.0];
     let points = [(-inner, weights[0]), (inner, weights[0]), (-outer, weights[1]), (outer, weights[1])];

@@ -1,9 +1,8 @@
 //! Von Mises stresses and section forces over beams and cables against closed forms, their gradients, and what is refused.
 
 use super::assert_close;
-use costate::elements::flexible::STRAINS;
-use costate::elements::flexible::section::Shape;
-use costate::elements::forces::{AppliedForce, AppliedTorque};
+use costate::elements::flexible::Shape;
+use costate::internals::{AppliedForce, AppliedTorque, STRAINS};
 use costate::prelude::*;
 use costate::scenes::{BeamLine, BeamMember, CableLine, Edge, ShellMesh};
 use costate::sensitivity::largest_difference;

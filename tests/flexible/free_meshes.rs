@@ -1,13 +1,11 @@
 //! Shells of four, six and nine nodes on meshes that users bring: the same physics as on grids, names, closed forms, and mistakes in words.
 
 use super::assert_close;
-use costate::assembly::NodeId;
-use costate::elements::flexible::faces::FaceKind;
-use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, ShellSection};
+use costate::elements::flexible::{FaceKind, Laminate, Material, Ply, PlyStrength, ShellSection};
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::prelude::*;
-use costate::scenes::{AnyScene, Edge, FreeMesh, ShellMesh, ShellPart};
+use costate::scenes::{AnyScene, Edge, FreeMesh, NodeId, ShellMesh, ShellPart};
 use std::f64::consts::PI;
 
 const THICKNESS: f64 = 0.01;
@@ -460,7 +458,7 @@ impl Scene for Strip {
         let axis = if self.out_of_plane { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
         let (frame, size, on) = (LoadFrame::World, TimeFunction::ConstantRate, NodeKind::Body);
         let p: Vec<S> = [axis, [0.0; 3]].concat().into_iter().chain([0.0, FORCE]).map(S::from).collect();
-        m.element("force", &[tip[second]], costate::elements::forces::AppliedForce { on, frame, size }, &p);
+        m.element("force", &[tip[second]], costate::internals::AppliedForce { on, frame, size }, &p);
         let at = m.position(tip[second]);
         m.position_functional("deflection", Over::Terminal, tip[second], at, Vector3::from_f64(axis));
         Ok(())

@@ -1,9 +1,9 @@
 //! Functionals over groups of elements: quantities against closed forms, a user's own, aggregates against their definition, gradients.
 
 use super::assert_close;
-use costate::assembly::VectorsAvq;
-use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, Shell, ShellKind};
-use costate::functionals::{Measured, OfShells, Sample, ShellQuantity};
+use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, ShellKind};
+use costate::functionals::{OfShells, Sample, ShellQuantity};
+use costate::internals::{Measured, Shell, VectorsAvq};
 use costate::prelude::*;
 use costate::scenes::built_in::PlatePendulum;
 use costate::scenes::{ShellMember, ShellMesh};

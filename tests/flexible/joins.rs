@@ -1,7 +1,6 @@
 //! Shells and meshes that look joined: joined they are, or refused with the place.
 
-use costate::elements::flexible::Material;
-use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::{FaceKind, Material};
 use costate::prelude::*;
 use costate::scenes::{Edge, FreeMesh};
 

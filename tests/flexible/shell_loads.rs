@@ -1,12 +1,11 @@
 //! Pressure and damping of shells: resultants, work and equilibria in closed form, gradients.
 
-use costate::assembly::NodeId;
 use costate::elements::flexible::Material;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::integrators::ArcLength;
 use costate::prelude::*;
-use costate::scenes::{AnyScene, Edge, ShellMember, ShellMesh};
+use costate::scenes::{AnyScene, Edge, NodeId, ShellMember, ShellMesh};
 use std::f64::consts::PI;
 
 const YOUNG: f64 = 1e6;

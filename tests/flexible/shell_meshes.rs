@@ -1,11 +1,10 @@
 //! Structures of shells that meet at edges, and of thin walls: held against beam theory, joined to bodies and beams.
 
-use costate::assembly::NodeId;
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{Material, Section};
-use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::flexible::{Material, Section, Shape};
+use costate::elements::forces::LoadFrame;
+use costate::internals::{AppliedForce, AppliedTorque};
 use costate::prelude::*;
-use costate::scenes::{BeamLine, Extrusion, Profile};
+use costate::scenes::{BeamLine, Extrusion, NodeId, Profile};
 
 const YOUNG: f64 = 70e9;
 /// Middle lines and length of the tube \[m\].

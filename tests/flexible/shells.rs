@@ -1,10 +1,9 @@
 //! Shells of mechanisms: what they are made of, their weight, drilling against closed forms, and mistakes in words.
 
 use super::assert_close;
-use costate::assembly::NodeId;
 use costate::elements::flexible::{Laminate, Material, Ply};
 use costate::prelude::*;
-use costate::scenes::{DRILLING, Edge, ShellMember, ShellMesh};
+use costate::scenes::{DRILLING, Edge, NodeId, ShellMember, ShellMesh};
 use std::f64::consts::PI;
 
 const STEEL: Material<f64> = Material { young: 210e9, poisson: 0.3, density: 7850.0 };

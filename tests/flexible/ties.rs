@@ -1,7 +1,6 @@
 //! Shells whose nodes do not meet, tied.
 
-use costate::elements::flexible::Material;
-use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::{FaceKind, Material};
 use costate::prelude::*;
 use costate::scenes::{Edge, FreeMesh, ShellMember};
 use std::collections::{HashMap, HashSet};

@@ -2,8 +2,9 @@
 
 mod resumed;
 
-use costate::history::{Checkpoints, FileHistory, History, Keep, Rerun, recomputed_steps};
-use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, march, march_adaptive, table_by_name, tables};
+use costate::history::{History, Keep};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, table_by_name, tables};
+use costate::internals::{Checkpoints, FileHistory, Rerun, march, march_adaptive, recomputed_steps};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use costate::sensitivity::Forward;
 use std::fs;

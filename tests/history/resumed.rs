@@ -1,10 +1,9 @@
 //! A run that stopped, for whatever reason, goes on as if it had not.
 
 use super::{Folder, assert_says, bits, prepared, scene};
-use costate::history::{FileHistory, Keep, Watch};
-use costate::integrators::{
-    ConstraintLevel, Counters, Method, RunError, StepControl, StepError, StepRecord, table_by_name, table_named,
-};
+use costate::history::{Keep, Watch};
+use costate::integrators::{ConstraintLevel, Counters, Method, RunError, StepControl, StepError, StepRecord, table_by_name};
+use costate::internals::{FileHistory, table_named};
 use costate::prelude::*;
 use costate::sensitivity::Forward;
 use std::fs;

@@ -177,7 +177,8 @@ fn constraints_on_velocities_with_equal_recordings_keep_their_own_programs() {
 
 #[test]
 fn a_holonomic_constraint_and_one_on_velocities_with_one_recording_are_two_formulas() {
-    use costate::elements::{ConstraintPhysics, Nonholonomic};
+    use costate::elements::Nonholonomic;
+    use costate::internals::ConstraintPhysics;
     // neither reads a velocity: the operations are the same, the reactions are not
     let own = Difference { coordinates: 1, parameters: 1, left: 1, right: 2 };
     let holonomic = ConstraintPhysics::new(Box::new(Holonomic(own)));

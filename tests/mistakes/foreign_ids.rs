@@ -1,14 +1,14 @@
 //! Nodes, joints and members belong to the mechanism that made them: another one refuses them by name.
 
 use super::Drag;
-use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::flexible::{CableSection, Section};
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
 use costate::functionals::LoadKind;
-use costate::functionals::quantities::{CableMeasure, ReactionNorm, SectionMeasure};
+use costate::functionals::quantities::{CableMeasure, SectionMeasure};
+use costate::internals::ReactionNorm;
 use costate::prelude::*;
-use costate::scenes::{BeamLine, BeamMember, CableLine, CableMember};
+use costate::scenes::{BeamLine, BeamMember, CableLine, CableMember, ConstraintId, NodeId};
 
 /// What a builder is asked to do with a node of another one.
 type WithStranger = (&'static str, fn(&mut MechanismBuilder<f64>, NodeId, NodeId));

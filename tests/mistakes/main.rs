@@ -2,8 +2,7 @@
 
 mod foreign_ids;
 
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{CableSection, Material, Section};
+use costate::elements::flexible::{CableSection, Material, Section, Shape};
 use costate::prelude::*;
 use costate::scenes::{BeamLine, CableLine};
 

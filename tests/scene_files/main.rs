@@ -20,9 +20,8 @@ mod twins;
 mod wrong_files;
 mod wrong_meshes;
 
-use costate::design::DesignVariable;
 use costate::scenes::file::OwnParts;
-use costate::scenes::{AnyScene, FileScene, Prepared, built_in, file};
+use costate::scenes::{AnyScene, DesignVariable, FileScene, Prepared, built_in, file};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 

@@ -2,8 +2,8 @@
 
 use super::wrong_files::refusal;
 use costate::elements::{Table, TimeFunction};
+use costate::internals::{ArgumentKind, Formula, ProgramWork, Recorded};
 use costate::prelude::*;
-use costate::program::{ArgumentKind, Formula, ProgramWork, Recorded};
 use costate::scalar::Curve;
 use costate::scenes::FileScene;
 use costate::sensitivity::largest_difference;

@@ -5,9 +5,8 @@
 #[path = "../../verification/stability/four_bar.rs"]
 mod four_bar;
 
-use costate::integrators::{
-    ConstraintLevel, Method, Recorder, Run, RunError, StartRecord, StepRecord, march, table_by_name,
-};
+use costate::integrators::{ConstraintLevel, Method, RunError, StartRecord, StepRecord, table_by_name};
+use costate::internals::{Recorder, Run, march};
 use costate::scenes::{Prepared, Scene, Settings};
 use four_bar::{Drive, FourBar};
 

@@ -1,7 +1,7 @@
 //! What is measured belongs to one model: asked for in another one it is refused by every door, without a panic and without a number.
 
-use costate::functionals::quantities::{Position, Reaction};
-use costate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, MeasuredQuantity};
+use costate::functionals::Functional;
+use costate::internals::{ElementSum, JointLoad, Measured, MeasuredGroup, MeasuredQuantity, Position, Reaction};
 use costate::optimize::{Optimization, Sqp};
 use costate::prelude::*;
 use costate::sensitivity::Analysis;

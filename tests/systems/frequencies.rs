@@ -1,10 +1,10 @@
 //! Small vibrations against closed forms.
 
-use costate::assembly::NodeId;
-use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::elements::forces::LoadFrame;
 use costate::integrators::Mode;
+use costate::internals::AppliedForce;
 use costate::prelude::*;
-use costate::scenes::AnyScene;
+use costate::scenes::{AnyScene, NodeId};
 
 const GRAVITY: f64 = 9.81;
 

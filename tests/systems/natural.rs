@@ -1,9 +1,10 @@
 //! Natural coordinates tell the same mechanics as Euler parameters: the same mechanisms, written with one, the other or both.
 
-use costate::assembly::{ConstraintId, NodeId};
-use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::forces::LoadFrame;
 use costate::functionals::LoadKind;
+use costate::internals::{AppliedForce, AppliedTorque};
 use costate::prelude::*;
+use costate::scenes::{ConstraintId, NodeId};
 
 /// Coordinates of the bodies of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,12 @@
 //! Constraints on velocities: rolling against closed forms, conservation and complex steps.
 
 use crate::support::Random;
-use costate::design::DesignVariable;
-use costate::elements::joints::{RollingDisc, RollingSphere};
-use costate::elements::{ConstraintPhysics, NodeKind, Nonholonomic, State};
+use costate::elements::{NodeKind, Nonholonomic, State};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
+use costate::internals::{ConstraintPhysics, RollingDisc, RollingSphere};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings, Signal};
+use costate::scenes::{DesignVariable, MechanismBuilder, Prepared, Scene, Settings, Signal};
 use costate::sensitivity::largest_difference;
 
 const END: f64 = 4.0;

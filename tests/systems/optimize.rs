@@ -1,8 +1,7 @@
 //! Optimizers on problems with published optima, and scenes optimized by their gradients.
 
-use costate::elements::RunScalar;
 use costate::integrators::RunError;
-use costate::io::{read_csv, write_csv};
+use costate::internals::{RunScalar, read_csv, write_csv};
 use costate::optimize::{
     ConstraintKind, DesignHistory, Ended, GradientBy, Gradients, NoValue, NonlinearProgram, Optimization, Optimized, Reason,
     Sqp, Stopping, Values, Watcher, minimize, optimizers,

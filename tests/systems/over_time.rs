@@ -1,7 +1,7 @@
 //! Sensitivities at every step: direct differentiation against complex step, the adjoint of a run that ends there, and the run's own values.
 
 use costate::functionals::Over;
-use costate::integrators::table_named;
+use costate::internals::table_named;
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{FiveBar, FlexiblePendulum};

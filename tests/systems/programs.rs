@@ -1,6 +1,6 @@
 //! What a program of one's own is made of: loads with named numbers, functions of time of one's own, results by name.
 
-use costate::elements::forces::{AppliedForce, AppliedTorque};
+use costate::internals::{AppliedForce, AppliedTorque};
 use costate::prelude::*;
 use costate::scenes::built_in::{FiveBar, Pendulum};
 

@@ -1,14 +1,12 @@
 //! Redundant constraints: a loop of six hinges whose equations depend on each other at every pose.
 
-use costate::design::DesignVariable;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{LoadKind, Over};
 use costate::history::Keep;
-use costate::integrators::{
-    ConstraintLevel, Method, Recorder, RunError, StartRecord, StepControl, StepRecord, march, table_by_name,
-};
+use costate::integrators::{ConstraintLevel, Method, RunError, StartRecord, StepControl, StepRecord, table_by_name};
+use costate::internals::{Recorder, march};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
+use costate::scenes::{DesignVariable, MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 
 /// Bricard's loop of six bars along the edges of a unit cube, each hinge at right angles to both its bars; one bar is the ground.

@@ -1,14 +1,14 @@
 //! Newton's method and projections end at round-off, whatever the step, the load and the inertia.
 
-use costate::design::DesignVariable;
-use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::elements::forces::LoadFrame;
 use costate::elements::{NodeKind, TimeFunction};
 use costate::functionals::Over;
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, StepRecord, march, table_by_name};
+use costate::integrators::{ConstraintLevel, Method, StepRecord, table_by_name};
+use costate::internals::{AppliedForce, march};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::built_in::DoublePendulum;
-use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, Violation};
+use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, Violation};
 
 /// A heavy top whose body frame sits at its tip: the joint's equation is r = 0, and any round-off in r is all of r.
 struct TopWithFrameAtTip;

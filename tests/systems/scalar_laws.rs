@@ -3,8 +3,8 @@
 //! A new type is one line in `types!` and one `Probe`; a new function is one line in `functions!`.
 
 use crate::support::Random;
-use costate::program::{Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, record};
-use costate::scalar::{COMPLEX_STEP, Complex64, Curve, Interpolant, Moving, Scalar, TANGENTS, Tangents};
+use costate::internals::{Formula, Graph, Moving, Node, Program, ProgramKind, ProgramWork, Recorded, record};
+use costate::scalar::{COMPLEX_STEP, Complex64, Curve, Interpolant, Scalar, TANGENTS, Tangents};
 use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, HyperDual64};
 use std::sync::{Arc, OnceLock};
 

@@ -1,6 +1,7 @@
 //! Every solver of linear systems gives the same motion and the same gradient.
 
-use costate::linalg::{Backend, SolverPlan};
+use costate::internals::SolverPlan;
+use costate::linalg::Backend;
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{CarAxis, FiveBar, FlexibleFourBar, PlatePendulum, SliderCrank, Thicknesses};

@@ -1,13 +1,13 @@
 //! Equilibria: load steps, their gradients, what a user may get wrong.
 
-use costate::assembly::NodeId;
 use costate::elements::flexible::{CableSection, Section};
-use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::elements::forces::LoadFrame;
 use costate::functionals::{LoadKind, Quantity};
 use costate::history::Keep;
-use costate::integrators::{ArcLength, PathEnd, PathPoint, STATIC_TABLE, StepControl, table_named};
+use costate::integrators::{ArcLength, PathEnd, PathPoint, STATIC_TABLE, StepControl};
+use costate::internals::{AppliedForce, table_named};
 use costate::prelude::*;
-use costate::scenes::{AnyScene, BeamLine, CableLine};
+use costate::scenes::{AnyScene, BeamLine, CableLine, NodeId};
 
 fn vector(x: f64, y: f64, z: f64) -> [f64; 3] {
     [x, y, z]

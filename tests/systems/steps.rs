@@ -1,10 +1,10 @@
 //! Which table makes a step, steps chosen by their error, and the motion between steps.
 
-use costate::functionals::QuadratureWeights;
-use costate::history::{Keep, Memory};
+use costate::history::Keep;
 use costate::integrators::{
-    ConstraintLevel, Method, NewtonTolerance, Scheme, StepControl, StepRecord, Table, TimeGrid, march, table_named, tables,
+    ConstraintLevel, Method, NewtonTolerance, Scheme, StepControl, StepRecord, Table, TimeGrid, tables,
 };
+use costate::internals::{Memory, QuadratureWeights, march, table_named};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{FiveBar, all};

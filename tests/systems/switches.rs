@@ -1,8 +1,7 @@
 //! Formulas that pass from one piece to another on the way, and formulas that look at numbers.
 
-use costate::integrators::Crossing;
+use costate::integrators::{Crossing, SwitchKind};
 use costate::prelude::*;
-use costate::program::SwitchKind;
 use costate::scalar::Curve;
 use costate::scenes::built_in;
 use std::sync::Arc;

@@ -3,9 +3,10 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use costate::functionals::{Measured, Sample};
+use costate::functionals::Sample;
 use costate::history::Watch;
-use costate::integrators::{StepRecord, discrete_momentum, march, table_named};
+use costate::integrators::{StepRecord, discrete_momentum};
+use costate::internals::{Measured, march, table_named};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{

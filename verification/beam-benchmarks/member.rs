@@ -1,11 +1,11 @@
 //! One beam, clamped or free, with loads at its tip that grow with the load factor: every static problem of the study.
 
-use costate::assembly::Model;
 use costate::elements::flexible::Section;
-use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::forces::LoadFrame;
 use costate::elements::{NodeKind, TimeFunction};
 use costate::history::Watch;
-use costate::integrators::{StepRecord, march_dividing};
+use costate::integrators::StepRecord;
+use costate::internals::{AppliedForce, AppliedTorque, Model, march_dividing};
 use costate::prelude::*;
 use costate::scenes::BeamLine;
 

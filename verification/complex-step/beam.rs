@@ -2,8 +2,7 @@
 
 use super::measures::Reach;
 use costate::elements::TimeFunction;
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{Material, Section};
+use costate::elements::flexible::{Material, Section, Shape};
 use costate::elements::forces::LoadFrame;
 use costate::scalar::{Scalar, SpatialVector, Vector3};
 use costate::scenes::{BeamLine, BeamMember, MechanismBuilder, Signal};

@@ -1,11 +1,10 @@
 //! Cables that hold the elbow of the arm: two elements clamped to the ground, a corner, two elements more, and an end on the arm.
 
 use super::measures::Reach;
-use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::flexible::CableSection;
 use costate::elements::joints::HeldSlope;
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{CableLine, CableMember, MechanismBuilder};
+use costate::scenes::{CableLine, CableMember, ConstraintId, MechanismBuilder, NodeId};
 
 /// What is tested of the cables.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,17 +2,16 @@
 
 use super::scenes::{Case, Subject};
 use super::shell::ShellSubject;
-use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::NodeKind;
 use costate::elements::flexible::PlyStrength;
 use costate::elements::forces::LoadFrame;
-use costate::functionals::quantities::{
-    CableMeasure, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure,
-    TargetDistance, Velocity,
-};
+use costate::functionals::quantities::{CableMeasure, SectionMeasure};
 use costate::functionals::{Aggregate, AggregateKind, LoadKind, Over, Times};
+use costate::internals::{
+    Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, TargetDistance, Velocity,
+};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{BeamMember, CableMember, MechanismBuilder, ShellMember};
+use costate::scenes::{BeamMember, CableMember, ConstraintId, MechanismBuilder, NodeId, ShellMember};
 
 /// A quantity of the library.
 #[derive(Clone, Copy, Debug, PartialEq)]

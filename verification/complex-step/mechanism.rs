@@ -3,12 +3,12 @@
 use super::cable::CableSubject;
 use super::measures::Seen;
 use super::scenes::{Case, Subject};
-use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::entries::{GivenValue, JointPart, Values};
-use costate::elements::forces::{AppliedForce, AppliedTorque, DAMPERS, SPRINGS};
+use costate::elements::forces::{DAMPERS, SPRINGS};
 use costate::elements::{NodeKind, TimeFunction, joints};
+use costate::internals::{AppliedForce, AppliedTorque};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{BushingRates, MechanismBuilder, SpringDamper};
+use costate::scenes::{BushingRates, ConstraintId, MechanismBuilder, NodeId, SpringDamper};
 use std::ops::Range;
 
 /// Where a joint between arm and link stands.
@@ -76,7 +76,7 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
             let offset = start.rotate_back(m.position(both[1]) - mean).components();
             let relative = start.conjugate().times(m.rotation(both[1])).0;
             let p: Vec<S> = weights.into_iter().chain(offset).chain(relative).collect();
-            let tied = joints::TiedNode { carriers: 2, b: NodeKind::Body };
+            let tied = costate::internals::TiedNode { carriers: 2, b: NodeKind::Body };
             m.constraint(name, &[both[0], third, both[1]], tied, &p)
         }
         RackAndPinion => {

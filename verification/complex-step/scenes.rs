@@ -4,13 +4,12 @@ use super::beam::{self, BeamSubject, Kind};
 use super::cable::CableSubject;
 use super::measures;
 use super::shell::ShellSubject;
-use costate::design::DesignVariable;
-use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::FaceKind;
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
 use costate::elements::{NodeKind, TimeFunction};
 use costate::scalar::{Interpolant, Scalar};
-use costate::scenes::{MechanismBuilder, Scene, Settings};
+use costate::scenes::{DesignVariable, MechanismBuilder, Scene, Settings};
 use std::sync::Arc;
 
 /// Length of every run [s].

@@ -1,13 +1,11 @@
 //! A shell of one element on the arm, curved and distorted, whose nodes start beside their reference.
 
 use super::measures::Reach;
-use costate::assembly::NodeId;
 use costate::elements::TimeFunction;
-use costate::elements::flexible::faces::FaceKind;
-use costate::elements::flexible::{Laminate, Material, Ply};
+use costate::elements::flexible::{FaceKind, Laminate, Material, Ply};
 use costate::elements::forces::LoadFrame;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, ShellMember, ShellMesh, Signal};
+use costate::scenes::{MechanismBuilder, NodeId, ShellMember, ShellMesh, Signal};
 
 /// What is tested of the shell.
 #[derive(Clone, Debug)]

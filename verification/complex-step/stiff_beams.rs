@@ -3,9 +3,8 @@
 use super::QUOTIENT;
 use crate::verification::Report;
 use crate::verification::rounding::SCATTER;
-use costate::design::{DesignMap, ModelNumbers};
 use costate::integrators::RunError;
-use costate::program::Recorded;
+use costate::internals::{DesignMap, ModelNumbers, Recorded};
 use costate::scenes::built_in::{RightAngleCantilever, SpinUpBeam};
 use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::Analysis;

@@ -16,9 +16,9 @@ mod stiff_beams;
 use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
 use crate::verification::{Report, Study};
 use costate::integrators::{
-    ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name,
-    table_named, tables,
+    ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name, tables,
 };
+use costate::internals::table_named;
 use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::{Quotient, largest_difference};
 use measures::{Reach, Reads};

@@ -3,8 +3,8 @@
 use super::timing::{Measured, least, number, repeated};
 use super::user::{UserBeam, UserRevolute};
 use costate::elements::{Constraint, Element, Flexible};
+use costate::internals::{Formula, Node, ProgramKind, Recorded};
 use costate::prelude::Scalar;
-use costate::program::{Formula, Node, ProgramKind, Recorded};
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;
 

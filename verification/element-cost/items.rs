@@ -3,17 +3,18 @@
 use super::user::{UserBeam, UserRevolute};
 use ShellSection::{Isotropic, Laminate};
 use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
-use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
 use costate::elements::entries::{Entry, Given, JointVisitor, Placed, SpringVisitor};
-use costate::elements::flexible::faces::{Face, Quad4, Quad9, Triangle6};
-use costate::elements::flexible::{
-    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
-    ShellSection, SmallStrainCableField,
-};
-use costate::elements::forces::{AppliedForce, AppliedTorque, Gravity, LoadFrame, Soft};
-use costate::elements::joints::*;
+use costate::elements::flexible::ShellSection;
+use costate::elements::forces::LoadFrame;
+use costate::elements::joints::Freedom;
 use costate::elements::{
     AnyConstraint, AnyElement, Constraint, Element, Flexible, Nonholonomic, TimeFunction, forces, joints,
+};
+use costate::internals::{
+    AngleCoordinate, AppliedForce, AppliedTorque, BeamField, BeamGravityField, Cable, CableGravity, CableInertia,
+    DiscOnPlane, DistributedLoadField, EulerParameterNorm, Face, Gravity, HeldNode, NaturalBody, OrthonormalAxes, PointMass,
+    Quad4, Quad9, RevoluteJoint, RigidBody, RollingDisc, RollingSphere, ShellField, ShellPressureField,
+    SmallStrainCableField, Soft, TiedNode, Triangle6,
 };
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 

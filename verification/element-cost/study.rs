@@ -4,8 +4,7 @@ mod timing;
 mod user;
 
 use crate::verification::{Clock, Figure, Form, Report, Study, median, on_one_thread};
-use costate::assembly::{System, SystemOptions};
-use costate::program::{Program, lanes};
+use costate::internals::{Program, System, SystemOptions, lanes};
 use items::Item;
 use std::sync::Arc;
 use timing::{COPIES, ItemCost, Measured, assembled, assembly, least, programs, repeated};

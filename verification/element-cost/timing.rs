@@ -2,12 +2,12 @@
 
 use super::items::{Item, Physics};
 use crate::verification::Clock;
-use costate::assembly::{
-    Equations, Jacobian, Level, Model, PartPrograms, Residual, StageCoefficients, StageSystem, System, SystemOptions,
-    VectorsAvq,
+use costate::elements::NodeKind;
+use costate::internals::{
+    Codes, ConstraintPhysics, ElementPhysics, Equations, Formula, Graph, Jacobian, Level, Model, Node, PartPrograms,
+    Program, ProgramKind, ProgramWork, Residual, RunScalar, StageCoefficients, StageSystem, System, SystemOptions,
+    VectorsAvq, compile_time, lanes, motion_derivatives,
 };
-use costate::elements::{ConstraintPhysics, ElementPhysics, NodeKind, RunScalar, motion_derivatives};
-use costate::program::{Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, compile_time, lanes};
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;
 use std::sync::Arc;

@@ -1,10 +1,9 @@
 //! A beam and a joint as a user writes them: through the public traits, with parameters in an order of their own, so that nothing of the
 //! library's recordings and programs serves them.
 
-use costate::elements::flexible::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS};
 use costate::elements::{Constraint, Field, Frame, Interpolation, NodeKind, Parameter};
+use costate::internals::{AT_GAUSS_POINTS, AT_TYING_POINTS, tensor_times};
 use costate::prelude::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scalar::tensor_times;
 use std::ops::Range;
 
 /// Number of points at which strains are taken.

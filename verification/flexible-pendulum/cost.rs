@@ -2,8 +2,8 @@
 
 use super::path::prepare;
 use crate::verification::{Clock, Report};
-use costate::history::Nothing;
-use costate::integrators::{Counters, DEFAULT_TABLE, NewtonTolerance, RunError, march};
+use costate::integrators::{Counters, DEFAULT_TABLE, NewtonTolerance, RunError};
+use costate::internals::{Nothing, march};
 use costate::scenes::Prepared;
 use costate::scenes::built_in::FlexiblePendulum;
 

@@ -1,8 +1,9 @@
 //! The way of the tip and the energy in one run.
 
-use costate::functionals::{Measured, Sample};
+use costate::functionals::Sample;
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, march, table_named};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord};
+use costate::internals::{Measured, march, table_named};
 use costate::scenes::{AnyScene, Prepared};
 
 /// Moments at which runs are compared, in equal distances; every number of steps is a multiple of it.

@@ -1,7 +1,8 @@
 //! The pendulum with less and less stretch, as a cable and as a geometrically exact beam, and one that is set in motion smoothly.
 
 use costate::elements::flexible::{CableSection, Section};
-use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::elements::forces::LoadFrame;
+use costate::internals::AppliedForce;
 use costate::prelude::*;
 use costate::scenes::{BeamLine, CableLine};
 

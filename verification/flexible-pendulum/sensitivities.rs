@@ -3,8 +3,8 @@
 use super::path::{MOMENTS, prepare};
 use super::{END, line};
 use crate::verification::Report;
+use costate::cli::Chart;
 use costate::integrators::{DEFAULT_TABLE, RunError};
-use costate::io::Chart;
 use costate::scenes::built_in::FlexiblePendulum;
 use costate::sensitivity::GradientCourse;
 

@@ -6,8 +6,8 @@ mod scenes;
 mod sensitivities;
 
 use crate::verification::{Clock, Report, Study, on_one_thread};
+use costate::cli::{Chart, Series, Style};
 use costate::integrators::{DEFAULT_TABLE, RunError};
-use costate::io::{Chart, Series, Style};
 use costate::scenes::built_in::FlexiblePendulum;
 use path::{MOMENTS, Path, path};
 use scenes::{Formulation, Pushed, Stiffened};

@@ -1,8 +1,9 @@
 use crate::verification::{Clock, Form, Report, Study, on_one_thread, on_threads};
+use costate::cli::{Chart, Series, Style};
 use costate::functionals::Sample;
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, march_dividing, table_by_name};
-use costate::io::{Chart, Series, Style};
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};
+use costate::internals::march_dividing;
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::FlexibleFourBar;

@@ -1,10 +1,9 @@
 //! The plate pendulum with any list of functionals.
 
-use costate::design::DesignVariable;
 use costate::elements::flexible::Material;
 use costate::functionals::{Aggregate, AggregateKind, Over, Times};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{Edge, MechanismBuilder, Scene, Settings, ShellMesh};
+use costate::scenes::{DesignVariable, Edge, MechanismBuilder, Scene, Settings, ShellMesh};
 
 /// What is measured of the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]

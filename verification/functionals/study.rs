@@ -4,9 +4,9 @@ mod scene;
 
 use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
 use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, with_phases};
+use costate::cli::{Chart, Series, Style};
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::integrators::{ConstraintLevel, Counters, DEFAULT_TABLE, Method, RunError, table_by_name};
-use costate::io::{Chart, Series, Style};
 use costate::scenes::built_in::BoxTubePendulum;
 use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::{Gradient, largest_difference};

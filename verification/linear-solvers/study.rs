@@ -9,7 +9,8 @@ mod patterns;
 
 use crate::verification::memory::{forget_peak, memory_of_now, peak_memory};
 use crate::verification::{Clock, Noise, Report, Study, on_threads};
-use costate::linalg::{Backend, Factorization, Work};
+use costate::internals::{Factorization, Work};
+use costate::linalg::Backend;
 use patterns::{Matrix, chain, full, shell};
 use std::time::Instant;
 

@@ -3,13 +3,12 @@
 mod exact;
 
 use crate::verification::{Report, Study};
-use costate::design::DesignVariable;
 use costate::functionals::Over;
 use costate::history::{Keep, Watch};
 use costate::integrators::{ConstraintLevel, Method, StepRecord, Table, tables};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::built_in::Pendulum;
-use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings};
+use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::Analysis;
 use exact::{Exact, HeavyTop};
 

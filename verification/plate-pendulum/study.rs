@@ -2,10 +2,10 @@
 
 use crate::verification::memory::{forget_peak, memory_of_now, peak_memory};
 use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, on_threads};
-use costate::assembly::{Jacobian, Residual, StageSystem};
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, Systems, table_by_name};
-use costate::linalg::{Backend, Factorization, TransposedSolution};
+use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, table_by_name};
+use costate::internals::{Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution};
+use costate::linalg::Backend;
 use costate::scenes::built_in::{BoxTubePendulum, PlatePendulum, Thicknesses};
 use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::largest_difference;

@@ -2,8 +2,8 @@
 
 use super::{prepare, watch, worse};
 use crate::verification::Report;
-use costate::assembly::VectorsAvq;
-use costate::functionals::{Measured, Sample};
+use costate::functionals::Sample;
+use costate::internals::{Measured, VectorsAvq};
 use costate::scenes::built_in::Bricard;
 use costate::scenes::{Prepared, Violation};
 

@@ -4,7 +4,8 @@ mod mechanisms;
 
 use crate::verification::{Report, Study};
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, march, table_by_name};
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};
+use costate::internals::march;
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::scenes::built_in::{CarAxis, DoublePendulum, FiveBar, FreeBody, HeavyTop, Pendulum, TwoFourBar};
 use costate::scenes::{AnyScene, Prepared, Settings, Violation};

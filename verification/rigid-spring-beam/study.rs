@@ -1,8 +1,9 @@
 use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, optimize_from, over_time, prepare, seconds};
 use crate::verification::{Report, Study, on_one_thread};
-use costate::functionals::{Measured, Over};
+use costate::cli::{Chart, Series};
+use costate::functionals::Over;
 use costate::integrators::RunError;
-use costate::io::{Chart, Series};
+use costate::internals::Measured;
 use costate::optimize::{GradientBy, Optimized};
 use costate::scenes::built_in::RigidSpringBeam;
 use costate::scenes::{Prepared, Scene, Settings};

@@ -1,7 +1,8 @@
 //! A slender cantilever under a load across its tip.
 
 use costate::elements::flexible::Section;
-use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::elements::forces::LoadFrame;
+use costate::internals::AppliedForce;
 use costate::prelude::*;
 use costate::scenes::BeamLine;
 

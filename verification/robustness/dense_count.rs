@@ -1,8 +1,7 @@
 //! Negative eigenvalues of the stiffness of an equilibrium by a dense eigensolver, on a basis of the directions that its constraints leave.
 
-use costate::assembly::{Jacobian, Residual, StageSystem};
-use costate::history::Rerun;
-use costate::integrators::{Stability, Systems};
+use costate::integrators::Stability;
+use costate::internals::{Jacobian, Rerun, Residual, StageSystem, Systems};
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
 use nalgebra::{DMatrix, SymmetricEigen};

@@ -4,8 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use crate::verification::{Noise, Report};
-use costate::elements::flexible::Material;
-use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::{FaceKind, Material};
 use costate::prelude::*;
 use costate::scenes::{Edge, FreeMesh, ShellMember};
 

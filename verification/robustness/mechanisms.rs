@@ -6,10 +6,10 @@
 use super::dense_count::{Told, compare};
 use super::random_mechanism::RandomMechanism;
 use crate::verification::{Clock, Report};
-use costate::assembly::{Jacobian, Residual, StageSystem};
-use costate::history::{Rerun, Watch};
-use costate::integrators::{StepError, StepRecord, Systems};
-use costate::linalg::{Backend, Factorization};
+use costate::history::Watch;
+use costate::integrators::{StepError, StepRecord};
+use costate::internals::{Factorization, Jacobian, Rerun, Residual, StageSystem, Systems};
+use costate::linalg::Backend;
 use costate::prelude::*;
 use costate::sensitivity::{Analysis, Forward};
 use std::collections::BTreeMap;

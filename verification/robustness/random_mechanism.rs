@@ -1,16 +1,14 @@
 //! Mechanisms drawn by lot: any members, joints, springs, drivers and loads of the library between any of their nodes.
 
 use crate::verification::Noise;
-use costate::assembly::{ConstraintId, NodeId};
-use costate::elements::flexible::faces::FaceKind;
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{CableSection, Material, Section};
-use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::flexible::{CableSection, FaceKind, Material, Section, Shape};
+use costate::elements::forces::LoadFrame;
 use costate::elements::joints;
 use costate::functionals::quantities::SectionMeasure;
 use costate::integrators::{STATIC_TABLE, StepControl};
+use costate::internals::{AppliedForce, AppliedTorque};
 use costate::prelude::*;
-use costate::scenes::{BeamLine, CableLine, Edge};
+use costate::scenes::{BeamLine, CableLine, ConstraintId, Edge, NodeId};
 
 /// Lots, each with the odds that it is asked for.
 pub struct Lots(Noise);

@@ -1,8 +1,8 @@
 //! Masses under laws of pieces, drawn by lot: each run tells that it passes from one to another, or its gradient is that of its quotients.
 
 use crate::verification::{Noise, Report};
+use costate::integrators::SwitchKind;
 use costate::prelude::*;
-use costate::program::SwitchKind;
 use costate::scalar::Curve;
 use std::sync::Arc;
 

@@ -2,8 +2,7 @@
 
 use super::random_mechanism::Lots;
 use crate::verification::Report;
-use costate::elements::flexible::Material;
-use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::{FaceKind, Material};
 use costate::integrators::Verdict;
 use costate::prelude::*;
 use costate::scenes::{Edge, ShellMember};

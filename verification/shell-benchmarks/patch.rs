@@ -1,9 +1,9 @@
 //! Patches of four distorted elements whose edges are moved as a field of constant strain moves them: inside, the same field must be found.
 
-use costate::elements::flexible::Material;
-use costate::elements::flexible::faces::FaceKind;
-use costate::elements::forces::{AppliedTorque, LoadFrame};
+use costate::elements::flexible::{FaceKind, Material};
+use costate::elements::forces::LoadFrame;
 use costate::elements::{NodeKind, TimeFunction};
+use costate::internals::AppliedTorque;
 use costate::prelude::*;
 use costate::scenes::{Edge, ShellMesh};
 

@@ -1,12 +1,11 @@
 //! Shells with loads that grow with the load factor.
 
-use costate::assembly::NodeId;
-use costate::elements::flexible::faces::FaceKind;
-use costate::elements::flexible::{Laminate, Material, Ply};
-use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::flexible::{FaceKind, Laminate, Material, Ply};
+use costate::elements::forces::LoadFrame;
 use costate::elements::{NodeKind, TimeFunction};
+use costate::internals::{AppliedForce, AppliedTorque};
 use costate::prelude::*;
-use costate::scenes::{Edge, ShellMember, ShellMesh};
+use costate::scenes::{Edge, NodeId, ShellMember, ShellMesh};
 use std::f64::consts::PI;
 
 /// A published problem.

@@ -1,8 +1,8 @@
 //! Equilibria of scenes that have one shell, and what is read of them.
 
-use costate::assembly::Model;
 use costate::history::Watch;
-use costate::integrators::{StepRecord, march_dividing};
+use costate::integrators::StepRecord;
+use costate::internals::{Model, march_dividing};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 

@@ -3,7 +3,7 @@ mod scenes;
 mod solve;
 
 use crate::verification::{Noise, Report, Study};
-use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::FaceKind;
 use costate::integrators::ArcLength;
 use costate::prelude::*;
 use patch::{Field, Patch, place};

@@ -2,7 +2,7 @@
 
 use crate::verification::{Clock, Noise, Report, Study, median};
 use costate::elements::Table;
-use costate::program::{ArgumentKind, Formula, Recorded};
+use costate::internals::{ArgumentKind, Formula, Recorded};
 use costate::scalar::Interpolant;
 use costate::scenes::{FileScene, Prepared};
 use costate::sensitivity::largest_difference;

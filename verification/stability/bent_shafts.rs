@@ -1,9 +1,8 @@
 //! Two shafts nearly at a right angle with a universal joint, driven from the slow side.
 
-use costate::design::DesignVariable;
 use costate::functionals::Over;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Scene, Settings, Signal};
+use costate::scenes::{DesignVariable, MechanismBuilder, Scene, Settings, Signal};
 
 /// Input along x, output at a right angle less `short` [rad]; the output is driven so far that the input turns by 1 rad.
 pub struct BentShafts {

@@ -1,7 +1,7 @@
 //! Condition of a stage matrix.
 
-use costate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, VectorsAvq};
-use costate::integrators::{ConstraintLevel, Systems};
+use costate::integrators::ConstraintLevel;
+use costate::internals::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Systems, VectorsAvq};
 use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
 use costate::scenes::Prepared;
 

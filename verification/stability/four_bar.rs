@@ -1,9 +1,8 @@
 //! A four-bar linkage, driven or free, through its dead points.
 
-use costate::design::DesignVariable;
 use costate::functionals::Over;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Scene, Settings, Signal, SpringDamper};
+use costate::scenes::{DesignVariable, MechanismBuilder, Scene, Settings, Signal, SpringDamper};
 
 /// A crank AB, a coupler BC and a rocker DC of round bars between two points of the ground; the crank can turn, the rocker swings.
 pub struct FourBar {

@@ -1,9 +1,8 @@
 //! The scenes of the study.
 
-use costate::design::DesignVariable;
 use costate::functionals::Over;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Scene, Settings};
+use costate::scenes::{DesignVariable, MechanismBuilder, Scene, Settings};
 
 /// How long a metre is and how heavy a kilogram, in the units of a scene.
 #[derive(Clone, Copy)]

@@ -8,10 +8,10 @@ mod scenes;
 
 use crate::verification::{Form, Report, Study};
 use condition::condition;
-use costate::assembly::VectorsAvq;
-use costate::functionals::{Measured, Sample};
+use costate::functionals::Sample;
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, StepRecord, march, table_by_name, tables};
+use costate::integrators::{ConstraintLevel, Method, StepRecord, table_by_name, tables};
+use costate::internals::{Measured, VectorsAvq, march};
 use costate::scenes::built_in::{FreeBody, Pendulum};
 use costate::scenes::{AnyScene, Prepared, Settings, Violation};
 use costate::sensitivity::largest_difference;

@@ -1,10 +1,10 @@
 use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, over_time, prepare, seconds, seconds_a_gradient};
 use crate::verification::{Form, Report, Study, on_one_thread};
+use costate::cli::{Chart, Series};
 use costate::elements::flexible::CableStrain;
-use costate::functionals::quantities::CableLargestStress;
-use costate::functionals::{Functional, Measured, MeasuredQuantity, Over};
+use costate::functionals::{Functional, Over};
 use costate::integrators::RunError;
-use costate::io::{Chart, Series};
+use costate::internals::{CableLargestStress, Measured, MeasuredQuantity};
 use costate::optimize::{GradientBy, Optimized};
 use costate::scenes::built_in::Suspension;
 use costate::scenes::{AnyScene, Prepared, Settings};

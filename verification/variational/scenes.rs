@@ -1,8 +1,7 @@
 //! Mechanisms whose moment of momentum about the vertical is a constant of motion.
 
-use costate::assembly::Model;
-use costate::elements::flexible::section::Shape;
-use costate::elements::flexible::{CableSection, Material};
+use costate::elements::flexible::{CableSection, Material, Shape};
+use costate::internals::Model;
 use costate::prelude::*;
 use costate::scenes::CableLine;
 

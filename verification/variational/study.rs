@@ -3,9 +3,10 @@
 mod scenes;
 
 use crate::verification::{Report, Study};
-use costate::functionals::{Measured, Sample};
+use costate::functionals::Sample;
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, Problem, RunError, StepRecord, discrete_momentum, march, table_named};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, discrete_momentum};
+use costate::internals::{Measured, Problem, march, table_named};
 use costate::scenes::built_in::{DoublePendulum, FiveBar, FlexiblePendulum, FlyingRod, FreeBody, HeavyTop, SliderCrank};
 use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::largest_difference;

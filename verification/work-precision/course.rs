@@ -1,7 +1,8 @@
 //! Forces over a motion, and how far those of one run are from those of another.
 
 use costate::history::Watch;
-use costate::integrators::{Run as End, RunError, StepRecord, march, march_adaptive};
+use costate::integrators::{RunError, StepRecord};
+use costate::internals::{Run as End, march, march_adaptive};
 use costate::scenes::Prepared;
 
 /// Numbers at rising times.

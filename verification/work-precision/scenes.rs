@@ -1,8 +1,7 @@
 //! The scene of the study that is not built in.
 
-use costate::design::DesignVariable;
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
+use costate::scenes::{DesignVariable, MechanismBuilder, Prepared, Scene, Settings};
 
 /// Two masses of 1 kg: the first on a rigid link of 1 m to the ground, the second on a bar of 1 m that is very stiff along its line;
 /// released from rest, horizontally.

@@ -122,7 +122,7 @@ pub enum Type {
 
 impl Type {
     /// Whether it says on which nodes a part is.
-    pub fn is_nodes(&self) -> bool {
+    pub(crate) fn is_nodes(&self) -> bool {
         matches!(self, Type::Node | Type::Nodes(_))
     }
 }
@@ -185,7 +185,7 @@ pub struct Forms {
 
 impl Forms {
     /// True if a key `type` says which.
-    pub fn have_types(&self) -> bool {
+    pub(crate) fn have_types(&self) -> bool {
         self.forms.iter().any(|form| !form.name.is_empty())
     }
 }

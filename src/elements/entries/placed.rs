@@ -54,7 +54,7 @@ impl<S: Scalar> Placed<'_, S> {
     ///
     /// # Errors
     /// How far a world point \[m\] is from it.
-    pub fn check_point(self, name: &str, point: Vector3<S>) -> Result<(), String> {
+    pub(crate) fn check_point(self, name: &str, point: Vector3<S>) -> Result<(), String> {
         if self.kind.has_axes() || self.kind.in_space().is_none() {
             return Ok(());
         }

@@ -6,10 +6,10 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// Which strains a cable's energy is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CableStrain {
-    /// Green's axial strain and the exact curvature: see [`Cable`](super::Cable).
+    /// Green's axial strain and the exact curvature.
     #[default]
     Exact,
-    /// Strain of the chord and second derivative: see [`SmallStrainCableField`](super::SmallStrainCableField).
+    /// Strain of the chord and second derivative.
     Small,
 }
 
@@ -39,11 +39,11 @@ pub struct CableSection<S> {
     /// Strains of the energy.
     pub strain: CableStrain,
     /// What it looks like, where it is made of a shape.
-    pub shown: Option<Outline>,
+    pub(crate) shown: Option<Outline>,
     /// Young's modulus [N/m2] and the distance of the outer fibres from the axis \[m\], where it is made of a shape.
-    pub outer_fibres: Option<[S; 2]>,
+    pub(crate) outer_fibres: Option<[S; 2]>,
     /// A size that its shape cannot have.
-    pub impossible: Option<ImpossibleSize>,
+    pub(crate) impossible: Option<ImpossibleSize>,
 }
 
 impl<S: Scalar> CableSection<S> {
@@ -72,7 +72,7 @@ impl<S: Scalar> CableSection<S> {
     }
 
     /// What it looks like: the shape it is made of, or a rectangle as stiff.
-    pub fn outline(&self) -> Outline {
+    pub(crate) fn outline(&self) -> Outline {
         self.shown.unwrap_or_else(|| Outline::of_stiffness(self.axial, [self.bending; 2]))
     }
 

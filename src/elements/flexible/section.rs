@@ -44,13 +44,13 @@ pub struct Section<S> {
     pub damping: S,
     /// Whether stiffness has entries off the diagonal, the mass centre lies beside the line, and damping is asked for: topology, so that
     /// a design variable that is zero now can still be differentiated.
-    pub kind: SectionKind,
+    pub(crate) kind: SectionKind,
     /// What it looks like, where it is made of a shape.
-    pub shown: Option<Outline>,
+    pub(crate) shown: Option<Outline>,
     /// Stresses on its outline, where it is made of a shape that tells them.
     pub stress: Option<OutlineStress<S>>,
     /// A size that its shape cannot have.
-    pub impossible: Option<ImpossibleSize>,
+    pub(crate) impossible: Option<ImpossibleSize>,
 }
 
 /// What the beam's formulas take into account.
@@ -70,7 +70,7 @@ pub struct Shape<S> {
     /// Area \[m2\].
     pub area: S,
     /// Second moments of area: integral of x3^2 and of x2^2 \[m4\], for bending about axes 2 and 3.
-    pub second_moments: [S; 2],
+    pub(crate) second_moments: [S; 2],
     /// Torsion constant \[m4\].
     pub torsion: S,
     /// Shear factors along axes 2 and 3 [-].
@@ -80,7 +80,7 @@ pub struct Shape<S> {
     /// Stresses on its outline, if it is known.
     pub stress: Option<OutlineStress<S>>,
     /// A size that no shape has, told when a beam or a cable is made of it.
-    pub impossible: Option<ImpossibleSize>,
+    pub(crate) impossible: Option<ImpossibleSize>,
 }
 
 /// A size of a shape that is not greater than 0, or a wall without room \[m\].
@@ -199,7 +199,7 @@ impl<S: Scalar> Shape<S> {
 
 impl<S: Scalar> Shape<S> {
     /// What it looks like, of a material with this Young's modulus [N/m2].
-    pub fn outline(&self, young: S) -> Outline {
+    pub(crate) fn outline(&self, young: S) -> Outline {
         let (sizes, round) = self.outer;
         Outline { sizes: sizes.map(Scalar::value), middle: [0.0; 2], round, young: Some(young.value()) }
     }
@@ -265,7 +265,7 @@ impl<S: Scalar> Section<S> {
     }
 
     /// What it looks like: the shape it is made of, or a rectangle as stiff.
-    pub fn outline(&self) -> Outline {
+    pub(crate) fn outline(&self) -> Outline {
         let own = &self.stiffness;
         self.shown.unwrap_or_else(|| Outline::of_stiffness(own[0][0], [own[4][4], own[5][5]]))
     }

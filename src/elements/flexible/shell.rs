@@ -31,7 +31,7 @@ use std::ops::Range;
 /// surface against the axes t_a = R(e) T_a of the node, by a quadrature at the nodes; w is zero for every rigid motion and every stretch that the
 /// axes follow. D = D_33 - B_33^2 / A_33 is the stiffness against twist, and l^2 the sum of squares of the distances of neighbouring nodes in r
 /// and s: the surface turns at the nodes as exactly as slopes of its shape functions do, and a penalty that is no stiffer than bending does not
-/// lock what bends, however thin it is. Its inertia is [`DRILLING_INERTIA`] of the rotary one.
+/// lock what bends, however thin it is. Its inertia is `DRILLING_INERTIA` of the rotary one.
 ///
 /// Kinetic energy: integral of (m |dx/dt|^2 + 2 m_1 dx/dt . dd/dt + m_2 |dd/dt|^2) / 2 dA. Weight: V = -g . integral of m x + m_1 d dA.
 ///

@@ -13,18 +13,23 @@ mod spring_law;
 mod torsion_spring_damper;
 mod vector_damper;
 
-pub use applied_force::AppliedForce;
-pub use applied_torque::AppliedTorque;
-pub use bushing::Bushing;
-pub use coordinate_spring_damper::CoordinateSpringDamper;
-pub use gravity::Gravity;
-pub use line_damper::LineDamper;
-pub use line_spring::LineSpring;
-pub use slide_spring_damper::SlideSpringDamper;
-pub use soft::Soft;
-pub use spring_law::{AngleLaw, LineLaw, SlideLaw, SpringLaw, Stretch, TorsionLaw};
-pub use torsion_spring_damper::TorsionSpringDamper;
-pub use vector_damper::VectorDamper;
+/// Springs, dampers and loads as types.
+pub(crate) mod types {
+    pub use super::applied_force::AppliedForce;
+    pub use super::applied_torque::AppliedTorque;
+    pub use super::bushing::Bushing;
+    pub use super::coordinate_spring_damper::CoordinateSpringDamper;
+    pub use super::gravity::Gravity;
+    pub use super::line_damper::LineDamper;
+    pub use super::line_spring::LineSpring;
+    pub use super::slide_spring_damper::SlideSpringDamper;
+    pub use super::soft::Soft;
+    pub use super::spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
+    pub use super::torsion_spring_damper::TorsionSpringDamper;
+    pub use super::vector_damper::VectorDamper;
+}
+
+pub(crate) use types::*;
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;

@@ -23,28 +23,35 @@ mod spherical;
 mod tied_node;
 mod universal;
 
-pub use angle_coordinate::AngleCoordinate;
-pub use cable_corner::CableCorner;
-pub use cable_end::{CableEnd, CableHinge, CableWeld, HeldSlope};
-pub use cylindrical::CylindricalJoint;
-pub use distance::DistanceJoint;
-pub use fixed::FixedJoint;
-pub use gear::GearJoint;
-pub use held_node::{Freedom, HeldNode};
-pub use helical::HelicalJoint;
-pub use planar::PlanarJoint;
-pub use point_in_plane::PointInPlane;
-pub use point_on_line::PointOnLine;
-pub use prescribed_rotation::PrescribedRotation;
-pub use prescribed_translation::PrescribedTranslation;
-pub use prismatic::PrismaticJoint;
-pub use rack_and_pinion::RackAndPinion;
-pub use revolute::RevoluteJoint;
-pub use rigid_link::RigidLink;
-pub use rolling::{DiscOnPlane, RollingDisc, RollingSphere};
-pub use spherical::SphericalJoint;
-pub use tied_node::TiedNode;
-pub use universal::UniversalJoint;
+/// Joints and drivers as types.
+pub(crate) mod types {
+    pub use super::angle_coordinate::AngleCoordinate;
+    pub use super::cable_corner::CableCorner;
+    pub use super::cable_end::{CableEnd, CableHinge, CableWeld};
+    pub use super::cylindrical::CylindricalJoint;
+    pub use super::distance::DistanceJoint;
+    pub use super::fixed::FixedJoint;
+    pub use super::gear::GearJoint;
+    pub use super::held_node::HeldNode;
+    pub use super::helical::HelicalJoint;
+    pub use super::planar::PlanarJoint;
+    pub use super::point_in_plane::PointInPlane;
+    pub use super::point_on_line::PointOnLine;
+    pub use super::prescribed_rotation::PrescribedRotation;
+    pub use super::prescribed_translation::PrescribedTranslation;
+    pub use super::prismatic::PrismaticJoint;
+    pub use super::rack_and_pinion::RackAndPinion;
+    pub use super::revolute::RevoluteJoint;
+    pub use super::rigid_link::RigidLink;
+    pub use super::rolling::{DiscOnPlane, RollingDisc, RollingSphere};
+    pub use super::spherical::SphericalJoint;
+    pub use super::tied_node::TiedNode;
+    pub use super::universal::UniversalJoint;
+}
+
+pub use cable_end::HeldSlope;
+pub use held_node::Freedom;
+pub(crate) use types::*;
 
 use super::dyn_layer::instantiate_here;
 use super::entries::{JointPart, JointVisitor, entries};

@@ -20,25 +20,32 @@ mod tsai_wu;
 mod velocity;
 mod von_mises;
 
-pub use beam_section_force::BeamSectionForce;
-pub use beam_von_mises::BeamVonMises;
-pub use cable_deflection::CableDeflection;
-pub use cable_largest_stress::CableLargestStress;
-pub use cable_section::{CableMeasure, CableQuantity};
-pub use cable_von_mises::CableVonMises;
-pub use coordinate::Coordinate;
-pub use distance::Distance;
-pub use joint_angle::JointAngle;
-pub use joint_displacement::{JointDisplacement, JointSpeed};
-pub use joint_rate::JointRate;
-pub use position::Position;
-pub use reaction::Reaction;
-pub use reaction_norm::ReactionNorm;
-pub use section::{SectionMeasure, SectionQuantity};
-pub use target_distance::TargetDistance;
-pub use tsai_wu::TsaiWu;
-pub use velocity::Velocity;
-pub use von_mises::VonMises;
+/// Quantities as types.
+pub(crate) mod types {
+    pub use super::beam_section_force::BeamSectionForce;
+    pub use super::beam_von_mises::BeamVonMises;
+    pub use super::cable_deflection::CableDeflection;
+    pub use super::cable_largest_stress::CableLargestStress;
+    pub use super::cable_section::CableQuantity;
+    pub use super::cable_von_mises::CableVonMises;
+    pub use super::coordinate::Coordinate;
+    pub use super::distance::Distance;
+    pub use super::joint_angle::JointAngle;
+    pub use super::joint_displacement::{JointDisplacement, JointSpeed};
+    pub use super::joint_rate::JointRate;
+    pub use super::position::Position;
+    pub use super::reaction::Reaction;
+    pub use super::reaction_norm::ReactionNorm;
+    pub use super::section::SectionQuantity;
+    pub use super::target_distance::TargetDistance;
+    pub use super::tsai_wu::TsaiWu;
+    pub use super::velocity::Velocity;
+    pub use super::von_mises::VonMises;
+}
+
+pub use cable_section::CableMeasure;
+pub use section::SectionMeasure;
+pub(crate) use types::*;
 
 use super::{AnyPointQuantity, AnyQuantity, ElementSum, OfBeams, OfShells, QuantityPart, QuantityVisitor};
 use crate::elements::entries::entries;

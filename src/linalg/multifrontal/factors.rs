@@ -175,6 +175,7 @@ impl Factors {
     }
 
     /// Number of pivots that had to wait for a front above, counted in every front that they left.
+    #[cfg(test)]
     pub fn delayed(&self, symbolic: &Symbolic) -> usize {
         let delayed = |(outcome, front): (&Outcome, &Front)| match (outcome.form, &outcome.grown) {
             (Form::Grown, Some(grown)) => grown.rows.len() - outcome.eliminated,

@@ -44,4 +44,3 @@ pub(super) use kernels::{Target, largest, solve_unit_lower, subtract_columns, su
 pub(super) use known_signs::known_signs;
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
-pub use symbolic::Analysis;

@@ -47,6 +47,7 @@ impl MultifrontalLu {
     }
 
     /// How often in the last factorization a pivot had to wait for a front above.
+    #[cfg(test)]
     pub fn delayed_pivots(&self) -> usize {
         self.factors.delayed(&self.symbolic)
     }

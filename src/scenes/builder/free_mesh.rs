@@ -101,7 +101,7 @@ impl<S: Scalar> FreeMesh<S> {
         Self::of_data_at(data, data.points.iter().map(|&point| Vector3::from_f64(point)).collect())
     }
     /// The same with its points elsewhere \[m\].
-    pub fn of_data_at(data: &Arc<MeshData>, points: Vec<Vector3<S>>) -> Self {
+    pub(crate) fn of_data_at(data: &Arc<MeshData>, points: Vec<Vector3<S>>) -> Self {
         let mut mesh = Self::new(points, &data.faces);
         (mesh.groups, mesh.node_sets) = (data.groups.clone(), data.node_sets.clone());
         mesh.data = Some(data.clone());

@@ -137,7 +137,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_group_functional(name, "kg m2", over, group, ElementSum::InertiaMoment.into(), &p);
     }
 
-    /// A functional of the failure ratio of Tsai and Wu in layered shells with these plies and their strengths [-]: see [`TsaiWu`].
+    /// A functional of the failure ratio of Tsai and Wu in layered shells with these plies and their strengths [-].
     pub fn tsai_wu_functional(
         &mut self,
         name: &str,

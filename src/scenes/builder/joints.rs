@@ -63,7 +63,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// The same joint softly: springs and dampers with a stiffness and a damping for each of its equations
-    /// ([`Soft`](crate::elements::forces::Soft)).
+    /// (`elements::forces::Soft`).
     pub fn soft_joint(
         &mut self,
         part: &JointPart,

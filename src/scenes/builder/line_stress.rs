@@ -75,8 +75,8 @@ impl<S: Scalar> LineStress<S> {
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of the von Mises stress by the yield stress [-] of shells of one material, on both surfaces (see
-    /// [`VonMises`]), of beams, at points on the outlines of their sections ([`OutlineStress`]), and of cables, in
-    /// their outer fibres ([`CableVonMises`]).
+    /// `VonMises`), of beams, at points on the outlines of their sections ([`OutlineStress`]), and of cables, in
+    /// their outer fibres (`CableVonMises`).
     pub fn von_mises_functional(&mut self, name: &str, over: Over, group: &ElementGroup, yield_stress: S) {
         let is_line = |&element: &ElementId| self.is_line(element);
         let (lines, others): (Vec<ElementId>, Vec<ElementId>) = group.elements.iter().copied().partition(is_line);
@@ -168,7 +168,7 @@ pub struct LineElement {
 
 impl MechanismBuilder<f64> {
     /// The elements of all beams and cables.
-    pub fn line_elements(&self) -> Vec<LineElement> {
+    pub(crate) fn line_elements(&self) -> Vec<LineElement> {
         let of_line = |line: &super::OutlinedLine| {
             let field = line.field;
             let nodes = |id| self.model.find_element(id).map(|element| element.nodes.to_vec());
@@ -180,7 +180,7 @@ impl MechanismBuilder<f64> {
 
     /// N1, N2, N3 \[N\], M1, M2, M3 [N m] in the middle of an element, and the largest von Mises stress [N/m2] at its
     /// ends if its section tells it, both without damping, at the coordinates of the whole mechanism.
-    pub fn line_state(&self, line: &LineElement, q: &[f64]) -> ([f64; STRAINS], Option<f64>) {
+    pub(crate) fn line_state(&self, line: &LineElement, q: &[f64]) -> ([f64; STRAINS], Option<f64>) {
         let dofs = line.nodes.iter().flat_map(|&node| self.model.node(node).dofs.clone());
         let q: Vec<f64> = dofs.map(|dof| q[dof]).collect();
         let parameters = self.model.find_element(line.element).map_or(0..0, |element| element.parameters.clone());

@@ -16,7 +16,7 @@ use crate::scenes::{Drawn, Signal};
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
-/// Factor k of the stiffness against turning about the director, see [`ShellField`](crate::elements::flexible::ShellField).
+/// Factor k of the stiffness against turning about the director, see `elements::flexible::ShellField`.
 pub const DRILLING: f64 = 1.0;
 
 /// A shell of a mechanism on any mesh: its nodes and elements, and those that have a name.

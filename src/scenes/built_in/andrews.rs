@@ -14,7 +14,7 @@ pub struct Andrews;
 
 impl Andrews {
     /// Directions from the first to the second pin of K1 to K7 at the start, from the published angles \[rad\].
-    pub const DIRECTIONS: [f64; 7] = {
+    pub(crate) const DIRECTIONS: [f64; 7] = {
         use std::f64::consts::{FRAC_PI_2, PI};
         let [beta, theta, gamma, phi, delta, omega, epsilon] = [
             -0.061_713_890_014_276_45,

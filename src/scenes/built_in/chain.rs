@@ -27,7 +27,7 @@ impl Chain {
     }
 
     /// One hundred bars with ten variables each.
-    pub fn separate() -> Self {
+    pub(crate) fn separate() -> Self {
         Chain { bodies: 100, variables: ChainVariables::Separate }
     }
 }

@@ -1,5 +1,5 @@
 use crate::design::DesignVariable;
-use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};

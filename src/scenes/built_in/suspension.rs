@@ -1,6 +1,6 @@
 use crate::assembly::NodeId;
 use crate::design::DesignVariable;
-use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -106,7 +106,7 @@ const OBJECTIVE: &str = "displacement of the chassis, squared, integral";
 
 impl Suspension {
     /// Number of beams.
-    pub const BEAMS: usize = 16;
+    pub(crate) const BEAMS: usize = 16;
 
     /// The variable that mirrors variable `index` on the other side, and its sign.
     pub fn mirrored(index: usize) -> (usize, f64) {

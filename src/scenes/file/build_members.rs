@@ -6,7 +6,7 @@ use super::known::{Found, Known, Made, count, counts, edge_named, fixed, flag, l
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::NodeId;
-use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::Shape;
 use crate::elements::flexible::{CableSection, Laminate, Ply, PlyStrength, STRAINS, Section};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Scalar, SpatialVector, Vector3};

@@ -10,7 +10,7 @@ use crate::assembly::{ConstraintId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
 use crate::elements::entries::Range;
-use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::forces::LoadFrame;
 use crate::elements::{TimeFormula, TimeFunction};
