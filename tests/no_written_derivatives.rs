@@ -97,6 +97,8 @@ const OTHERS: [(&str, &str, &str); 40] = [
     ("scenes/prepared.rs", "gradient_limits", "how far a gradient may be from its check"),
     ("scenes/run.rs", "gradient", "begins a sweep"),
     ("optimize/design_program.rs", "gradient gradients gradients_of", "those of runs, and of recorded combinations of them"),
+    ("assembly/resting.rs", "add_gradient", "adds up what copies of parameters got"),
+    ("elements/turning.rs", "turn_gradient", "of a recording"),
     ("optimize/evaluations.rs", "gradients", "those of a program, kept"),
     ("optimize/program.rs", "gradients", "the contract of a program to be optimized"),
     ("optimize/scaling.rs", "gradient", "in scaled variables"),

@@ -34,6 +34,15 @@ pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<M
     if mistakes.is_empty() { Ok(scenarios) } else { Err(mistakes) }
 }
 
+/// A file without its problem, which speaks of all scenarios.
+pub(super) fn without_problem(root: &Raw) -> Raw {
+    let mut whole = root.clone();
+    if let RawValue::Table(entries) = &mut whole.value {
+        entries.retain(|entry| entry.key != "optimization");
+    }
+    whole
+}
+
 /// The name of a scenario and the file that it makes of the one without scenarios.
 fn scenario(root: &Raw, own: &Raw) -> Result<(String, Raw), Mistake> {
     let entries = own.entries().ok_or_else(|| Mistake::new(own.at, "a scenario is a table"))?;
@@ -42,11 +51,7 @@ fn scenario(root: &Raw, own: &Raw) -> Result<(String, Raw), Mistake> {
     if name.contains(['/', '\\', '[', ']']) {
         return Err(Mistake::new(own.at, format!("the name \"{name}\" of a scenario cannot have / \\ [ ] in it")));
     }
-    let mut whole = root.clone();
-    if let RawValue::Table(entries) = &mut whole.value {
-        // it speaks of all of them
-        entries.retain(|entry| entry.key != "optimization");
-    }
+    let mut whole = without_problem(root);
     for entry in entries.iter().filter(|entry| entry.key != "name") {
         if SHARED.contains(&entry.key.as_str()) {
             return Err(Mistake::new(entry.at, format!("{} is the same in all scenarios", entry.key)));

@@ -5,7 +5,7 @@ use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
 use super::reader::{Contents, Extent, Fields, Item, Value, Variable, name_space, read};
-use super::scenarios::take_scenarios;
+use super::scenarios::{take_scenarios, without_problem};
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
@@ -140,9 +140,13 @@ impl FileScene {
         let mut root = Raw::parse(text).map_err(|mistake| told(vec![mistake]))?;
         let scenarios = take_scenarios(&mut root).map_err(told)?;
         let mut made = Vec::new();
-        for (name, root) in scenarios {
-            let own = Self::of_root(source.clone(), &root, (folder, parts), &[]);
-            made.push((own.map_err(|why| format!("scenario \"{name}\": {why}"))?, name));
+        for (name, scenario) in scenarios {
+            let own = Self::of_root(source.clone(), &scenario, (folder, parts), &[]).map_err(|why| {
+                // what is wrong without it is not the scenario's
+                let without = Self::of_root(source.clone(), &without_problem(&root), (folder, parts), &[]);
+                without.err().unwrap_or_else(|| format!("scenario \"{name}\": {why}"))
+            })?;
+            made.push((own, name));
         }
         let functionals = |(own, name): &(FileScene, String)| {
             own.contents.functionals().flat_map(|own| [format!("{own} [{name}]"), own.into()]).collect::<Vec<_>>()
