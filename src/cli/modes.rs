@@ -96,7 +96,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
         "start" => say(format_args!("{what} about the start\n")),
         _ => say(format_args!("{what} about the equilibrium at the load factor {}\n", settings.end)),
     }
-    say_modes(&prepared, kind, &modes);
+    say_modes(&prepared, (&q, kind), &modes);
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
     } else if modes.len() < options.count {
@@ -126,7 +126,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
         "about": about,
         "design": Value::from(design.collect::<Map<_, _>>()),
         "kind": if kind == Kind::Complex { "complex" } else { "undamped" },
-        "modes": modes.iter().map(|mode| json_of(&prepared, mode)).collect::<Vec<_>>(),
+        "modes": modes.iter().map(|mode| json_of(&prepared, &q, mode)).collect::<Vec<_>>(),
         "speeds": branches.as_ref().map(Branches::json),
         "files": names(&files),
     });
@@ -142,7 +142,7 @@ fn page(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode], about: &
     page.table(
         "Modes",
         kind.columns(),
-        mode_rows(prepared, kind, modes).into_iter().map(|row| row.into_iter().map(Value::from).collect()).collect(),
+        mode_rows(prepared, (q, kind), modes).into_iter().map(|row| row.into_iter().map(Value::from).collect()).collect(),
     );
     page.design(&prepared.variables, &prepared.x);
     let angles = || (0..=FRAMES).map(|k| TAU * k as f64 / FRAMES as f64);
@@ -201,7 +201,7 @@ impl Kind {
     }
 }
 
-fn mode_rows(prepared: &Prepared, kind: Kind, modes: &[Mode]) -> Vec<Vec<String>> {
+fn mode_rows(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode]) -> Vec<Vec<String>> {
     let model = prepared.model();
     let row = |(place, mode): (usize, &Mode)| {
         let size = |dof: usize| mode.shape[dof].hypot(mode.ahead[dof]);
@@ -213,7 +213,7 @@ fn mode_rows(prepared: &Prepared, kind: Kind, modes: &[Mode]) -> Vec<Vec<String>
         };
         let mut row = vec![(place + 1).to_string(), long_number(mode.frequency), long_number(mode.frequency / TAU), growth];
         if kind == Kind::Complex {
-            let whirl = prepared.whirl(mode).map_or_else(String::new, |whirl| format!("{whirl:+.2}"));
+            let whirl = prepared.whirl(q, mode).map_or_else(String::new, |whirl| format!("{whirl:+.2}"));
             row.extend([number_of(mode.damping_ratio()), whirl]);
         }
         row.push(largest.map_or_else(String::new, |dof| model.dof_name(dof)));
@@ -222,15 +222,15 @@ fn mode_rows(prepared: &Prepared, kind: Kind, modes: &[Mode]) -> Vec<Vec<String>
     modes.iter().enumerate().map(row).collect()
 }
 
-fn say_modes(prepared: &Prepared, kind: Kind, modes: &[Mode]) {
-    let mut table = Table::new(kind.columns());
-    for row in mode_rows(prepared, kind, modes) {
+fn say_modes(prepared: &Prepared, about: (&[f64], Kind), modes: &[Mode]) {
+    let mut table = Table::new(about.1.columns());
+    for row in mode_rows(prepared, about, modes) {
         table.row(row.into_iter().map(Cell::from));
     }
     say(format_args!("{table}\n"));
 }
 
-fn json_of(prepared: &Prepared, mode: &Mode) -> Value {
+fn json_of(prepared: &Prepared, q: &[f64], mode: &Mode) -> Value {
     let model = prepared.model();
     let list = |values: &[f64]| values.iter().copied().map(json_number).collect::<Vec<_>>();
     let shape = |values: &[f64]| -> Map<String, Value> {
@@ -241,7 +241,7 @@ fn json_of(prepared: &Prepared, mode: &Mode) -> Value {
         "frequency_hz": json_number(mode.frequency / TAU),
         "growth_1_s": json_number(mode.growth),
         "damping_ratio": json_number(mode.damping_ratio()),
-        "whirl": prepared.whirl(mode).map(json_number),
+        "whirl": prepared.whirl(q, mode).map(json_number),
         "shape": shape(&mode.shape),
         "ahead": shape(&mode.ahead),
     })

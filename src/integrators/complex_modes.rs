@@ -14,13 +14,17 @@
 
 use super::krylov::{Space, add, dot, largest_pairs};
 use super::march::{Method, Problem};
-use super::vibrations::{Mode, Operator, first_shift, is_rigid};
+use super::vibrations::{Mode, Operator, is_rigid};
 use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 
 /// Most shifts that are tried.
-const MOST_SHIFTS: usize = 6;
+const MOST_SHIFTS: usize = 12;
+/// The first shift, as a share of the root of the largest ratio of stiffness and inertia: below most modes, which one far above would not tell apart.
+const FIRST_SHIFT: f64 = 1e-7;
+/// By how much it grows where rigid motions hide all others.
+const GROWTH: f64 = 30.0;
 /// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
 const FAR: f64 = 3.0;
 /// theta below this share of the largest one is none.
@@ -28,7 +32,7 @@ const INFINITE: f64 = 1e-10;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// What the operator may leave of a mode beside theta times itself.
-const LEFT: f64 = 1e-7;
+const LEFT: f64 = 1e-6;
 /// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
 const NO_GROWTH: f64 = 1e-9;
 /// Rigid motions that differ by this share of their size are the same.
@@ -104,27 +108,10 @@ pub fn complex_modes(
     let largest = operator.largest_ratio();
     let equations = Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity);
     let damping = operator.assembled(&equations);
-    let mut shift = first_shift(largest).sqrt();
-    let mut ritz = Vec::new();
-    // rates are counted by the shift: it should be of the size of what is sought
-    for attempt in 0..MOST_SHIFTS {
-        operator.set_shift([shift * shift, shift])?;
-        ritz = largest_pairs(&mut Damped { operator: &mut operator, damping: &damping, shift }, count, SPARE)?;
-        let most = ritz.first().map_or(0.0, size);
-        // what is not there for want of inertia is infinitely fast
-        ritz.retain(|pair| size(pair) > INFINITE * most);
-        let values = ritz.iter().map(|pair| value(pair, shift));
-        let squares = values.clone().map(|[re, im]| re * re + im * im).filter(|own| !is_rigid(*own, shift * shift, largest));
-        let lowest = squares.fold(f64::INFINITY, f64::min).sqrt();
-        let is_near = shift <= FAR * lowest && lowest <= FAR * shift;
-        if is_near || !lowest.is_finite() || attempt + 1 == MOST_SHIFTS {
-            break;
-        }
-        // at the shift of a mode that grows the matrix is singular
-        let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
-        shift = if grows { 0.7 * lowest } else { lowest };
-    }
+    let (ritz, shift) = near_zero(&mut operator, (&damping, largest), count)?;
     let mut damped = Damped { operator: &mut operator, damping: &damping, shift };
+    let mut is_state = vec![false; problem.model.dofs];
+    problem.model.states.iter().for_each(|node| is_state[problem.model.node(*node).dofs.clone()].fill(true));
     let (mut modes, mut rigid_shapes) = (Vec::new(), Vec::new());
     for pair in &ritz {
         let vectors = pair.vector.each_ref().map(|part| damped.apply(part));
@@ -140,8 +127,8 @@ pub fn complex_modes(
         let nodes = damped.operator.nodes;
         let [shape, ahead] = damped.operator.in_coordinates(vectors.map(|vector| vector[..nodes].to_vec()));
         if is_rigid {
-            // one of a motion and its rate, which are two values 0 with one vector
-            if is_new(&mut rigid_shapes, &shape) {
+            // a motion and its rate are two values 0 with one vector
+            if is_motion(&shape, &is_state) && is_new(&mut rigid_shapes, &shape) {
                 modes.push(Mode { frequency: 0.0, growth: 0.0, ahead: vec![0.0; shape.len()], shape });
             }
             continue;
@@ -156,6 +143,43 @@ pub fn complex_modes(
     let absolute = |mode: &Mode| mode.frequency.hypot(mode.growth);
     modes.sort_by(|a, b| absolute(a).total_cmp(&absolute(b)).then(a.growth.total_cmp(&b.growth)));
     Ok(modes)
+}
+
+/// Pairs of the operator with the values nearest to zero, and the shift: of the size of what is sought, as rates are counted by it.
+fn near_zero(
+    operator: &mut Operator,
+    (damping, largest): (&Jacobian, f64),
+    count: usize,
+) -> Result<(Vec<Eigenpair>, f64), RunError> {
+    let mut shift = if largest > 0.0 { FIRST_SHIFT * largest.sqrt() } else { 1.0 };
+    for attempt in 1.. {
+        operator.set_shift([shift * shift, shift])?;
+        let mut ritz = largest_pairs(&mut Damped { operator, damping, shift }, count, SPARE)?;
+        let most = ritz.first().map_or(0.0, size);
+        // what is not there for want of inertia is infinitely fast
+        ritz.retain(|pair| size(pair) > INFINITE * most);
+        let values = ritz.iter().map(|pair| value(pair, shift));
+        let squares = values.clone().map(|[re, im]| re * re + im * im).filter(|own| !is_rigid(*own, shift * shift, largest));
+        let lowest = squares.fold(f64::INFINITY, f64::min).sqrt();
+        if (shift <= FAR * lowest && lowest <= FAR * shift) || attempt == MOST_SHIFTS {
+            return Ok((ritz, shift));
+        }
+        // at the shift of a mode that grows the matrix is singular
+        let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
+        shift = match (lowest.is_finite(), grows) {
+            // rigid motions hide what is far from the shift
+            (false, _) => shift * GROWTH,
+            (true, true) => 0.7 * lowest,
+            (true, false) => lowest,
+        };
+    }
+    unreachable!("the last attempt returns")
+}
+
+/// Whether anything moves but states: these are rates, and what they are rates of is nothing.
+fn is_motion(shape: &[f64], is_state: &[bool]) -> bool {
+    let moving = shape.iter().zip(is_state).filter(|(_, is_state)| !**is_state).map(|(own, _)| own * own).sum::<f64>();
+    moving > SAME * SAME * dot(shape, shape)
 }
 
 /// Adds a vector to orthonormal ones unless it depends on them.

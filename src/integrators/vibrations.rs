@@ -91,7 +91,7 @@ pub fn vibrations(
         return Ok(Vec::new());
     }
     let largest = operator.largest_ratio();
-    let mut shift = first_shift(largest);
+    let mut shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
     let mut ritz = Vec::new();
     for _ in 0..MOST_SHIFTS {
         operator.set_shift([shift, 0.0])?;
@@ -129,11 +129,6 @@ const PLACE: &str = "vibrations";
 fn undetermined(unknown: String) -> RunError {
     let hint = "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into();
     RunError::Singular { place: PLACE.into(), unknown, hint }
-}
-
-/// The first shift, for a largest ratio of stiffness and inertia.
-pub(super) fn first_shift(largest: f64) -> f64 {
-    if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 }
 }
 
 /// Whether omega^2 is that of a rigid motion but for round-off.

@@ -131,20 +131,24 @@ impl Prepared<'_> {
         }
     }
 
-    /// How a mode goes round the axis of the steady turn, in its frame: from 1, circles with the sense of the axis, by 0, no circles, to -1, circles
-    /// against it. `None` without a steady turn, and of what moves along the axis alone.
-    pub fn whirl(&self, mode: &Mode) -> Option<f64> {
+    /// How a mode about a state q goes round the axis of the steady turn, in its frame: from 1, circles with the sense of the axis, by 0, no circles, to
+    /// -1, circles against it; turns of bodies count with the length of the largest coordinate. `None` without a steady turn, and of what moves
+    /// along the axis alone.
+    pub fn whirl(&self, q: &[f64], mode: &Mode) -> Option<f64> {
         let spin = self.model().spin.as_ref()?;
         let axis = Vector3::first_three(&self.mechanism.numbers.p[spin.parameters.clone()][3..]);
-        let across = |x: &[f64]| -> Vector3<f64> {
-            let x = Vector3::first_three(x);
-            x - axis * axis.dot(&x)
-        };
+        let across = |x: Vector3<f64>| x - axis * axis.dot(&x);
+        let length = q.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
         let (mut round, mut size) = (0.0, 0.0);
         for node in spin.nodes.iter().map(|node| &self.model().nodes[node.0]) {
-            let [shape, ahead] = [&mode.shape, &mode.ahead].map(|own| across(&own[node.dofs.clone()]));
-            round += axis.dot(&ahead.cross(&shape));
-            size += 0.5 * (shape.dot(&shape) + ahead.dot(&ahead));
+            let motions = [&mode.shape, &mode.ahead].map(|own| {
+                let (own, q) = (&own[node.dofs.clone()], &q[node.dofs.clone()]);
+                [Vector3::first_three(own), node.kind.angular_velocity(own, q) * length].map(across)
+            });
+            for (shape, ahead) in motions[0].iter().zip(&motions[1]) {
+                round += axis.dot(&ahead.cross(shape));
+                size += 0.5 * (shape.dot(shape) + ahead.dot(ahead));
+            }
         }
         (size > 0.0).then(|| round / size)
     }

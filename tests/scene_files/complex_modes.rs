@@ -128,11 +128,13 @@ fn whirls_have_the_sense_of_their_circles() {
     let text = disc(7.0, [0.0; 2]);
     let scene = scene(&text);
     let prepared = Prepared::new(&scene).unwrap();
-    let found = prepared.complex_modes_with_state(6).unwrap().1;
+    let (q, found) = prepared.complex_modes_with_state(6).unwrap();
     // seen from the shaft the circle of 20 rad/s along with the turn is one of 13, the one against it one of 27
-    for (omega, sense) in [(13.0, 1.0), (27.0, -1.0)] {
+    let [own, stiff]: [f64; 2] = [0.01 * 7.0 / 0.06, (30.0 + 0.02 * 49.0) / 0.03];
+    let tilts = [own, -own].map(|own| (stiff + own * own).sqrt() + own);
+    for (omega, sense) in [(13.0, 1.0), (27.0, -1.0), (tilts[0], -1.0), (tilts[1], 1.0)] {
         let mode = found.iter().find(|mode| (mode.frequency - omega).abs() < 1e-6).unwrap();
-        let whirl = prepared.whirl(mode).unwrap();
+        let whirl = prepared.whirl(&q, mode).unwrap();
         assert!((whirl - sense).abs() < 1e-6, "{omega}: {whirl}");
     }
 }

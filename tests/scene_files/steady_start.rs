@@ -74,7 +74,7 @@ fn beyond_its_critical_speed_a_mass_turns_on_the_other_side() {
     let line = "type = \"line\"\nbetween = [\"hub\", \"mass\"]\nstiffness = \"k\"\nrest_length = 0.5";
     let along =
         "type = \"slide\"\nbetween = [\"hub\", \"mass\"]\naxis = [1, 0, 0]\nstiffness = \"k\"\nrest_displacement = 0.5";
-    let scene = scene(&whirled(&[("initial = 20", "initial = 50"), (line, along)]));
+    let scene = scene(&whirled(&[("initial = 20,", "initial = 50,"), (line, along)]));
     let prepared = prepared(&scene);
     let start = prepared.resting_start().unwrap();
     let place = prepared.model().nodes.iter().find(|node| node.name == "mass").map(|node| node.dofs.start).unwrap();

@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 /// Of each kind in the short form; so many times as many in the long one.
 const DRAWN: [usize; 4] = [24, 60, 60, 24];
 const LONG: usize = 10;
+/// Share of signs that may be said to be not known.
+const UNKNOWN: f64 = 0.05;
 /// Distance from the critical load, as a share of it, within which its sign may be unknown: what its closed form is off by.
 const NOTHING: f64 = 1e-12;
 /// The same of a stiffness beside those of its bars.
@@ -126,7 +128,7 @@ fn chains(report: &mut Report, count: usize) -> Result<(), String> {
             }
         }
     }
-    outcomes.report(report, "chains of links", 3.0);
+    outcomes.report(report, "chains of links", UNKNOWN * count as f64);
     Ok(())
 }
 
@@ -230,7 +232,7 @@ fn trusses(report: &mut Report, count: usize) {
             outcomes.note(&told);
         }
     }
-    outcomes.report(report, "trusses", 3.0);
+    outcomes.report(report, "trusses", UNKNOWN * count as f64);
 }
 
 /// An arch of a circle with EI = R = 1 in its plane as a curved beam, under a dead load on its crown.
@@ -338,7 +340,7 @@ fn arches(report: &mut Report, count: usize) {
         }
         outcomes.note(&told);
     }
-    outcomes.report(report, "arches", 3.0);
+    outcomes.report(report, "arches", UNKNOWN * count as f64);
     report.inform("bifurcations/arches/unstable among them", unstable as f64);
 }
 

@@ -94,7 +94,10 @@ pub fn count(report: &mut Report, mechanisms: u64) {
     });
     let outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
     let mut counts = [0.0; 8];
-    for (RandomMechanism { seed, .. }, (outcome, _)) in &outcomes {
+    for (RandomMechanism { seed, .. }, (outcome, seconds)) in &outcomes {
+        if *seconds > HANGS {
+            report.note(format!("mechanism {seed} takes {seconds:.0} s"));
+        }
         let place = match outcome {
             Outcome::Right => 0,
             Outcome::Unchecked => 1,

@@ -500,7 +500,7 @@ impl Reader {
         let value = match &raw.value {
             RawValue::Number { value, whole: true } => Some(*value),
             // a loop leaves digits
-            RawValue::Text(text, None) => {
+            RawValue::Text(text, _) => {
                 text.parse().ok().or_else(|| match Expression::parse(text, &self.scope).ok()?.constant(&self.scope)? {
                     Quantity::Number(value) if value.fract() == 0.0 => Some(value),
                     _ => None,
