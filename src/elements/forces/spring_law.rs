@@ -139,13 +139,13 @@ const LAW: (&str, ExampleValue) = ("force", ExampleValue::Table(&[-2.0, -0.5, 0.
 const TURNING: (&str, ExampleValue) = ("moment", LAW.1);
 const STORED: (&str, ExampleValue) = ("energy", ExampleValue::Table(&[-3.0, -0.4, 0.6, 3.0], &[4.0, 0.2, 0.3, 7.0]));
 
-/// A [`SpringLaw`] along a line.
+/// A `SpringLaw` along a line.
 pub struct LineLaw;
-/// A [`SpringLaw`] about an axis.
+/// A `SpringLaw` about an axis.
 pub struct TorsionLaw;
-/// A [`SpringLaw`] along an axis.
+/// A `SpringLaw` along an axis.
 pub struct SlideLaw;
-/// A [`SpringLaw`] of a joint angle.
+/// A `SpringLaw` of a joint angle.
 pub struct AngleLaw;
 
 impl Entry for LineLaw {

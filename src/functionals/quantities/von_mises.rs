@@ -3,7 +3,7 @@ use crate::elements::{Parameter, State};
 use crate::functionals::{PointParameters, PointValue, ShellQuantity};
 use crate::scalar::Scalar;
 
-/// The [von Mises stress](crate::elements::flexible::ShellPoint::von_mises) by the yield stress [-] on the lower and upper surface of shells
+/// The von Mises stress by the yield stress [-] on the lower and upper surface of shells
 /// of one material, at their Gauss points. Each point stands for its area, of either surface.
 pub struct VonMises;
 
