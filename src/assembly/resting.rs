@@ -64,7 +64,7 @@ impl Model {
             let turned = match same {
                 Some((_, _, turned)) => turned.clone(),
                 None => {
-                    let turned = InTurningFrame::new(&element.physics, &own);
+                    let turned = InTurningFrame::physics(&element.physics, &own);
                     known.push((element.physics.clone(), own, turned.clone()));
                     turned
                 }

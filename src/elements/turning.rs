@@ -62,7 +62,8 @@ pub(crate) struct InTurningFrame {
 }
 
 impl InTurningFrame {
-    pub fn new(own: &ElementPhysics, turns: &[bool]) -> ElementPhysics {
+    /// An element, of whose nodes those turn that are marked.
+    pub fn physics(own: &ElementPhysics, turns: &[bool]) -> ElementPhysics {
         ElementPhysics::new(Box::new(InTurningFrame { own: own.clone(), turns: turns.to_vec() }))
     }
 
@@ -93,11 +94,11 @@ impl InTurningFrame {
             let of_places = carried(&arguments[2 * n..][places.clone()], about);
             let mut both = arguments[n..][places.clone()].to_vec();
             for ((v, both), of_place) in all[n..][places.clone()].iter_mut().zip(&mut both).zip(of_places) {
-                *v = *v + of_place;
-                *both = *both + *v;
+                *v += of_place;
+                *both += *v;
             }
             let of_rates = carried(&both, Vector3::zeros());
-            all[places].iter_mut().zip(of_rates).for_each(|(a, of_rate)| *a = *a + of_rate);
+            all[places].iter_mut().zip(of_rates).for_each(|(a, of_rate)| *a += of_rate);
         }
         all
     }

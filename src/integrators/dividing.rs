@@ -13,7 +13,7 @@ const MOST_HALVINGS: usize = 8;
 /// Runs a problem over a grid, each step of which is halved, and its halves again, where Newton's method finds no solution: a snap
 /// that is faster than the step leaves none near by.
 ///
-/// Returns the steps taken and what [`march`](super::march) returns; the run counts the attempts that were given up. A run over the steps
+/// Returns the steps taken and what `march` returns; the run counts the attempts that were given up. A run over the steps
 /// taken gives the same numbers bit by bit.
 pub fn march_dividing(
     problem: &Problem<f64>,

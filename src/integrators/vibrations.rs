@@ -142,7 +142,7 @@ fn chosen_shift(squares: &[f64], (shift, largest): (f64, f64), is_beside: bool) 
     let lowest = moving.into_iter().fold(f64::INFINITY, f64::min);
     let too_small = !rigid.is_empty() && shift < FAR[0] * lowest;
     let is_far = lowest.is_finite() && (too_small || shift > FAR[1] * lowest);
-    is_far.then(|| if is_beside { 0.5 * lowest } else { lowest })
+    is_far.then_some(if is_beside { 0.5 * lowest } else { lowest })
 }
 
 /// omega^2 = 1 / theta - s.

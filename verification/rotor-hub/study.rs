@@ -3,13 +3,14 @@
 mod series;
 mod swash_plate;
 
-use crate::verification::{Clock, Form, Report, Study};
+use crate::verification::{Form, Report, Study};
 use costate::functionals::Sample;
 use costate::integrators::RunError;
 use costate::prelude::DesignVariable;
 use costate::scalar::Quaternion;
 use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
 use series::blade_frequencies;
+use std::time::Instant;
 use swash_plate::pitch;
 
 /// Pitch of rigid blades against their geometry \[rad\].
@@ -30,8 +31,6 @@ const SOUTHWELL: f64 = 0.03;
 const GRADIENT: f64 = 1e-6;
 /// Derivatives below this share of the functional itself are compared by it.
 const SLIGHT: f64 = 1e-4;
-/// Step of difference quotients, as a share of the direction: their error is of its square.
-const STEP: f64 = 1e-4;
 /// Turns over which joints are watched.
 const TURNS: usize = 10;
 
@@ -243,28 +242,26 @@ fn flights(report: &mut Report) -> Result<(), String> {
         let inwards = |own: &DesignVariable| own.initial + 0.1 * (0.5 * (own.lower + own.upper) - own.initial);
         let x: Vec<f64> = scene.variables().iter().map(inwards).collect();
         let prepared = Prepared::with(scene, &x, Prepared::method_of(&settings).map_err(told)?, settings).map_err(told)?;
-        let (analysis, clock) = (prepared.analysis(), Clock::start());
+        let (analysis, clock) = (prepared.analysis(), Instant::now());
         let forward = analysis.forward(&x).map_err(told)?;
-        let seconds = clock.seconds();
+        let seconds = clock.elapsed().as_secs_f64();
         let gradient = analysis.adjoint(&x, &forward).map_err(told)?;
         report.inform(format!("{name}/unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
         if !short {
             report.inform(format!("{name}/simulation [s]"), seconds);
-            report.inform(format!("{name}/gradient of {} functionals [s]", forward.values.len()), clock.seconds() - seconds);
+            report.inform(
+                format!("{name}/gradient of {} functionals [s]", forward.values.len()),
+                clock.elapsed().as_secs_f64() - seconds,
+            );
         }
         report.inform(format!("{name}/largest stress by the yield stress"), forward.values[0]);
         // along a direction in which all variables change
         let direction: Vec<f64> = x.iter().enumerate().map(|(k, x)| x * if k % 3 == 1 { -0.3 } else { 0.2 }).collect();
-        let beside = |step: f64| {
-            let moved: Vec<f64> = x.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
-            analysis.forward(&moved).map(|forward| forward.values).map_err(told)
-        };
-        let (more, less) = (beside(STEP)?, beside(-STEP)?);
+        let quotients = analysis.quotients(&x, &direction).map_err(told)?;
         for (k, (row, functional)) in gradient.rows.iter().zip(prepared.functionals()).enumerate() {
             let own: f64 = row.iter().zip(&direction).map(|(own, d)| own * d).sum();
-            let by_runs = 0.5 * (more[k] - less[k]) / STEP;
-            let name = format!("{name}/gradient of {} against whole runs, share", functional.name);
-            report.at_most(name, (own - by_runs).abs() / own.abs().max(SLIGHT * forward.values[k].abs()), GRADIENT);
+            let off = (own - quotients[k].value).abs() / own.abs().max(SLIGHT * forward.values[k].abs());
+            report.at_most(format!("{name}/gradient of {} against whole runs, share", functional.name), off, GRADIENT);
         }
     }
     Ok(())
