@@ -29,8 +29,8 @@ pub(crate) const SPIN_PARAMETERS: [Parameter; 7] = [
     Parameter::new("rate", "rad/s"),
 ];
 
-/// What the name of the first of three parameters ends with that are the acceleration by weight.
-const GRAVITY: &str = "gravity x";
+/// What the names of three parameters end with that are the acceleration by weight.
+const GRAVITY: [&str; 3] = ["gravity x", "gravity y", "gravity z"];
 
 /// The velocities of a node that turns with the frame, into `v`: [`NodeKind::turn`] with the numbers of a spin.
 pub(crate) fn turn<S: Scalar>(kind: NodeKind, q: &[S], spin: &[S], v: &mut [S]) {
@@ -74,7 +74,8 @@ impl InTurningFrame {
         let [about, axis] = [&spin[..3], &spin[3..]].map(Vector3::first_three);
         let omega = axis * spin[6];
         let list = self.own.parameter_list();
-        for (first, _) in list.iter().enumerate().filter(|(_, own)| own.name.ends_with(GRAVITY)) {
+        let is_gravity = |own: &[Parameter]| own.iter().zip(GRAVITY).all(|(own, name)| own.name.ends_with(name));
+        for (first, _) in list.windows(GRAVITY.len()).enumerate().filter(|(_, own)| is_gravity(own)) {
             let gravity = &mut all[3 * n + first..][..3];
             let along = axis * axis.dot(&Vector3::first_three(gravity));
             gravity.copy_from_slice(&along.components());
