@@ -3,7 +3,7 @@
 use super::scenes::Case;
 use std::collections::BTreeSet;
 
-/// Where elements, fields, constraints, nonholonomic constraints, drivers and forces make their names public.
+/// Where elements, fields, constraints, nonholonomic constraints, drivers and forces are listed.
 const LISTS: [&str; 4] = [
     include_str!("../../src/elements/bodies/mod.rs"),
     include_str!("../../src/elements/flexible/mod.rs"),
@@ -11,13 +11,14 @@ const LISTS: [&str; 4] = [
     include_str!("../../src/elements/joints/mod.rs"),
 ];
 
-/// Public names of options and of entries there, which have no formula of their own.
-const OPTIONS: [&str; 21] = [
+/// Names of options and of entries there, which have no formula of their own.
+const OPTIONS: [&str; 23] = [
     "AngleLaw",
     "CableSection",
     "CableHinge",
     "CableStrain",
     "CableWeld",
+    "FaceKind",
     "Freedom",
     "HeldSlope",
     "Laminate",
@@ -28,6 +29,7 @@ const OPTIONS: [&str; 21] = [
     "Ply",
     "PlyStrength",
     "Section",
+    "Shape",
     "ShellKind",
     "ShellPoint",
     "ShellSection",
@@ -40,9 +42,10 @@ const OPTIONS: [&str; 21] = [
 /// held to complex steps (`tests/scene_files/coverage/equilibrium.toml`).
 const AT_REST: [&str; 1] = ["HeldNode"];
 
-/// The names in the `pub use` lines of a file.
-fn public_names(file: &str) -> impl Iterator<Item = &str> {
-    let lines = file.lines().filter_map(|line| line.strip_prefix("pub use ")?.strip_suffix(';'));
+/// The names that a file hands on.
+fn names_of(file: &str) -> impl Iterator<Item = &str> {
+    let lines = file.lines().map(str::trim).filter(|line| line.starts_with("pub"));
+    let lines = lines.filter_map(|line| line.split_once(" use ")?.1.strip_suffix(';'));
     lines.flat_map(|line| {
         let names = line.rsplit("::").next().unwrap_or(line);
         names.trim_matches(['{', '}']).split(',').map(str::trim)
@@ -54,12 +57,15 @@ fn names_in(type_name: &str) -> impl Iterator<Item = &str> {
     type_name.split(['<', '>', ',', ' ']).filter_map(|path| path.rsplit("::").next()).filter(|name| !name.is_empty())
 }
 
-/// Public names, and those among them that no scene has as its subject.
+/// All names, and those among them that no scene has as its subject.
 pub fn missing(cases: &[Case]) -> (usize, Vec<&'static str>) {
     let subjects: Vec<&'static str> = cases.iter().flat_map(Case::types).collect();
     let seen: BTreeSet<&str> = subjects.iter().flat_map(|name| names_in(name)).collect();
-    let is_type = |name: &&str| name.contains(char::is_lowercase) && !OPTIONS.contains(name) && !AT_REST.contains(name);
-    let all: Vec<&str> = LISTS.iter().flat_map(|file| public_names(file)).filter(is_type).collect();
+    let is_type = |name: &&str| {
+        let is_named = name.starts_with(char::is_uppercase) && name.contains(char::is_lowercase);
+        is_named && !OPTIONS.contains(name) && !AT_REST.contains(name)
+    };
+    let all: Vec<&str> = LISTS.iter().flat_map(|file| names_of(file)).filter(is_type).collect();
     // a flexible element is an alias for its field at points of interpolation
     let covered = |name: &&&str| seen.contains(**name) || seen.contains(format!("{name}Field").as_str());
     let missing = all.iter().filter(|name| !covered(name)).copied().collect();
