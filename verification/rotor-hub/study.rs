@@ -9,6 +9,7 @@ use costate::integrators::RunError;
 use costate::prelude::DesignVariable;
 use costate::scalar::Quaternion;
 use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
+use costate::sensitivity::Quotient;
 use series::blade_frequencies;
 use std::time::Instant;
 use swash_plate::pitch;
@@ -260,7 +261,9 @@ fn flights(report: &mut Report) -> Result<(), String> {
         let quotients = analysis.quotients(&x, &direction).map_err(told)?;
         for (k, (row, functional)) in gradient.rows.iter().zip(prepared.functionals()).enumerate() {
             let own: f64 = row.iter().zip(&direction).map(|(own, d)| own * d).sum();
-            let off = (own - quotients[k].value).abs() / own.abs().max(SLIGHT * forward.values[k].abs());
+            // beyond what roundings leave of the quotient
+            let Quotient { value, floor, .. } = quotients[k];
+            let off = ((own - value).abs() - floor).max(0.0) / own.abs().max(SLIGHT * forward.values[k].abs());
             report.at_most(format!("{name}/gradient of {} against whole runs, share", functional.name), off, GRADIENT);
         }
     }

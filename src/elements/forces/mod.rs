@@ -29,6 +29,7 @@ pub(crate) mod types {
     pub use super::vector_damper::VectorDamper;
 }
 
+pub use spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
 pub(crate) use types::*;
 
 use super::AnyElement;

@@ -35,7 +35,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///         m.rigid_body("mass", mass, S::from(2.0), zero, inertia);
     ///         m.revolute("shaft", [ground, hub], zero, along_z);
     ///         m.prismatic("slide", [hub, mass], at, along_x);
-    ///         m.spring("spring", [(hub, zero), (mass, at)], [2000.0, 0.0, 0.5].map(S::from));
+    ///         m.line_spring("spring", [hub, mass], [zero, at], S::from(2000.0), S::from(0.5));
     ///         m.hold(hub, &[Freedom::RotationZ]);
     ///         m.spin(&[hub, mass], zero, along_z, x[0]);
     ///         m.position_functional("x at the start", Over::Initial, mass, zero, along_x);
