@@ -52,6 +52,7 @@ impl Branches {
     /// Follows `count` modes over rates.
     pub fn follow(prepared: &mut Prepared, rates: &[f64], count: usize) -> Result<Self, Failure> {
         let mut branches = Branches { rates: rates.to_vec(), modes: Vec::new() };
+        let own = prepared.spin_rate();
         for &rate in rates {
             prepared.turn_at(rate);
             let found = prepared.complex_modes_with_state(count).map_err(|error| {
@@ -60,6 +61,8 @@ impl Branches {
             })?;
             branches.add(found.1);
         }
+        // what is drawn of the scene afterwards turns at its own rate
+        own.into_iter().for_each(|rate| prepared.turn_at(rate));
         Ok(branches)
     }
 
