@@ -1,7 +1,9 @@
 //! A motion in one picture: earlier positions faint, the last one strong, the paths of points as thin lines.
 
 use super::axis::{Mark, Marks, Scale, drawable, round_step};
-use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
+use super::picture::{
+    Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width, write_film,
+};
 use super::plot::{LABEL_SIZE, MARK_SIZE, Plot, TITLE_SIZE, marks_width};
 use crate::io::file::IoError;
 use crate::io::table::number;
@@ -43,6 +45,8 @@ pub struct ColouredSurface {
     pub quantity: String,
     /// The pieces.
     pub facets: Vec<Facet>,
+    /// Least and largest value of the colours; those of the pieces.
+    pub range: Option<[f64; 2]>,
 }
 
 /// The path of a point through the whole motion.
@@ -79,8 +83,10 @@ pub struct MotionPicture {
     pub trails: Vec<Trail>,
     /// Points fixed to the ground, x, y, z \[m\].
     pub anchors: Vec<[f64; 3]>,
-    /// Surfaces of the last frame.
+    /// Surfaces of the last frame, or of the only one.
     pub surface: Option<ColouredSurface>,
+    /// The one frame that is drawn, of all for which there is room; all of them.
+    pub only: Option<usize>,
     /// From where the motion is seen.
     pub view: View,
 }
@@ -92,6 +98,26 @@ impl MotionPicture {
     /// A file that cannot be written.
     pub fn write(&self, stem: &Path) -> Result<(), IoError> {
         self.picture().write(stem)
+    }
+
+    /// Writes a film to a file in APNG, of frames one after the other with their surfaces, in the same axes and colours. It lasts some time \[s\] and
+    /// is played over and over.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_film(
+        &self,
+        shots: Vec<(usize, Option<ColouredSurface>)>,
+        duration: f64,
+        path: &Path,
+    ) -> Result<(), IoError> {
+        let ranges = shots.iter().filter_map(|(_, surface)| surface.as_ref()?.range());
+        let range = ranges.reduce(|[least, most], [a, b]| [least.min(a), most.max(b)]);
+        let shots = shots.into_iter().map(|(only, surface)| {
+            let surface = surface.map(|surface| ColouredSurface { range, ..surface });
+            MotionPicture { only: Some(only), surface, ..self.clone() }.picture()
+        });
+        write_film(shots, duration, path)
     }
 
     fn picture(&self) -> Picture {
@@ -106,7 +132,9 @@ impl MotionPicture {
     fn points(&self) -> impl Iterator<Item = &[f64; 3]> {
         let frames = self.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
         let trails = self.trails.iter().flat_map(|trail| &trail.points);
-        let surface = self.surface.iter().flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);
+        // in a film all pictures have the axes of the lines
+        let surface = self.surface.iter().filter(|_| self.only.is_none());
+        let surface = surface.flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);
         frames.chain(trails).chain(&self.anchors).chain(surface).filter(|point| shown(point))
     }
 
@@ -174,7 +202,10 @@ impl MotionPicture {
 
     /// Frames, trails, the last frame and the anchors, in this order.
     fn draw_system(&self, picture: &mut Picture, place: impl Fn([f64; 3]) -> Place) {
-        let drawn = spread(&self.frames);
+        let drawn = match self.only {
+            Some(only) => self.frames.get(only).into_iter().collect(),
+            None => spread(&self.frames),
+        };
         let (first, last) = self.times();
         let Some((final_frame, earlier)) = drawn.split_last() else {
             self.draw_trails(picture, &place);
@@ -259,6 +290,16 @@ impl MotionPicture {
             surface.draw_key(picture, [right, self.head_height() - 12.0]);
         }
         if self.frames.is_empty() {
+            return;
+        }
+        if let Some(only) = self.only.and_then(|only| self.frames.get(only)) {
+            picture.text(
+                [right, 27.5],
+                &format!("t = {} s", number(round_time(only.time))),
+                MARK_SIZE,
+                GREY_INK,
+                Align::Right,
+            );
             return;
         }
         let (first, last) = self.times();
@@ -366,6 +407,9 @@ fn map_colour(share: f64) -> Colour {
 impl ColouredSurface {
     /// Least and largest value; `None` where there is none.
     fn range(&self) -> Option<[f64; 2]> {
+        if self.range.is_some() {
+            return self.range;
+        }
         let values = self.facets.iter().map(|facet| facet.value).filter(|value| value.is_finite());
         let [least, most] =
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)]);
@@ -538,7 +582,7 @@ mod tests {
         };
         // seen along -x: the one at x = 2 is the nearest
         let facets = vec![square(2.0, 30.0), square(0.0, 10.0), square(1.0, f64::NAN)];
-        let surface = ColouredSurface { quantity: "stress".into(), facets };
+        let surface = ColouredSurface { quantity: "stress".into(), facets, range: None };
         let mut picture = Picture::new(100.0, 100.0);
         surface.draw(&mut picture, View::Yz, |point| flat(View::Yz, point));
         let colours: Vec<Colour> = picture
@@ -555,7 +599,7 @@ mod tests {
         assert_eq!(surface.range(), Some([10.0, 30.0]));
         // a picture has a key to the values, and one without values has none
         let with_key = |value: f64| {
-            let surface = Some(ColouredSurface { quantity: "stress".into(), facets: vec![square(0.0, value)] });
+            let surface = Some(ColouredSurface { quantity: "stress".into(), facets: vec![square(0.0, value)], range: None });
             let picture = MotionPicture { surface, frames: vec![Frame::default()], ..MotionPicture::default() }.picture();
             picture.shapes.iter().any(|shape| matches!(shape, Shape::Text { text, .. } if text.starts_with("stress")))
         };
