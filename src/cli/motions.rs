@@ -135,6 +135,7 @@ fn lapse(
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
         points: points.iter().map(|point| point.at(&moment.q)).collect(),
         role: usize::from(bodies && *drawn == Drawn::Link),
+        is_edge: *drawn == Drawn::Solid,
     };
     let frame = |(index, moment): (usize, &Snapshot)| {
         let is_last = index + 1 == moments.len();

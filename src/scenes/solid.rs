@@ -223,7 +223,7 @@ mod tests {
     fn a_slanted_box_is_what_its_surface_holds() {
         let second_axis = Vector3::new(0.1, 0.2, 1.0);
         let shape = SolidShape::Box { ends: ENDS.map(Vector3::from_f64), second_axis, size: [0.2, 0.07] };
-        same(properties(shape.clone()), properties(surface_of(&shape.facets())), 1e-13);
+        same(properties(shape.clone()), properties(surface_of(&shape.facets().welded())), 1e-13);
     }
 
     /// m = rho pi (R^2 - r^2) L, I along the line m (R^2 + r^2) / 2, across m (3 (R^2 + r^2) + L^2) / 12.

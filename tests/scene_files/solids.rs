@@ -26,7 +26,7 @@ name = "height"
 type = "position"
 on = "bar"
 direction = [0, 0, 1]
-over = "end"
+over = "terminal"
 [[functional]]
 name = "load"
 type = "joint_load"

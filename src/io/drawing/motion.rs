@@ -16,6 +16,8 @@ pub struct Polyline {
     pub points: Vec<[f64; 3]>,
     /// Which colour: bodies of the same role share one.
     pub role: usize,
+    /// An edge of a solid: thinner than a line that stands for a body, and without joints at its ends.
+    pub is_edge: bool,
 }
 
 /// The system at one time.
@@ -215,7 +217,7 @@ impl MotionPicture {
             let age = if last > first { (frame.time - first) / (last - first) } else { 0.0 };
             for line in &frame.lines {
                 for piece in pieces(&line.points, &place) {
-                    picture.line(piece, 1.7, faded(role_colour(line.role), age));
+                    picture.line(piece, if line.is_edge { 1.0 } else { 1.7 }, faded(role_colour(line.role), age));
                 }
             }
         }
@@ -226,11 +228,11 @@ impl MotionPicture {
         self.draw_anchors(picture, &place);
         for line in &final_frame.lines {
             for piece in pieces(&line.points, &place) {
-                picture.line(piece, 3.4, role_colour(line.role));
+                picture.line(piece, if line.is_edge { 1.5 } else { 3.4 }, role_colour(line.role));
             }
         }
         // rings at the ends of all lines show the joints
-        for line in &final_frame.lines {
+        for line in final_frame.lines.iter().filter(|line| !line.is_edge) {
             let ends = [line.points.first(), line.points.last()];
             for &end in ends.into_iter().flatten().filter(|point| shown(point)) {
                 picture.disc(place(end), 4.2, role_colour(line.role));
@@ -637,7 +639,10 @@ mod tests {
                 bar(upper[16], 1.4 * (3.0 * t + 0.4).cos() - 0.5 * (6.5 * t).sin(), 1.6 * t, 0.09 * (13.0 * t).sin());
             tip.push(lower[16]);
             if step % 12 == 0 {
-                let lines = vec![Polyline { points: upper, role: 0 }, Polyline { points: lower, role: 1 }];
+                let lines = vec![
+                    Polyline { points: upper, role: 0, is_edge: false },
+                    Polyline { points: lower, role: 1, is_edge: false },
+                ];
                 motion.frames.push(Frame { time: t, lines });
             }
         }
@@ -704,7 +709,8 @@ mod tests {
         // 60 lines that swing 25 times in 5001 frames, and slowly drift
         let at = |k: usize| {
             let x = (TAU * k as f64 / 200.0).sin() + 1e-4 * k as f64;
-            let line = |j: usize| Polyline { points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]], role: 0 };
+            let line =
+                |j: usize| Polyline { points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]], role: 0, is_edge: false };
             Frame { time: k as f64, lines: (0..60).map(line).collect() }
         };
         let frames: Vec<Frame> = (0..5001).map(at).collect();
@@ -720,12 +726,16 @@ mod tests {
     fn odd_motions_still_give_a_picture() {
         let folder = Folder::new("motion-odd");
         for view in [View::Xy, View::Isometric] {
-            let broken = Polyline { points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]], role: 99 };
+            let broken = Polyline {
+                points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]],
+                role: 99,
+                is_edge: false,
+            };
             let frame = Frame { time: 0.0, lines: vec![broken] };
             let motion = MotionPicture { frames: vec![frame.clone(), frame], view, ..MotionPicture::default() };
             motion.write(&folder.0.join("one")).unwrap();
             MotionPicture { view, ..MotionPicture::default() }.write(&folder.0.join("none")).unwrap();
-            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0 };
+            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0, is_edge: false };
             let frames = vec![Frame { time: 0.0, lines: vec![line] }];
             MotionPicture { frames, view, ..MotionPicture::default() }.write(&folder.0.join("small")).unwrap();
         }

@@ -134,6 +134,8 @@ impl Picture {
         let file = std::io::BufWriter::new(std::fs::File::create(path)?);
         let mut encoder = png::Encoder::new(file, width as u32, height as u32);
         encoder.set_color(png::ColorType::Rgb);
+        // lines on paper: what filters win on photographs they lose here
+        encoder.set_filter(png::FilterType::NoFilter);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.pixels(SCALE, width, height))?;
         writer.finish()
@@ -175,6 +177,8 @@ pub(super) fn write_film(
         let file = std::io::BufWriter::new(std::fs::File::create(&aside.part)?);
         let mut encoder = png::Encoder::new(file, width as u32, height as u32);
         encoder.set_color(png::ColorType::Rgb);
+        // lines on paper: what filters win on photographs they lose here
+        encoder.set_filter(png::FilterType::NoFilter);
         encoder.set_animated(count as u32, 0)?;
         let milliseconds = (1e3 * duration / count as f64).round().clamp(10.0, 60_000.0);
         encoder.set_frame_delay(milliseconds as u16, 1000)?;
