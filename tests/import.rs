@@ -134,7 +134,10 @@ fn histories_of_chosen_parts_are_columns_of_all_and_a_film_is_one_picture_after_
     let folder = Folder::new("chosen");
     let text = include_str!("scene_files/coverage/solids.toml").replace("tests/scene_files/coverage/", "");
     folder.write("solids.toml", &text);
-    folder.write("all.toml", &text.replace("histories = [\"hammer\", \"hinge\", \"reach\", \"energy\"]\nfilm = true", ""));
+    folder.write(
+        "all.toml",
+        &text.replace("histories = [\"hammer\", \"hinge\", \"reach\", \"energy\"]", "").replace("film = true", ""),
+    );
     std::fs::copy("tests/scene_files/coverage/wedge.stl", folder.0.join("wedge.stl")).unwrap();
     for scene in ["solids", "all"] {
         let output = folder.run(&["run", &format!("{scene}.toml"), "--out", scene, "--no-report"]);
