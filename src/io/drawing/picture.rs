@@ -135,6 +135,7 @@ impl Picture {
         let mut encoder = png::Encoder::new(file, width as u32, height as u32);
         encoder.set_color(png::ColorType::Rgb);
         // lines on paper: what filters win on photographs they lose here
+        encoder.set_compression(png::Compression::Default);
         encoder.set_filter(png::FilterType::NoFilter);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.pixels(SCALE, width, height))?;
@@ -178,6 +179,7 @@ pub(super) fn write_film(
         let mut encoder = png::Encoder::new(file, width as u32, height as u32);
         encoder.set_color(png::ColorType::Rgb);
         // lines on paper: what filters win on photographs they lose here
+        encoder.set_compression(png::Compression::Default);
         encoder.set_filter(png::FilterType::NoFilter);
         encoder.set_animated(count as u32, 0)?;
         let milliseconds = (1e3 * duration / count as f64).round().clamp(10.0, 60_000.0);
