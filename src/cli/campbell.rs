@@ -13,25 +13,6 @@ const ORDERS: [usize; 4] = [1, 2, 3, 4];
 /// Branches of the printed table.
 const SHOWN: usize = 8;
 
-/// Rates of a turn: first, last, number.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rates(pub Vec<f64>);
-
-impl std::str::FromStr for Rates {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "it must be FIRST:LAST:NUMBER, rates [rad/s] and how many of them, as 0:120:25".to_string();
-        let [first, last, count] = text.split(':').collect::<Vec<_>>().try_into().map_err(|_| wrong())?;
-        let rate = |text: &str| text.parse::<f64>().ok().filter(|rate| rate.is_finite()).ok_or_else(wrong);
-        let ([first, last], count) = ([rate(first)?, rate(last)?], count.parse::<usize>().map_err(|_| wrong())?);
-        if !(2..=1000).contains(&count) || first >= last {
-            return Err("the first rate must lie below the last one, and their number between 2 and 1000".into());
-        }
-        let step = (last - first) / (count - 1) as f64;
-        Ok(Rates((0..count).map(|k| if k + 1 == count { last } else { first + step * k as f64 }).collect()))
-    }
-}
-
 /// Modes at each rate, in the order of branches; `None` where a branch has none.
 pub struct Branches {
     rates: Vec<f64>,

@@ -38,6 +38,10 @@ impl CommandLine<'_> {
                 (format!("optimize {better}"), "the problem that the scene states"),
                 (format!("optimize {better} --iterations 20 --json"), "with one JSON object behind the tables"),
             ],
+            "response" => vec![(
+                "response beam.toml --by force --rates 1:1000:200:log".into(),
+                "amplitude and phase of the functionals of a scene file over the rate of a force",
+            )],
             "import" => vec![("import robot.urdf".into(), "writes robot.toml, held on the ground at its root link")],
             "sweep" => {
                 let own = self.scenes.iter().find(|own| own.name() == first);

@@ -57,7 +57,9 @@ mod optimize;
 mod optimum;
 mod options;
 mod part_sensitivities;
+mod rates;
 mod report;
+mod response;
 mod results;
 mod run;
 mod simulation;
@@ -99,6 +101,8 @@ enum Command {
     Sweep(sweep::SweepOptions),
     /// Frequencies and shapes of small vibrations about the start of a scene or another equilibrium
     Modes(modes::ModesOptions),
+    /// How functionals answer a harmonic change of a design variable: amplitudes and phases over its rate
+    Response(response::ResponseOptions),
     /// Measure a study against its reference; without a name: list the studies
     Verify(verify::VerifyOptions),
     /// Read a scene file and check what it says, without running it
@@ -234,6 +238,7 @@ impl<'p> CommandLine<'p> {
             Command::Optimize(options) => optimize::run(options, self),
             Command::Sweep(options) => sweep::run(options, self),
             Command::Modes(options) => modes::run(options, self),
+            Command::Response(options) => response::run(options, self),
             Command::Verify(options) => verify::run(options, self),
             Command::Check(options) => check::run(options, self),
             Command::New(options) => new::run(options, self),

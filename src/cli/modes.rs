@@ -1,9 +1,10 @@
 use super::CommandLine;
-use super::campbell::{Branches, Rates};
+use super::campbell::Branches;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::{mode_moments, mode_picture, motion};
 use super::options::{changed_design, located, only_scenario};
+use super::rates::Rates;
 use super::report::{Clip, Page};
 use super::results::Snapshot;
 use super::simulation::{long_number, names};
@@ -111,7 +112,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
                 "--speed needs a scene that begins with a steady turn ([[spin]] and start = \"steady\" of a scene file)";
             return Err(Failure::input(text));
         }
-        Some(Rates(rates)) => Some(Branches::follow(&mut prepared, rates, options.count)?),
+        Some(rates) => Some(Branches::follow(&mut prepared, &rates.list, options.count)?),
         None => None,
     };
     if let Some(branches) = &branches {

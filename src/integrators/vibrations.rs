@@ -48,7 +48,7 @@ impl Mode {
 }
 
 /// First shift, as a share of the largest ratio of stiffness and inertia.
-const FIRST_SHIFT: f64 = 1e-8;
+pub(super) const FIRST_SHIFT: f64 = 1e-8;
 /// Most shifts that are tried.
 const MOST_SHIFTS: usize = 6;
 /// A shift this much smaller or larger than the lowest mode that is not rigid is chosen anew.
@@ -156,15 +156,15 @@ fn square(pair: &Eigenpair, shift: f64) -> [f64; 2] {
 pub(super) struct Operator<'m> {
     problem: &'m Problem<'m, f64>,
     /// Its matrix is that of K + beta C + gamma M with the constraints.
-    newton: Newton<'m, f64>,
+    pub newton: Newton<'m, f64>,
     /// M, with rows A.
-    mass: Jacobian,
+    pub mass: Jacobian,
     /// Unknowns of nodes, in front of multipliers.
     pub nodes: usize,
     /// The equilibrium.
-    base: VectorsAvq<f64>,
+    pub base: VectorsAvq<f64>,
     /// Its reactions, without displacements.
-    reactions: Unknowns<f64>,
+    pub reactions: Unknowns<f64>,
     t: f64,
     /// Whether K is.
     is_symmetric: bool,
@@ -216,20 +216,25 @@ impl<'m> Operator<'m> {
 
     /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2.
     pub fn largest_ratio(&mut self) -> f64 {
-        let Problem { p, .. } = self.problem;
-        let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
+        self.reactions = self.newton.reactions_at_release(&self.base, &self.problem.p, self.t);
         self.assemble_mass();
-        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
-        let Newton { system, residual, .. } = &mut self.newton;
-        let mut stiffness = Jacobian::default();
-        let stage = StageSystem { equations: &equations, base: &self.base, p, t: self.t };
-        residual.evaluate(system, stage, &mut unknowns);
-        stiffness.assemble(system, &equations, residual, &unknowns, p, self.t);
+        let stiffness = self.stiffness();
+        let system = &self.newton.system;
         let diagonal = (0..self.nodes).filter_map(|i| system.pattern.position(i, i));
         diagonal.fold(0.0, |largest: f64, place| {
             let (stiffness, mass) = (stiffness.values[place].abs(), self.mass.values[place]);
             if mass > 0.0 { largest.max(stiffness / mass) } else { largest }
         })
+    }
+
+    /// K with the reactions that are known, and the constraints.
+    pub fn stiffness(&mut self) -> Jacobian {
+        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
+        let Operator { newton: Newton { system, residual, .. }, base, reactions, problem: Problem { p, .. }, t, .. } = self;
+        let mut stiffness = Jacobian::default();
+        residual.evaluate(system, StageSystem { equations: &equations, base, p, t: *t }, reactions);
+        stiffness.assemble(system, &equations, residual, reactions, p, *t);
+        stiffness
     }
 
     fn assemble_mass(&mut self) {

@@ -1,9 +1,12 @@
 use super::Prepared;
+use crate::assembly::VectorsAvq;
+use crate::functionals::{Functional, Sample};
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StabilityCourse, StartPlan, StartRecord, StepRecord,
-    complex_modes, follow_path, march, march_adaptive, march_dividing, resting_start, vibrations,
+    ArcLength, InitialState, Mode, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan, StartRecord,
+    StepRecord, Vibration, complex_modes, follow_path, harmonic_response, march, march_adaptive, march_dividing,
+    resting_start, vibrations,
 };
-use crate::scalar::{SpatialVector, Vector3};
+use crate::scalar::{COMPLEX_STEP, Complex64, SpatialVector, Vector3};
 
 /// The last state of a run over load steps.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,6 +105,59 @@ impl Prepared<'_> {
         let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
         let modes = complex_modes(&problem, &self.method, &plan, load, count)?;
         Ok((problem.start.q, modes))
+    }
+
+    /// How what the functionals measure vibrates where a design variable d varies harmonically by a small d cos(omega t) about the equilibrium of
+    /// [`Prepared::modes`]: for each rate omega [rad/s] and each functional, in their order, the real and imaginary part of its complex
+    /// amplitude by d. A force whose size is the variable gives receptances, a driver whose displacement is the variable transmissibilities.
+    /// Equations know the variable by its value alone: a damper sees no rate of it.
+    ///
+    /// # Errors
+    /// As for [`Prepared::modes`]; an unknown variable, a rate at which nothing determines the response, a start from a steady turn.
+    pub fn frequency_response(&self, variable: &str, rates: &[f64]) -> Result<Vec<Vec<[f64; 2]>>, RunError> {
+        if self.spin_rate().is_some() {
+            return Err(RunError::Input("a frequency response about a steady turn is not there: take modes --speed".into()));
+        }
+        let mut x: Vec<Complex64> = self.x.iter().map(|&x| x.into()).collect();
+        x[self.variable(variable)?].im = COMPLEX_STEP;
+        let varied = self.analysis().numbers_with_parts(&x)?.p;
+        let (start, plan, load) = self.still_state()?;
+        let problem = Problem { start, ..self.problem() };
+        let response = harmonic_response(&problem, &varied, &self.method, &plan, load, rates)?;
+        let all = rates.iter().zip(&response.vibrations);
+        Ok(all
+            .map(|(&omega, own)| self.measured_amplitudes((&response, &plan.dropped, load), &varied, (omega, own)))
+            .collect())
+    }
+
+    /// Complex amplitudes of what the functionals measure.
+    fn measured_amplitudes(
+        &self,
+        (response, dropped, t): (&Response, &[usize], f64),
+        varied: &[Complex64],
+        (omega, Vibration { x, mu }): (f64, &Vibration),
+    ) -> Vec<[f64; 2]> {
+        let with = |values: &[f64], parts: &[f64], factor: f64| -> Vec<Complex64> {
+            values.iter().zip(parts).map(|(&value, part)| Complex64::new(value, factor * part * COMPLEX_STEP)).collect()
+        };
+        let still = vec![0.0; response.q.len()];
+        let real: Vec<Complex64> = varied.iter().map(|own| own.re.into()).collect();
+        // x' = i omega x and x'' = -omega^2 x: the rate of the real part is -omega times the imaginary one
+        let samples = [(0, 1, -omega, varied), (1, 0, omega, &real)].map(|(own, other, turn, p)| {
+            let at = VectorsAvq {
+                a: with(&still, &x[own], -omega * omega),
+                v: with(&still, &x[other], turn),
+                q: with(&response.q, &x[own], 1.0),
+            };
+            let mu = with(&response.mu, &mu[own], 1.0);
+            let mut sample = Sample { t: t.into(), at, mu, dropped: dropped.to_vec(), ..Sample::empty() };
+            sample.share(self.model(), p);
+            (sample, p)
+        });
+        let part = |functional: &Functional| {
+            samples.each_ref().map(|(sample, p)| functional.measured_at(self.model(), sample, p).im / COMPLEX_STEP)
+        };
+        self.functionals().iter().map(part).collect()
     }
 
     /// The state about which things vibrate, with the equations that are left out there, and the load factor.

@@ -453,7 +453,7 @@ impl<'m> Analysis<'m> {
     ///
     /// # Errors
     /// Those of the map; [`RunError::Input`] if the two differ by more than round-off.
-    pub(super) fn numbers_with_parts<S: RunScalar>(&self, x: &[S]) -> Result<ModelNumbers<S>, RunError> {
+    pub(crate) fn numbers_with_parts<S: RunScalar>(&self, x: &[S]) -> Result<ModelNumbers<S>, RunError> {
         let real: Vec<f64> = x.iter().map(|x| x.value()).collect();
         let chain = DesignChain::record(self.map, &real).map_err(RunError::Input)?;
         let mut numbers = chain.numbers(x);

@@ -10,6 +10,7 @@ mod mechanisms;
 mod meshes;
 mod mutations;
 mod own_parts;
+mod response;
 mod runge_kutta;
 mod scenarios;
 mod signals;

@@ -1,0 +1,111 @@
+//! Frequency responses against closed forms.
+
+use costate::scalar::Complex64;
+use costate::scenes::{FileScene, Prepared};
+
+const RATES: [f64; 6] = [0.0, 1.0, 4.0, 7.1, 12.0, 80.0];
+const MASS: f64 = 2.0;
+const STIFFNESS: f64 = 100.0;
+const DAMPING: f64 = 0.7;
+
+fn amplitudes(text: &str, by: &str, rates: &[f64]) -> Vec<Vec<Complex64>> {
+    let scene = FileScene::parse("response.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap();
+    let response = prepared.frequency_response(by, rates).unwrap();
+    response.into_iter().map(|row| row.into_iter().map(|[re, im]| Complex64::new(re, im)).collect()).collect()
+}
+
+fn same(own: Complex64, other: Complex64, what: &str) {
+    assert!((own - other).norm() <= 1e-12 * (1e-3 + other.norm()), "{what}: {own} {other}");
+}
+
+/// A mass on a slide with a spring and a damper.
+const SLIDER: &str = r#"
+version = 1
+settings = { end = 1, steps = 10 }
+variable.force = { initial = 3, bounds = [-10, 10], unit = "N" }
+variable.move = { initial = 0, bounds = [-1, 1], unit = "m" }
+body = [
+    { name = "base", mass = 0.5, inertia = [1, 1, 1] },
+    { name = "mass", position = ["0.2 + force / 100", 0, 0], mass = 2, inertia = [1, 1, 1] },
+]
+joint = [
+    { name = "guide", type = "prismatic", between = ["ground", "base"], axis = [1, 0, 0] },
+    { name = "slide", type = "prismatic", between = ["base", "mass"], axis = [1, 0, 0] },
+]
+driver = [{ name = "shaker", type = "translation", between = ["ground", "base"], axis = [1, 0, 0], displacement = "move" }]
+spring = [{ name = "spring", type = "slide", between = ["base", "mass"], origin = [0, 0, 0], point = ["0.2 + force / 100", 0, 0], axis = [1, 0, 0], stiffness = 100, damping = 0.7, rest_displacement = 0.2 }]
+force = [{ name = "push", on = "mass", direction = [1, 0, 0], size = "force" }]
+functional = [
+    { name = "x", type = "position", on = "mass", direction = [1, 0, 0], over = "terminal" },
+    { name = "v", type = "velocity", on = "mass", direction = [1, 0, 0], over = "terminal" },
+    { name = "drive", type = "reaction", joint = "shaker", weights = [1], over = "terminal" },
+]
+"#;
+
+#[test]
+fn a_mass_answers_a_force_and_a_shaken_base_by_the_closed_forms() {
+    let (i, force) = (Complex64::new(0.0, 1.0), amplitudes(SLIDER, "force", &RATES));
+    let shaken = amplitudes(SLIDER, "move", &RATES);
+    for (place, &omega) in RATES.iter().enumerate() {
+        let spring = i * (omega * DAMPING) + STIFFNESS;
+        let dynamic = spring - MASS * omega * omega;
+        // x = F / (k - m omega^2 + i c omega); the point of the spring moves with the variable, too, and stretches nothing
+        let receptance = Complex64::from(1.0) / dynamic;
+        same(force[place][0], receptance, &format!("receptance at {omega}"));
+        same(force[place][1], i * omega * receptance, &format!("mobility at {omega}"));
+        same(force[place][2].norm().into(), (spring * receptance).norm().into(), &format!("blocked force at {omega}"));
+        let transmitted = spring / dynamic;
+        same(shaken[place][0], transmitted, &format!("transmissibility at {omega}"));
+        let driving = (spring * (1.0 - transmitted) - 0.5 * omega * omega).norm();
+        same(shaken[place][2].norm().into(), driving.into(), &format!("force of the shaker at {omega}"));
+    }
+}
+
+/// tip = (sin b cosh b - cos b sinh b) L^3 / (EI b^3 (1 + cos b cosh b)) with b^4 = rho A omega^2 L^4 / EI and E (1 + i omega tau).
+#[test]
+fn a_damped_cantilever_answers_a_force_at_its_tip_as_euler_and_bernoulli_say() {
+    const TAU: f64 = 2e-4;
+    let text = r#"
+version = 1
+settings = { end = 1, steps = 10 }
+variable.force = { initial = 0, bounds = [-10, 10], unit = "N" }
+material.steel = { young = 2e11, poisson = 0.3, density = 7800 }
+section.bar = { type = "rectangle", material = "steel", width = 0.01, height = 0.01, damping = 2e-4 }
+beam = [{ name = "beam", section = "bar", from = [0, 0, 0], to = [1, 0, 0], second_axis = [0, 1, 0], elements = 12, clamped = ["start"] }]
+force = [{ name = "push", on = "beam.end", direction = [0, 0, 1], size = "force" }]
+functional = [{ name = "tip", type = "position", on = "beam.end", direction = [0, 0, 1], over = "terminal" }]
+"#;
+    let rates: Vec<f64> = (1..60).map(|k| 10.0 * f64::from(k)).collect();
+    let own = amplitudes(text, "force", &rates);
+    let closed = |omega: f64| {
+        let stiffness = Complex64::new(1.0, omega * TAU) * (2e11 * 0.01_f64.powi(4) / 12.0);
+        let b = (Complex64::from(7800.0 * 1e-4 * omega * omega) / stiffness).powf(0.25);
+        (b.sin() * b.cosh() - b.cos() * b.sinh()) / (stiffness * b * b * b * (b.cos() * b.cosh() + 1.0))
+    };
+    for (row, &omega) in own.iter().zip(&rates) {
+        let expected = closed(omega);
+        let off = (row[0] - expected).norm() / expected.norm();
+        // shear and rotary inertia move the modes, the first two lie at 52 and 324 rad/s, by some 1e-4 of their rates
+        assert!(off < 4e-3, "{omega} rad/s: {} {expected}, off by {off:.1e}", row[0]);
+    }
+    // an eighth of a millimetre and more at rest, and a resonance
+    let largest = own.iter().map(|row| row[0].norm()).fold(0.0, f64::max);
+    assert!(largest > 10.0 * closed(1e-3).norm(), "{largest}");
+}
+
+#[test]
+fn what_has_no_response_is_told() {
+    let scene = FileScene::parse("response.toml", SLIDER).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let told = |by: &str, rates: &[f64]| prepared.frequency_response(by, rates).unwrap_err().to_string();
+    assert!(told("force of a spring", &[1.0]).contains("force of a spring"), "{}", told("force of a spring", &[1.0]));
+    // a mass that slides freely is nowhere at rest
+    let free =
+        SLIDER.replace("stiffness = 100, damping = 0.7", "stiffness = 0, damping = 0").replace("initial = 3", "initial = 0");
+    let scene = FileScene::parse("response.toml", &free).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let why = prepared.frequency_response("force", &[0.0]).unwrap_err().to_string();
+    assert!(why.contains("at 0 rad/s the response is not determined"), "{why}");
+    assert!((prepared.frequency_response("force", &[2.0]).unwrap()[0][0][0] + 1.0 / 8.0).abs() < 1e-13);
+}
