@@ -199,6 +199,12 @@ impl Reader {
         self.mistakes.push(Mistake::new(at, what));
     }
 
+    /// The same where a value was wanted.
+    pub(super) fn refuse<T>(&mut self, at: usize, what: impl Into<String>) -> Option<T> {
+        self.wrong(at, what);
+        None
+    }
+
     fn contents(&mut self, root: &Raw) -> Contents {
         let entries = root.entries().unwrap_or_default();
         let top_keys = TOP.forms[0].keys;
@@ -445,13 +451,8 @@ impl Reader {
             let Entry { key, value, .. } = &entries[place];
             let what = format!("{key} of [define]");
             let formula = match &value.value {
-                RawValue::List(_) => self.vector(value, &what),
-                RawValue::Text(..) | RawValue::Number { .. } => self.formula(value, &what, None),
-                _ => {
-                    let words = value.words();
-                    self.wrong(value.at, format!("{what} must be a number, a formula or a vector; it is {words}"));
-                    None
-                }
+                RawValue::List(_) | RawValue::Text(..) | RawValue::Number { .. } => self.number_or_vector(value, &what),
+                _ => self.not(value, &what, "a number, a formula or a vector"),
             };
             // what is wrong is told once, not by all that use it
             let formula = formula.unwrap_or_else(|| match &value.value {
@@ -490,7 +491,7 @@ impl Reader {
                 self.wrong(entry.at, format!("{of}: {text}"));
                 continue;
             };
-            if let Some(value) = self.value(&entry.value, key, &key.takes, owner) {
+            if let Some(value) = self.value(&entry.value, &key.takes, &format!("{} of {owner}", key.name)) {
                 fields.values.push((key.name, entry.value.at, value));
             }
         }
@@ -504,19 +505,11 @@ impl Reader {
         let known = all_forms(forms, &self.own);
         let names = || known.iter().map(|form| form.name.to_string()).collect::<Vec<_>>();
         let Some(given) = raw.get("type") else {
-            self.wrong(raw.at, format!("{owner} needs the key type: one of {}", names().join(", ")));
-            return None;
+            return self.refuse(raw.at, format!("{owner} needs the key type: one of {}", names().join(", ")));
         };
-        let Some(name) = given.text() else {
-            self.wrong(given.at, format!("type of {owner} must be a text; it is {}", given.words()));
-            return None;
-        };
+        let name = given.text().or_else(|| self.not(given, &format!("type of {owner}"), "a text"))?;
         let form = known.iter().find(|form| form.name == name).copied();
-        if form.is_none() {
-            let text = unknown("type", name, &names());
-            self.wrong(given.at, format!("{owner}: {text}"));
-        }
-        form
+        form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown("type", name, &names()))))
     }
 }
 

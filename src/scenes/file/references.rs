@@ -65,11 +65,6 @@ impl Reader {
         self.item(raw, what, sections).map(Value::Item)
     }
 
-    pub(super) fn node_list(&mut self, list: &[Raw], what: &str, sets: bool) -> Option<Value> {
-        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.node(raw, what, sets))).collect();
-        own.into_iter().map(|(at, node)| Some((at, Value::Node(node?)))).collect::<Option<_>>().map(Value::List)
-    }
-
     pub(super) fn node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<NodePlace> {
         let Some(text) = raw.text() else {
             self.wrong(raw.at, format!("{what} must be the name of a node; it is {}", raw.words()));
