@@ -78,6 +78,18 @@ impl Fields {
         self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
         Some((*at, value))
     }
+    /// Where a key was given its value, or the table stands where it was not.
+    pub fn at(&self, key: &str) -> usize {
+        self.get(key).map_or(self.at, |given| given.0)
+    }
+    /// The tables of a list, with their places.
+    pub fn tables(&self, key: &str) -> impl Iterator<Item = (usize, &Fields)> + use<'_> {
+        let list = match self.get(key) {
+            Some((_, Value::List(list))) => list.as_slice(),
+            _ => &[],
+        };
+        list.iter().filter_map(|(at, own)| if let Value::Fields(own) = own { Some((*at, own)) } else { None })
+    }
     /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
     pub fn unread(&self) -> Vec<(&'static str, usize)> {
         fn inside(value: &Value) -> Vec<(&'static str, usize)> {
