@@ -104,21 +104,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let CableLine { points: [from, to], elements, ends } = line;
         let whole = (to - from).length();
         let mut member = CableMember { nodes: Vec::new(), elements: Vec::new(), strain: section.strain, name: name.into() };
-        let sound = elements > 0 && whole.value() > 0.0 && whole.value().is_finite();
-        if !sound {
-            let (apart, number) = (whole.value(), elements);
-            self.mistakes.push(format!(
-                "\"{name}\" has {number} elements on a line of {apart} m; a cable needs one element or more and ends that lie apart"
-            ));
-        }
-        if let Some(size) = section.impossible {
-            self.mistakes.push(format!("the section of \"{name}\": {size}"));
-        }
-        if section.damped && section.strain == CableStrain::Small {
-            self.mistakes.push(format!(
-                "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
-            ));
-        }
+        let sound = self.check_cable(name, (elements, whole.value()), section);
         let direction = if sound { (to - from) * whole.recip() } else { Vector3::from_f64([1.0, 0.0, 0.0]) };
         for i in 0..=elements {
             let end = if i == 0 { Some(ends[0]) } else { (i == elements).then_some(ends[1]) };
@@ -173,6 +159,25 @@ impl<S: Scalar> MechanismBuilder<S> {
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
         self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member
+    }
+
+    /// Whether a line of some length \[m\] may be a cable; tells what of its section may not.
+    fn check_cable(&mut self, name: &str, (elements, whole): (usize, f64), section: &CableSection<S>) -> bool {
+        let sound = elements > 0 && whole > 0.0 && whole.is_finite();
+        if !sound {
+            self.mistakes.push(format!(
+                "\"{name}\" has {elements} elements on a line of {whole} m; a cable needs one element or more and ends that lie apart"
+            ));
+        }
+        if let Some(size) = section.impossible {
+            self.mistakes.push(format!("the section of \"{name}\": {size}"));
+        }
+        if section.damped && section.strain == CableStrain::Small {
+            self.mistakes.push(format!(
+                "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
+            ));
+        }
+        sound
     }
 
     /// A node in which two cables meet holds one slope.

@@ -416,7 +416,9 @@ fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
 }
 
 /// Numbers by the names of functionals or design variables.
-fn weights(fields: &Fields, key: &str) -> Vec<(String, f64)> {
+type Weights = Vec<(String, f64)>;
+
+fn weights(fields: &Fields, key: &str) -> Weights {
     match fields.get(key) {
         Some((_, Value::Weights(weights))) => weights.clone(),
         _ => Vec::new(),
@@ -424,7 +426,7 @@ fn weights(fields: &Fields, key: &str) -> Vec<(String, f64)> {
 }
 
 /// The objective, with the key that says it.
-fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'static str, Vec<(String, f64)>)> {
+fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'static str, Weights)> {
     let one = |key: &str| vec![(text(fields, key).unwrap_or_default().to_string(), 1.0)];
     match ["minimize", "maximize", "weights"].map(|key| fields.get(key).is_some()) {
         [true, false, false] => Some((Sense::Minimize, "minimize", one("minimize"))),
