@@ -144,16 +144,8 @@ fn run_one(
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
     show(&prepared, &simulation);
-    // what is there is said before what may fail
-    simulation.say_functionals(&prepared);
-    simulation.say_resolution(&prepared);
-    let crossings = simulation.crossings_in_words();
-    crossings.iter().for_each(|crossing| warn(crossing));
-    if let Some(page) = &mut page {
-        crossings.iter().for_each(|crossing| page.warning(crossing));
-    }
     let behind = simulation.behind_jumps(&prepared);
-    say_checkpoints(&prepared, forward);
+    say_simulated(&simulation, &prepared, page.as_mut());
     // a sweep that is stopped leaves what the simulation gave
     let mut simulated = simulation.json(&prepared);
     simulated.insert("error".into(), json!("interrupted before the gradient was there"));
@@ -202,6 +194,19 @@ fn run_one(
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
     check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
     simulation.unwritten.map_or(Ok(()), Err)
+}
+
+/// What is there is said before what may fail.
+fn say_simulated(simulation: &Simulation, prepared: &Prepared, mut page: Option<&mut Page>) {
+    simulation.say_functionals(prepared);
+    simulation.say_resolution(prepared);
+    for crossing in simulation.crossings_in_words() {
+        warn(&crossing);
+        if let Some(page) = &mut page {
+            page.warning(&crossing);
+        }
+    }
+    say_checkpoints(prepared, &simulation.forward);
 }
 
 fn say_checkpoints(prepared: &Prepared, forward: &Forward) {

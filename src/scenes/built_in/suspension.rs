@@ -153,6 +153,32 @@ fn motion<S: Scalar>(
     Motion { velocity: velocity * factor, omega: omega * factor, wishbones: [axes[0] * factor, axes[1] * (ratio * factor)] }
 }
 
+/// Moments of inertia about principal axes.
+fn solid<S: Scalar>(moments: [f64; 3]) -> [S; 6] {
+    let [a, b, c] = moments.map(S::from);
+    [a, b, c, S::zero(), S::zero(), S::zero()]
+}
+
+/// A cylinder of 20 kg.
+fn add_wheel<S: Scalar>(m: &mut MechanismBuilder<S>, name: &str, hub: Vector3<S>) -> NodeId {
+    let wheel = m.natural_body(name, hub, Quaternion::identity());
+    let (radius, width) = (0.3, 0.2);
+    let (about, across) = (10.0 * radius * radius, 20.0 / 12.0 * (3.0 * radius * radius + width * width));
+    m.rigid_body(name, wheel, S::from(20.0), Vector3::zeros(), solid([across, about, across]));
+    wheel
+}
+
+/// Stresses of the beams over the run, and their lengths at the start.
+fn add_beam_functionals<S: Scalar>(m: &mut MechanismBuilder<S>, beams: &[CableMember], young: S, radius: S) {
+    for (number, beam) in (1..).zip(beams) {
+        m.largest_cable_stress_functional(&stress_name(number), beam, young, radius, 1.0 / STRESS_SCALE);
+    }
+    for (number, beam) in (1..).zip(beams) {
+        let ends = [beam.start(), beam.end()];
+        m.distance_functional(&length_name(number), Over::Initial, ends, ends.map(|node| m.position(node)));
+    }
+}
+
 impl Scene for Suspension {
     fn name(&self) -> String {
         "suspension".into()
@@ -200,10 +226,6 @@ impl Scene for Suspension {
             return Err(format!("60 variables expected, {} given", x.len()));
         }
         let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
-        let solid = |moments: [f64; 3]| {
-            let [a, b, c] = moments.map(S::from);
-            [a, b, c, S::zero(), S::zero(), S::zero()]
-        };
         let centre = at([0.243, 0.0, 0.365]);
         let (chassis, ground) = (m.natural_body("chassis", centre, Quaternion::identity()), m.ground());
         let cuboid = [[1.2, 0.5], [2.0, 0.5], [2.0, 1.2]].map(|[a, b]: [f64; 2]| 300.0 / 12.0 * (a * a + b * b));
@@ -228,10 +250,7 @@ impl Scene for Suspension {
             let hinges = [[points[0], points[1]], [points[2], points[3]]];
             let motion = motion(hinges, joints, tie, hub, rise);
 
-            let wheel = m.natural_body(&of("wheel"), hub, Quaternion::identity());
-            let (radius, width) = (0.3, 0.2);
-            let (about, across) = (10.0 * radius * radius, 20.0 / 12.0 * (3.0 * radius * radius + width * width));
-            m.rigid_body(&of("wheel"), wheel, S::from(20.0), Vector3::zeros(), solid([across, about, across]));
+            let wheel = add_wheel(m, &of("wheel"), hub);
             m.set_velocity(wheel, motion.velocity, motion.omega);
             m.draw(wheel, &[joints[1], joints[0], hub, joints[1]]);
 
@@ -269,19 +288,7 @@ impl Scene for Suspension {
         m.draw(chassis, &corners.map(|[x, y]| at([x, y, 0.365])));
 
         m.target_functional(OBJECTIVE, Over::Integral, chassis, centre, centre);
-        for (number, beam) in (1..).zip(&beams) {
-            m.largest_cable_stress_functional(
-                &stress_name(number),
-                beam,
-                material.young,
-                diameter * 0.5,
-                1.0 / STRESS_SCALE,
-            );
-        }
-        for (number, beam) in (1..).zip(&beams) {
-            let ends = [beam.start(), beam.end()];
-            m.distance_functional(&length_name(number), Over::Initial, ends, ends.map(|node| m.position(node)));
-        }
+        add_beam_functionals(m, &beams, material.young, diameter * 0.5);
         Ok(())
     }
 }
