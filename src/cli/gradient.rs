@@ -145,12 +145,7 @@ fn run_one(
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
     show(&prepared, &simulation);
     let behind = simulation.behind_jumps(&prepared);
-    say_simulated(&simulation, &prepared, page.as_mut());
-    // a sweep that is stopped leaves what the simulation gave
-    let mut simulated = simulation.json(&prepared);
-    simulated.insert("error".into(), json!("interrupted before the gradient was there"));
-    simulation.summarize(&simulated);
-    set_last_words(options.scene.json.then(|| Value::from(simulated).to_string()));
+    say_simulated(&simulation, &prepared, page.as_mut(), options.scene.json);
     let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
@@ -196,8 +191,8 @@ fn run_one(
     simulation.unwritten.map_or(Ok(()), Err)
 }
 
-/// What is there is said before what may fail.
-fn say_simulated(simulation: &Simulation, prepared: &Prepared, mut page: Option<&mut Page>) {
+/// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.
+fn say_simulated(simulation: &Simulation, prepared: &Prepared, mut page: Option<&mut Page>, as_json: bool) {
     simulation.say_functionals(prepared);
     simulation.say_resolution(prepared);
     for crossing in simulation.crossings_in_words() {
@@ -207,6 +202,10 @@ fn say_simulated(simulation: &Simulation, prepared: &Prepared, mut page: Option<
         }
     }
     say_checkpoints(prepared, &simulation.forward);
+    let mut simulated = simulation.json(prepared);
+    simulated.insert("error".into(), json!("interrupted before the gradient was there"));
+    simulation.summarize(&simulated);
+    set_last_words(as_json.then(|| Value::from(simulated).to_string()));
 }
 
 fn say_checkpoints(prepared: &Prepared, forward: &Forward) {

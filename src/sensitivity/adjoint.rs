@@ -470,8 +470,7 @@ impl<'m> Sweep<'m> {
         } else {
             let factor = table.rate_factor(stage, step.h);
             own.iter_mut().flat_map(|own| &mut own.rate).for_each(|rate| *rate *= factor);
-            let solver = solvers.stage(stage);
-            solved = solver.through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
+            solved = solvers.stage(stage).through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
         }
         for ((Measured { at, .. }, base), _) in measured.iter_mut().zip(solved).zip(&reads).filter(|(_, reads)| **reads) {
             add(&mut at.a, 1.0, &base.a);
@@ -480,11 +479,8 @@ impl<'m> Sweep<'m> {
         }
         let relation = &table.stages[stage];
         for (k, back) in back.iter_mut().enumerate() {
-            let base = match solved.get(k) {
-                _ if reads[k] => &measured[k].at,
-                Some(base) => base,
-                None => continue,
-            };
+            let base = if reads[k] { Some(&measured[k].at) } else { solved.get(k) };
+            let Some(base) = base else { continue };
             for (order, combination, bar) in [
                 (Carried::A.order(), &relation.a, &base.a),
                 (Carried::V.order(), &relation.v, &base.v),
