@@ -165,7 +165,7 @@ fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[
     Ok(all)
 }
 
-fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
+pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
     Newton::new(system.clone(), method.tolerance, method.backend).map_err(|singular| RunError::of_pattern("start", singular))
 }
 
@@ -414,11 +414,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// The end of a run.
     pub(super) fn end(self, rejected: usize) -> Run<S> {
         let counters = self.counters();
-        let mut carried = self.between.carried.into_iter();
-        let (q, v) = (carried.next().unwrap_or_default(), carried.next().unwrap_or_default());
+        let q = self.between.carried.into_iter().next().unwrap_or_default();
         let determinants = self.drives.map_or(0, |drives| drives.determinants);
         let StepErrors { leap, stability, .. } = self.resolution.errors;
-        Run { q, v, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
+        Run { q, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
     }
 
     /// Takes note of the estimated error of the step made last.

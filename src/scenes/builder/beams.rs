@@ -25,9 +25,9 @@ pub struct BeamLine<S> {
     ends: [End; 2],
 }
 
-/// What a beam ends in.
+/// What a beam or a cable ends in.
 #[derive(Clone, Copy, Debug)]
-enum End {
+pub(super) enum End {
     /// A node of its own.
     Free,
     /// A node that never moves.

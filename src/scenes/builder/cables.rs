@@ -1,5 +1,6 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
+use super::beams::End;
 use super::functionals::entry;
 use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
@@ -19,7 +20,7 @@ pub struct CableLine<S> {
     /// Both ends \[m\].
     points: [Vector3<S>; 2],
     elements: usize,
-    ends: [CableLineEnd; 2],
+    ends: [End; 2],
 }
 
 /// The weight of an element of a cable.
@@ -30,44 +31,33 @@ pub(super) enum HeavyCable<S> {
     Apart(String, [NodeId; 2], [S; 2]),
 }
 
-/// What a cable ends in.
-#[derive(Clone, Copy, Debug)]
-enum CableLineEnd {
-    /// A node of its own.
-    Free,
-    /// A node that never moves.
-    Clamped,
-    /// A cable's node that is there already.
-    Node(NodeId),
-}
-
 impl<S: Scalar> CableLine<S> {
     /// A line of equal elements.
     pub fn straight(points: [Vector3<S>; 2], elements: usize) -> Self {
-        CableLine { points, elements, ends: [CableLineEnd::Free; 2] }
+        CableLine { points, elements, ends: [End::Free; 2] }
     }
     /// Goes on from the end of another cable, in the same direction.
     #[must_use]
     pub fn from_node(mut self, node: NodeId) -> Self {
-        self.ends[0] = CableLineEnd::Node(node);
+        self.ends[0] = End::Node(node);
         self
     }
     /// Ends in the start of another cable, in the same direction.
     #[must_use]
     pub fn to_node(mut self, node: NodeId) -> Self {
-        self.ends[1] = CableLineEnd::Node(node);
+        self.ends[1] = End::Node(node);
         self
     }
     /// Starts in a node that never moves, slope and stretch included.
     #[must_use]
     pub fn clamped_start(mut self) -> Self {
-        self.ends[0] = CableLineEnd::Clamped;
+        self.ends[0] = End::Clamped;
         self
     }
     /// Ends in a node that never moves, slope and stretch included.
     #[must_use]
     pub fn clamped_end(mut self) -> Self {
-        self.ends[1] = CableLineEnd::Clamped;
+        self.ends[1] = End::Clamped;
         self
     }
 }
@@ -111,12 +101,12 @@ impl<S: Scalar> MechanismBuilder<S> {
             let point = from + (to - from) * S::from(i as f64 / elements.max(1) as f64);
             let q: Vec<S> = point.components().into_iter().chain(direction.components()).collect();
             member.nodes.push(match end {
-                Some(CableLineEnd::Node(node)) => {
+                Some(End::Node(node)) => {
                     self.check_continued(name, node, point, direction, whole);
                     node
                 }
                 _ => {
-                    let fixed = matches!(end, Some(CableLineEnd::Clamped));
+                    let fixed = matches!(end, Some(End::Clamped));
                     self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
                 }
             });
