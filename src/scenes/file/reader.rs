@@ -336,23 +336,15 @@ impl Reader {
 
     /// Takes down the entries of a section with their names.
     fn declare(&mut self, section: &'static Section, entry: &Entry) {
-        let entries: Result<Vec<(Raw, String)>, Mistake> = match (section.shape, &entry.value.value) {
+        let entries: Result<Vec<(String, Raw)>, Mistake> = match (section.shape, &entry.value.value) {
             (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
-                let name = |own: &Raw| own.get("name").and_then(|name| name.text()).unwrap_or_default().to_string();
+                let name = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
                 let all: Result<Vec<Vec<Raw>>, Mistake> = list.iter().map(repeated_entries).collect();
-                all.map(|all| {
-                    all.into_iter()
-                        .flatten()
-                        .map(|own| {
-                            let name = name(&own);
-                            (own, name)
-                        })
-                        .collect()
-                })
+                all.map(|all| all.into_iter().flatten().map(|own| (name(&own), own)).collect())
             }
             (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
                 let all: Result<Vec<Vec<Entry>>, Mistake> = named.iter().map(repeated_named).collect();
-                let of_key = |own: Entry| (Raw { at: own.at, value: own.value.value }, own.key);
+                let of_key = |own: Entry| (own.key, Raw { at: own.at, value: own.value.value });
                 all.map(|all| all.into_iter().flatten().map(of_key).collect())
             }
             _ => {
@@ -368,7 +360,7 @@ impl Reader {
                 return self.mistakes.push(mistake);
             }
         };
-        for (raw, name) in entries {
+        for (name, raw) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);
             let space = name_space(section.name);
             if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
