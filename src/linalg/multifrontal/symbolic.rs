@@ -166,11 +166,11 @@ impl Symbolic {
         let tree = EliminationTree::new(&graph, &dissect(&graph));
         let supernodes = supernodes(&graph, &tree);
 
-        let vertices = Vertices::new(&graph, &tree, &supernodes);
+        let mut vertices = Vertices::new(&graph, &tree, &supernodes);
         let mut symbolic = Symbolic {
             size: pattern.size,
             pattern_entries: pattern.rows.len(),
-            order: vertices.order.clone(),
+            order: std::mem::take(&mut vertices.order),
             fronts: Vec::with_capacity(supernodes.len()),
             small_plans: Vec::new(),
             rows: Vec::new(),

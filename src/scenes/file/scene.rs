@@ -397,14 +397,12 @@ fn check_start(contents: &Contents, fields: &Fields, mistakes: &mut Vec<Mistake>
 }
 
 fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
-    let given: Vec<Limit> = [
+    let given = [
         fixed(fields, "at_most").map(Limit::AtMost),
         fixed(fields, "at_least").map(Limit::AtLeast),
         fixed(fields, "equal").map(Limit::Equal),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let given: Vec<Limit> = given.into_iter().flatten().collect();
     match given.as_slice() {
         [one] => *one,
         other => {
@@ -457,12 +455,12 @@ fn problem(
     }
     let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
     let (sense, key, objective) = objective(fields, mistakes)?;
-    let mut check = |kind: &str, key_at: usize, name: &str, known: &[String]| {
+    let check = |kind: &str, at: usize, name: &str, known: &[String], mistakes: &mut Vec<Mistake>| {
         if !known.iter().any(|own| own == name) {
-            mistakes.push(Mistake::new(key_at, unknown(kind, name, known)));
+            mistakes.push(Mistake::new(at, unknown(kind, name, known)));
         }
     };
-    objective.iter().for_each(|(name, _)| check("functional", fields.at(key), name, &functionals));
+    objective.iter().for_each(|(name, _)| check("functional", fields.at(key), name, &functionals, mistakes));
     // one name stands for all of a variable of faces or nodes
     let varying = fields.get("varying").map(|_| {
         let all = |name: String| match contents.variables.iter().find(|own| own.name == name) {
@@ -471,33 +469,21 @@ fn problem(
         };
         texts(fields, "varying").into_iter().flat_map(all).collect::<Vec<String>>()
     });
-    varying.iter().flatten().for_each(|name| check("design variable", fields.at("varying"), name, &names));
-    let (mut constraints, mut linear) = (Vec::new(), Vec::new());
-    for (_, own) in fields.tables("constraint") {
+    let at = fields.at("varying");
+    varying.iter().flatten().for_each(|name| check("design variable", at, name, &names, mistakes));
+    let constraints = fields.tables("constraint").map(|(_, own)| {
         let functional = text(own, "functional").unwrap_or_default().to_string();
-        check("functional", own.at("functional"), &functional, &functionals);
-        constraints.push((own, functional));
-    }
-    for (_, own) in fields.tables("linear") {
+        check("functional", own.at("functional"), &functional, &functionals, mistakes);
+        FunctionalConstraint { functional, limit: limit(own, mistakes), scale: fixed(own, "scale") }
+    });
+    let constraints = constraints.collect();
+    let linear = fields.tables("linear").map(|(_, own)| {
+        let (name, at) = (text(own, "name").unwrap_or_default().to_string(), own.at("coefficients"));
         let coefficients = weights(own, "coefficients");
-        coefficients.iter().for_each(|(name, _)| check("design variable", own.at("coefficients"), name, &names));
-        linear.push((own, coefficients));
-    }
-    let constraints = constraints
-        .into_iter()
-        .map(|(own, functional)| FunctionalConstraint {
-            functional,
-            limit: limit(own, mistakes),
-            scale: fixed(own, "scale"),
-        })
-        .collect();
-    let linear = linear
-        .into_iter()
-        .map(|(own, coefficients)| {
-            let name = text(own, "name").unwrap_or_default().to_string();
-            LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
-        })
-        .collect();
+        coefficients.iter().for_each(|(name, _)| check("design variable", at, name, &names, mistakes));
+        LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
+    });
+    let linear = linear.collect();
     let (scale, screening) = (fixed(fields, "scale"), fixed(fields, "screening"));
     let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
     // the rest, such as an objective of weights that are zero
