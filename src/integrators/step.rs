@@ -144,11 +144,6 @@ pub(super) fn solve<S: RunScalar>(
     solved.map_err(|failure| newton.describe(&failure, equations, &place()))
 }
 
-/// From what the solver of a record of the start begins: that of another run, where there is one.
-fn guess(guide: Option<&StartRecord<f64>>, pick: fn(&StartRecord<f64>) -> Option<&SolveRecord<f64>>) -> InitialGuess<'_> {
-    InitialGuess::guided(guide.and_then(pick))
-}
-
 /// Gives back the memory of a solver before the next one is used: it may be large.
 fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
     newton.release().map_err(|singular| RunError::of_pattern("start", singular))
@@ -326,7 +321,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 release(&mut self.start)?;
             }
         } else {
-            let from = guess(guide, |start| Some(&start.acceleration));
+            let from = InitialGuess::guided(guide.map(|start| &start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
         }
         release(&mut self.acceleration)?;
@@ -372,14 +367,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let first = first.insert(SolveRecord::empty());
             first.equations = Equations::initial_position_projection();
             first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-            let from = guess(guide, |start| start.position_projection.as_ref());
+            let from = InitialGuess::guided(guide.and_then(|start| start.position_projection.as_ref()));
             solve(&mut self.start, first, from, p, &place)?;
             add_scaled(q, &first.unknowns.x, 1.0);
         }
         let mut second = SolveRecord::empty();
         second.equations = Equations::initial_velocity_projection();
         second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
-        let from = guess(guide, |start| start.velocity_projection.as_ref());
+        let from = InitialGuess::guided(guide.and_then(|start| start.velocity_projection.as_ref()));
         solve(&mut self.start, &mut second, from, p, &place)?;
         add_scaled(v, &second.unknowns.x, 1.0);
         release(&mut self.start)?;

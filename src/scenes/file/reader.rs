@@ -227,13 +227,11 @@ impl Reader {
         let mut definitions: &[Entry] = &[];
         let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
         for entry in entries {
-            if let Some(key) = top_keys.iter().find(|key| key.name == entry.key) {
-                top.push((key, entry));
+            if top_keys.iter().any(|key| key.name == entry.key) {
+                top.push(entry.clone());
             } else if entry.key == DEFINE.0 {
-                match entry.value.entries() {
-                    Some(own) => definitions = own,
-                    None => self.wrong(entry.value.at, format!("[define] must be a table; it is {}", entry.value.words())),
-                }
+                let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
+                definitions = own.unwrap_or_default();
             } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
                 if section.shape == Shape::Once {
                     singles.push((section, &entry.value));
@@ -247,8 +245,7 @@ impl Reader {
         self.meshes();
         let variables = self.variables();
         let definitions = self.define(definitions);
-        let top_entries: Vec<Entry> = top.iter().map(|(_, entry)| (*entry).clone()).collect();
-        let top = self.fields(&Raw { at: 0, value: RawValue::Table(top_entries) }, &TOP, "the file");
+        let top = self.fields(&Raw { at: 0, value: RawValue::Table(top) }, &TOP, "the file");
         let single: Vec<(&'static str, Fields)> = singles
             .into_iter()
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
@@ -319,19 +316,16 @@ impl Reader {
     /// Adds the names that an entry gives to formulas of its nodes.
     fn take_definitions(&mut self, raw: &Raw) {
         let Some(given) = raw.get("define") else { return };
-        let Some(entries) = given.entries().filter(|entries| !entries.is_empty()) else {
-            let text = "define must be a table of names with formulas, as in { speed = \"norm(tip.velocity)\" }";
-            return self.wrong(given.at, format!("{text}; it is {}", given.words()));
-        };
-        for own in entries {
-            self.check_name(&own.key, own.at);
-            if self.scope.knows(&own.key) || self.scope.of_node(&own.key).next().is_some() {
-                self.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
+        let wanted = "with formulas, as in { speed = \"norm(tip.velocity)\" }";
+        self.named(given, "define", wanted, |reader, own| {
+            reader.check_name(&own.key, own.at);
+            if reader.scope.knows(&own.key) || reader.scope.of_node(&own.key).next().is_some() {
+                reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
             }
-            if let Some(formula) = self.number_or_vector(&own.value, &format!("define: {}", own.key)) {
-                self.scope.add_definition(&own.key, formula);
-            }
-        }
+            let formula = reader.number_or_vector(&own.value, &format!("define: {}", own.key))?;
+            reader.scope.add_definition(&own.key, formula);
+            Some(())
+        });
     }
 
     /// Takes down the entries of a section with their names.
@@ -472,19 +466,12 @@ impl Reader {
     /// The values of a table.
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
         let mut fields = Fields { at: raw.at, form: "", values: Vec::new(), read: Arc::default() };
-        let Some(entries) = raw.entries() else {
-            self.wrong(raw.at, format!("{owner} must be a table; it is {}", raw.words()));
-            return fields;
-        };
+        let Some(entries) = raw.entries().or_else(|| self.not(raw, owner, "a table")) else { return fields };
         let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first().copied() };
         let Some(form) = form else { return fields };
         fields.form = form.name;
         let keys = || forms.common.iter().chain(form.keys);
-        for entry in entries {
-            let is_type = forms.have_types() && entry.key == "type";
-            if is_type {
-                continue;
-            }
+        for entry in entries.iter().filter(|entry| !(forms.have_types() && entry.key == "type")) {
             let Some(key) = keys().find(|key| key.name == entry.key) else {
                 let mut known: Vec<String> = keys().map(|key| key.name.into()).collect();
                 if forms.have_types() {

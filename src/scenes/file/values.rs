@@ -181,7 +181,7 @@ impl Reader {
     }
 
     /// What is read of the entries of a table of names, which has some.
-    fn named<T>(
+    pub(super) fn named<T>(
         &mut self,
         raw: &Raw,
         what: &str,
