@@ -44,7 +44,7 @@ fn find_segments(rows: &[u32], place: &[u32], front_of: &[u32], segments: &mut V
     }
 }
 
-/// Blocks by the fronts that own them, which note where theirs stand; rows and columns are numbered as there, instead of by their places.
+/// Blocks by the fronts that own them, which note where theirs stand; rows and columns get their numbers there.
 fn by_front(blocks: &[EntryBlock], owners: &[u32], mut local: Vec<u32>, symbolic: &mut Symbolic) -> Vec<EntryBlock> {
     let mut starts = vec![0; symbolic.fronts.len() + 1];
     owners.iter().for_each(|&owner| starts[owner as usize + 1] += 1);

@@ -85,7 +85,7 @@ impl Count {
     }
 }
 
-/// Adds the entries of the matrix to the columns of a front, whose rows follow its delayed ones where these are not its pivots.
+/// Adds the entries of the matrix to the columns of a front; rows delayed by others stand behind its own pivots.
 fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], delayed: usize, columns: &mut [f64]) {
     let size = front.pivots + delayed + front.others();
     for block in &symbolic.entries[front.entries.clone()] {
@@ -100,7 +100,7 @@ fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], delayed: usiz
     }
 }
 
-/// Where the rows of each child stand in a front, those of delayed pivots behind the front's own, and how many they are; adds their sums.
+/// Where the rows of each child stand in a front, delayed ones behind its pivots, and how many; adds their sums.
 fn extensions(
     symbolic: &Symbolic,
     front: &Front,

@@ -125,7 +125,7 @@ fn free_mesh<S: Scalar>(known: &Known<S>, fields: &Fields, data: &Arc<MeshData>,
     Ok(m.joined_to_each(mesh, &shells_named(known, fields, "joined")))
 }
 
-/// The tables that say the sections of faces: the parts, then the entry itself where faces belong to none; and which does for each face.
+/// The tables that say the sections of faces, the entry itself where they belong to no part, and which does for each.
 fn parts<'f>(name: &str, fields: &'f Fields, data: &MeshData) -> Found<(Vec<&'f Fields>, Vec<usize>)> {
     let mut entries: Vec<&Fields> = fields.tables("parts").map(|own| own.1).collect();
     let mut part_of: Vec<Option<usize>> = vec![None; data.faces.len()];

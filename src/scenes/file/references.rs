@@ -116,7 +116,7 @@ impl Reader {
     }
 }
 
-/// How the nodes of a section's entries are called: the names of ends and edges, and how many numbers stand behind the name and behind these.
+/// How nodes of a member are called: its ends and edges, and how many numbers stand behind its name and behind these.
 struct MemberNodes {
     edges: &'static [&'static str],
     own: usize,
