@@ -322,7 +322,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
             return Err(format!("energies and mass: the program gives {found:?}, the formulas {energies:?}"));
         }
         check_mass(&**element, sample, physics.has_energies())?;
-        check_derivatives(&physics, sample)?;
+        check_columns(&physics, sample)?;
     }
     let assembled = Assembled::new(samples, |model, node| {
         model.add_element("", &[node], Box::new(Shared(Arc::clone(element))));
@@ -340,7 +340,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
 }
 
 /// Derivatives of the residual by complex step, by dual numbers and, along time, by the program.
-fn check_derivatives(physics: &ElementPhysics, sample: &Sample) -> Result<(), String> {
+fn check_columns(physics: &ElementPhysics, sample: &Sample) -> Result<(), String> {
     let (s, p, t) = (sample.state(), &sample.p, sample.t);
     let values = physics.residual().values();
     let inputs = [s.a, s.v, s.q, p, &[t]].concat();
