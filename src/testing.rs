@@ -312,11 +312,8 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
             agree("momentum", &physics.impulse_at(s, p, t, [1.0, 0.0]), &momentum, 0.0)?;
             agree("force", &physics.impulse_at(s, p, t, [0.0, 1.0]), &force, 0.0)?;
         }
-        let e = {
-            let mut e = vec![0.0; element.strain_count()];
-            element.strains(s.q, p, 0.0, &mut e);
-            e
-        };
+        let mut e = vec![0.0; element.strain_count()];
+        element.strains(s.q, p, 0.0, &mut e);
         let strain = element.strain_energy(s.q, p) + element.stored(&e, p);
         let energies = [element.kinetic(s.v, s.q, p), element.potential(s.q, p) + strain, element.mass(p), strain];
         let found = physics.energies_at(s.v, s.q, p);
@@ -325,31 +322,11 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
             return Err(format!("energies and mass: the program gives {found:?}, the formulas {energies:?}"));
         }
         check_mass(&**element, sample, physics.has_energies())?;
-        let values = physics.residual().values();
-        let inputs = [s.a, s.v, s.q, p, &[t]].concat();
-        let column = |place: usize| {
-            let (mut complex, mut second): (Vec<Complex64>, Vec<Dual2_64>) = (lift(&inputs), lift(&inputs));
-            complex[place].im = COMPLEX_STEP;
-            second[place].v1 = 1.0;
-            let (mut by_step, mut by_dual) = (vec![Complex64::ZERO; own.len()], vec![Dual2_64::from(0.0); own.len()]);
-            values.run_in(&complex, &mut by_step, &mut ProgramWork::default());
-            values.run_in(&second, &mut by_dual, &mut ProgramWork::default());
-            let by_step: Vec<f64> = by_step.iter().map(|r| r.im / COMPLEX_STEP).collect();
-            (by_step, by_dual.iter().map(|r| r.v1).collect::<Vec<f64>>())
-        };
-        let columns: Vec<_> = (0..inputs.len()).map(column).collect();
-        let scale = columns.iter().map(|(by_step, _)| largest(by_step)).fold(0.0, f64::max);
-        for (place, (by_step, by_dual)) in columns.iter().enumerate() {
-            agree(&format!("derivative to argument {place} by complex step and dual numbers"), by_step, by_dual, scale)?;
-        }
-        agree("dR/dt", &physics.time_rate(s, p, t), &columns[inputs.len() - 1].0, scale)?;
+        check_columns(&physics, sample)?;
     }
-    let build = |model: &mut Model, nodes: &[NodeId]| {
-        nodes.iter().for_each(|node| {
-            model.add_element("", std::slice::from_ref(node), Box::new(Shared(Arc::clone(element))));
-        });
-    };
-    let assembled = Assembled::new(samples, build);
+    let assembled = Assembled::new(samples, |model, node| {
+        model.add_element("", &[node], Box::new(Shared(Arc::clone(element))));
+    });
     let shift = |gamma, beta, alpha| Equations::stage(StageCoefficients::new(gamma, beta, alpha), Level::Acceleration);
     let mut kinds = vec![shift(1.0, 0.0, 0.0), shift(0.0, 1.0, 0.0), shift(0.0, 0.0, 1.0), shift(0.7, -0.4, 1.3)];
     if has_impulse {
@@ -360,6 +337,29 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
     }
     assembled.check_products(&kinds[3])?;
     if has_impulse { assembled.check_impulse_products() } else { Ok(()) }
+}
+
+/// Derivatives of the residual by complex step, by dual numbers and, along time, by the program.
+fn check_columns(physics: &ElementPhysics, sample: &Sample) -> Result<(), String> {
+    let (s, p, t) = (sample.state(), &sample.p, sample.t);
+    let values = physics.residual().values();
+    let inputs = [s.a, s.v, s.q, p, &[t]].concat();
+    let column = |place: usize| {
+        let (mut complex, mut second): (Vec<Complex64>, Vec<Dual2_64>) = (lift(&inputs), lift(&inputs));
+        complex[place].im = COMPLEX_STEP;
+        second[place].v1 = 1.0;
+        let (mut by_step, mut by_dual) = (vec![Complex64::ZERO; s.q.len()], vec![Dual2_64::from(0.0); s.q.len()]);
+        values.run_in(&complex, &mut by_step, &mut ProgramWork::default());
+        values.run_in(&second, &mut by_dual, &mut ProgramWork::default());
+        let by_step: Vec<f64> = by_step.iter().map(|r| r.im / COMPLEX_STEP).collect();
+        (by_step, by_dual.iter().map(|r| r.v1).collect::<Vec<f64>>())
+    };
+    let columns: Vec<_> = (0..inputs.len()).map(column).collect();
+    let scale = columns.iter().map(|(by_step, _)| largest(by_step)).fold(0.0, f64::max);
+    for (place, (by_step, by_dual)) in columns.iter().enumerate() {
+        agree(&format!("derivative to argument {place} by complex step and dual numbers"), by_step, by_dual, scale)?;
+    }
+    agree("dR/dt", &physics.time_rate(s, p, t), &columns[inputs.len() - 1].0, scale)
 }
 
 fn check_sizes(samples: &[Sample], n: usize, m: usize) -> Result<(), String> {
@@ -505,52 +505,61 @@ fn check_equation<C: AnyConstraint + 'static>(
             let second: Vec<f64> = along.iter().map(|g| g.v2).collect();
             agree("second derivative along the motion", &part(2), &second, 1.0)?;
         }
-        // A: derivatives to coordinates or velocities; lambda . A^T mu is the derivative of mu . g along lambda
-        let seed = |x: &[f64], along: &[f64], place: Option<usize>| -> Vec<HyperDual64> {
-            (0..x.len()).map(|i| HyperDual64::new(x[i], along[i], f64::from(u8::from(Some(i) == place)), 0.0)).collect()
-        };
-        let mixed = |towards: usize, place: Option<usize>| {
-            let (q_place, p_place) = ((towards == 0).then_some(place).flatten(), (towards == 1).then_some(place).flatten());
-            let v = if restricts_velocities { seed(&still, &lambda, None) } else { lift(s.v) };
-            let q = seed(s.q, if restricts_velocities { &still } else { &lambda }, q_place);
-            let p = seed(p, &vec![0.0; p.len()], p_place);
-            in_numbers(count, formula.mixed, [&v, &q, &p], t.into())
-        };
-        let weighted = |g: &[HyperDual64]| g.iter().zip(&mu).map(|(g, mu)| g.eps1eps2 * mu).sum::<f64>();
-        let rows = physics.rows(s.q, p, t);
-        let row_products: Vec<f64> =
-            rows.chunks_exact(n).map(|row| row.iter().zip(&lambda).map(|(a, l)| a * l).sum()).collect();
-        let exact: Vec<f64> = mixed(0, None).iter().map(|g| g.eps1).collect();
-        agree("rows", &row_products, &exact, largest(&rows))?;
-        for dof in 0..n {
-            let mut moved = lift::<Dual2_64>(if restricts_velocities { &still } else { s.q });
-            moved[dof].v1 = 1.0;
-            let (v, q) = if restricts_velocities { (moved, lift(s.q)) } else { (lift(s.v), moved) };
-            let g = in_numbers(count, formula.second, [&v, &q, &lift(p)], t.into());
-            let own: Vec<f64> = (0..count).map(|row| rows[row * n + dof]).collect();
-            agree("column of the rows", &own, &g.iter().map(|g| g.v1).collect::<Vec<_>>(), largest(&rows))?;
-        }
-        let reaction = physics.reaction(s.q, &mu, p, t);
-        let by_rows: Vec<f64> = (0..n).map(|dof| (0..count).map(|row| mu[row] * rows[row * n + dof]).sum()).collect();
-        agree("reaction", &reaction, &by_rows, 1.0)?;
-        let (of_q, of_p) = physics.along_rows((s.q, p, t), &mu, (&[NodeKind::Coordinates(n)], &lambda));
-        let exact: Vec<f64> = (0..n).map(|dof| weighted(&mixed(0, Some(dof)))).collect();
-        agree("gradient of the reaction to coordinates", &of_q, &exact, 1.0)?;
-        let exact: Vec<f64> = (0..p.len()).map(|place| weighted(&mixed(1, Some(place)))).collect();
-        agree("gradient of the reaction to parameters", &of_p, &exact, 1.0)?;
+        check_rows(&physics, formula, sample, [&mu, &lambda])?;
     }
-    let build = |model: &mut Model, nodes: &[NodeId]| {
-        nodes.iter().for_each(|node| {
-            model.add_constraint("", std::slice::from_ref(node), Box::new(Shared(Arc::clone(constraint))));
-        });
-    };
-    let assembled = Assembled::new(samples, build);
+    let assembled = Assembled::new(samples, |model, node| {
+        model.add_constraint("", &[node], Box::new(Shared(Arc::clone(constraint))));
+    });
     for level in [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized] {
         let equations = Equations::stage(StageCoefficients::new(0.7, 0.4, 1.3), level);
         assembled.check_matrix(&equations)?;
         assembled.check_products(&equations)?;
     }
     Ok(())
+}
+
+/// A, A^T mu and the gradients of lambda . A^T mu against derivatives of the formula.
+fn check_rows(
+    physics: &ConstraintPhysics,
+    formula: &Equation,
+    sample: &Sample,
+    [mu, lambda]: [&[f64]; 2],
+) -> Result<(), String> {
+    let (n, count, restricts_velocities) = (physics.dof_count(), formula.count, physics.is_nonholonomic());
+    let (s, p, t) = (sample.state(), &sample.p, sample.t);
+    let still = vec![0.0; n];
+    // A: derivatives to coordinates or velocities; lambda . A^T mu is the derivative of mu . g along lambda
+    let seed = |x: &[f64], along: &[f64], place: Option<usize>| -> Vec<HyperDual64> {
+        (0..x.len()).map(|i| HyperDual64::new(x[i], along[i], f64::from(u8::from(Some(i) == place)), 0.0)).collect()
+    };
+    let mixed = |towards: usize, place: Option<usize>| {
+        let (q_place, p_place) = ((towards == 0).then_some(place).flatten(), (towards == 1).then_some(place).flatten());
+        let v = if restricts_velocities { seed(&still, lambda, None) } else { lift(s.v) };
+        let q = seed(s.q, if restricts_velocities { &still } else { lambda }, q_place);
+        let p = seed(p, &vec![0.0; p.len()], p_place);
+        in_numbers(count, formula.mixed, [&v, &q, &p], t.into())
+    };
+    let weighted = |g: &[HyperDual64]| g.iter().zip(mu).map(|(g, mu)| g.eps1eps2 * mu).sum::<f64>();
+    let rows = physics.rows(s.q, p, t);
+    let row_products: Vec<f64> = rows.chunks_exact(n).map(|row| row.iter().zip(lambda).map(|(a, l)| a * l).sum()).collect();
+    let exact: Vec<f64> = mixed(0, None).iter().map(|g| g.eps1).collect();
+    agree("rows", &row_products, &exact, largest(&rows))?;
+    for dof in 0..n {
+        let mut moved = lift::<Dual2_64>(if restricts_velocities { &still } else { s.q });
+        moved[dof].v1 = 1.0;
+        let (v, q) = if restricts_velocities { (moved, lift(s.q)) } else { (lift(s.v), moved) };
+        let g = in_numbers(count, formula.second, [&v, &q, &lift(p)], t.into());
+        let own: Vec<f64> = (0..count).map(|row| rows[row * n + dof]).collect();
+        agree("column of the rows", &own, &g.iter().map(|g| g.v1).collect::<Vec<_>>(), largest(&rows))?;
+    }
+    let reaction = physics.reaction(s.q, mu, p, t);
+    let by_rows: Vec<f64> = (0..n).map(|dof| (0..count).map(|row| mu[row] * rows[row * n + dof]).sum()).collect();
+    agree("reaction", &reaction, &by_rows, 1.0)?;
+    let (of_q, of_p) = physics.along_rows((s.q, p, t), mu, (&[NodeKind::Coordinates(n)], lambda));
+    let exact: Vec<f64> = (0..n).map(|dof| weighted(&mixed(0, Some(dof)))).collect();
+    agree("gradient of the reaction to coordinates", &of_q, &exact, 1.0)?;
+    let exact: Vec<f64> = (0..p.len()).map(|place| weighted(&mixed(1, Some(place)))).collect();
+    agree("gradient of the reaction to parameters", &of_p, &exact, 1.0)
 }
 
 /// A model with one node, and one element or constraint on it, for each sample.
@@ -569,11 +578,11 @@ enum Argument {
 }
 
 impl<'s> Assembled<'s> {
-    fn new(samples: &'s [Sample], build: impl Fn(&mut Model, &[NodeId])) -> Self {
+    fn new(samples: &'s [Sample], add: impl Fn(&mut Model, NodeId)) -> Self {
         let mut model = Model::default();
         let nodes: Vec<NodeId> =
             samples.iter().map(|sample| model.add_node("", NodeKind::Coordinates(sample.q.len()), false)).collect();
-        build(&mut model, &nodes);
+        nodes.into_iter().for_each(|node| add(&mut model, node));
         let all = |part: fn(&Sample) -> &Vec<f64>| samples.iter().flat_map(|sample| part(sample).clone()).collect();
         let at = VectorsAvq { a: all(|s| &s.a), v: all(|s| &s.v), q: all(|s| &s.q) };
         let p = all(|s| &s.p);

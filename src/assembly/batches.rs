@@ -501,6 +501,16 @@ pub(crate) struct BatchWork<S> {
     pieces: Vec<Group<S>>,
 }
 
+impl<S> BatchWork<S> {
+    /// Some groups, made where they are not there yet.
+    fn first(&mut self, count: usize) -> &mut [Group<S>] {
+        if self.pieces.len() < count {
+            self.pieces.resize_with(count, Group::default);
+        }
+        &mut self.pieces[..count]
+    }
+}
+
 /// Elements that are evaluated side by side.
 #[derive(Clone, Debug)]
 struct Group<S> {
@@ -582,7 +592,6 @@ pub(crate) fn run_lanes<S: RunScalar>(
             groups.iter_mut().for_each(|group| run(section, group));
         }
     };
-    let pieces = &mut work.pieces;
     let mut take = |group: &mut Group<S>| {
         let (parts, width) = next_group(count - group.first, lanes);
         let numbers = &*group.outputs.first(outputs * width);
@@ -596,11 +605,9 @@ pub(crate) fn run_lanes<S: RunScalar>(
     };
     let alone = rayon::current_num_threads() == 1 || count < 2 * lanes;
     if alone || count * program.listing().instructions.len() < PARALLEL {
-        if pieces.len() < together {
-            pieces.resize_with(together, Group::default);
-        }
+        let pieces = work.first(together);
         loop {
-            let ready = set_firsts(&mut pieces[..together]);
+            let ready = set_firsts(pieces);
             if ready == 0 {
                 return;
             }
@@ -608,10 +615,7 @@ pub(crate) fn run_lanes<S: RunScalar>(
             pieces[..ready].iter_mut().for_each(&mut take);
         }
     }
-    if pieces.len() < 2 * PIECES {
-        pieces.resize_with(2 * PIECES, Group::default);
-    }
-    let (mut now, mut next) = pieces.split_at_mut(PIECES);
+    let (mut now, mut next) = work.first(2 * PIECES).split_at_mut(PIECES);
     let mut start = |groups: &mut [Group<S>]| {
         let ready = set_firsts(groups);
         groups[..ready].par_chunks_mut(together).for_each(evaluate);

@@ -35,6 +35,13 @@ pub(super) struct NodeConstraint {
     pub block: usize,
 }
 
+impl NodeConstraint {
+    /// Its equations behind those of joints and drivers, where it is not eliminated.
+    fn global_equations(&self, model: &Model) -> Range<usize> {
+        self.equations.start + model.equations..self.equations.end + model.equations
+    }
+}
+
 /// Constraint equations that follow each other, and so do their multipliers in the matrix.
 pub(super) struct MultiplierRun {
     pub equations: Range<usize>,
@@ -157,6 +164,108 @@ impl ScatterColumns {
     }
 }
 
+/// The unknowns of a model with their columns: those of the nodes, then the multipliers.
+#[derive(Default)]
+struct Numbering {
+    columns: usize,
+    nodes: Vec<NodeUnknowns>,
+    locals: Vec<NodeConstraint>,
+    local_equations: usize,
+    multiplier_columns: Vec<Option<usize>>,
+    stabilizer_columns: Vec<Option<usize>>,
+}
+
+impl Numbering {
+    fn new(model: &Model, options: &SystemOptions) -> Self {
+        let copies = if options.stabilized { 2 } else { 1 };
+        let mut own = Numbering { nodes: Vec::with_capacity(model.nodes.len()), ..Numbering::default() };
+        let mut known: Vec<(NodeKind, Arc<ConstraintPhysics>)> = Vec::new();
+        for (index, node) in model.nodes.iter().enumerate() {
+            let mut unknowns = NodeUnknowns { columns: own.columns..own.columns, local: None };
+            if !node.fixed {
+                let mut free = node.dofs.len();
+                let same = known.iter().find(|(kind, _)| *kind == node.kind).map(|(_, physics)| Arc::clone(physics));
+                if let Some(physics) = same.or_else(|| node.kind.local_constraint().map(Arc::new)) {
+                    known.push((node.kind, Arc::clone(&physics)));
+                    let equations = own.local_equations..own.local_equations + physics.equation_count();
+                    own.local_equations = equations.end;
+                    if !options.unreduced {
+                        free -= equations.len();
+                        unknowns.local = Some(own.locals.len());
+                    }
+                    let turning = RotationCoordinates::of(node.kind).map_or(0, RotationCoordinates::coordinates);
+                    let segment = node.dofs.end - turning..node.dofs.end;
+                    let part = DofMap { segments: smallvec![segment], nodes: smallvec![index], parameters: 0..0 };
+                    own.locals.push(NodeConstraint { node: index, equations, physics, part, block: 0 });
+                }
+                own.columns += copies * free;
+                unknowns.columns.end = own.columns;
+            }
+            own.nodes.push(unknowns);
+        }
+        // unreduced: local equations are numbered behind the joints' own
+        let visible = model.equations + if options.unreduced { own.local_equations } else { 0 };
+        own.multiplier_columns = own.multipliers(visible, &options.dropped);
+        own.stabilizer_columns = own.multipliers(if options.stabilized { visible } else { 0 }, &options.dropped);
+        own
+    }
+
+    /// The next columns, for all equations but those that are dropped.
+    fn multipliers(&mut self, equations: usize, dropped: &[usize]) -> Vec<Option<usize>> {
+        let mut next = || {
+            self.columns += 1;
+            self.columns - 1
+        };
+        (0..equations).map(|equation| dropped.binary_search(&equation).is_err().then(&mut next)).collect()
+    }
+
+    fn of_nodes(&self, ids: &[NodeId]) -> Vec<Option<usize>> {
+        ids.iter().flat_map(|id| self.nodes[id.0].columns.clone().map(Some)).collect()
+    }
+
+    /// Numbers the blocks of nodes: of those with an eliminated constraint, or of all at the stabilized level.
+    fn number_blocks(&mut self, stabilized: bool) -> Vec<usize> {
+        let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || stabilized);
+        let block_nodes: Vec<usize> = (0..self.nodes.len()).filter(|&node| with_block(&self.nodes[node])).collect();
+        for (block, &node) in block_nodes.iter().enumerate() {
+            self.nodes[node].local.into_iter().for_each(|local| self.locals[local].block = block);
+        }
+        block_nodes
+    }
+
+    /// What joints and drivers couple, then what the constraints inside nodes do where these are not eliminated.
+    fn constraints(&self, model: &Model, options: &SystemOptions) -> Vec<Coupled> {
+        let with_multipliers = |mut unknowns: Vec<Option<usize>>, equations: Range<usize>| {
+            unknowns.extend_from_slice(&self.multiplier_columns[equations.clone()]);
+            if options.stabilized {
+                unknowns.extend_from_slice(&self.stabilizer_columns[equations]);
+            }
+            unknowns
+        };
+        // the same for all with one formula and nodes of the same kinds
+        let mut separable: HashMap<(*const Formula, bool, Vec<usize>), bool> = HashMap::new();
+        let joints = model.constraints.iter().map(|constraint| {
+            let (ids, physics) = (&constraint.nodes, &constraint.physics);
+            let own = self.of_nodes(ids);
+            let sizes = ids.iter().map(|id| model.nodes[id.0].dofs.len()).collect();
+            let kind = (Arc::as_ptr(physics.formula()), physics.is_nonholonomic(), sizes);
+            let is_separable = *separable.entry(kind).or_insert_with_key(|(_, _, sizes)| physics.is_separable(sizes));
+            let nodes = match is_separable {
+                true => ids.iter().flat_map(|id| self.nodes[id.0].columns.clone().map(|_| Some(id.0))).collect(),
+                false => vec![None; own.len()],
+            };
+            let unknowns = with_multipliers(own, constraint.equations.clone());
+            Coupled { unknowns, nodes, diagonal: physics.is_nonholonomic() }
+        });
+        let inside = self.locals.iter().filter(|_| options.unreduced).map(|local| {
+            let own = self.of_nodes(&[model.node_id(local.node)]);
+            let nodes = vec![None; own.len()];
+            Coupled { unknowns: with_multipliers(own, local.global_equations(model)), nodes, diagonal: false }
+        });
+        joints.chain(inside).collect()
+    }
+}
+
 /// The numbered equations of a model: which unknowns reach the matrix, and where each part adds to it.
 pub struct System<'m> {
     /// The topology.
@@ -192,102 +301,14 @@ pub struct System<'m> {
 impl<'m> System<'m> {
     /// Numbers the unknowns and lays out the matrix.
     pub fn new(model: &'m Model, options: SystemOptions) -> Self {
-        let copies = if options.stabilized { 2 } else { 1 };
-        let mut locals = Vec::new();
-        let mut known: Vec<(NodeKind, Arc<ConstraintPhysics>)> = Vec::new();
-        let (mut local_equations, mut columns) = (0, 0);
-        let mut nodes = Vec::with_capacity(model.nodes.len());
-        for (index, node) in model.nodes.iter().enumerate() {
-            let mut unknowns = NodeUnknowns { columns: columns..columns, local: None };
-            if !node.fixed {
-                let mut free = node.dofs.len();
-                let same = known.iter().find(|(kind, _)| *kind == node.kind).map(|(_, physics)| Arc::clone(physics));
-                if let Some(physics) = same.or_else(|| node.kind.local_constraint().map(Arc::new)) {
-                    known.push((node.kind, Arc::clone(&physics)));
-                    let equations = local_equations..local_equations + physics.equation_count();
-                    local_equations = equations.end;
-                    if !options.unreduced {
-                        free -= equations.len();
-                        unknowns.local = Some(locals.len());
-                    }
-                    let turning = RotationCoordinates::of(node.kind).map_or(0, RotationCoordinates::coordinates);
-                    let own = node.dofs.end - turning..node.dofs.end;
-                    let part = DofMap { segments: smallvec![own], nodes: smallvec![index], parameters: 0..0 };
-                    locals.push(NodeConstraint { node: index, equations, physics, part, block: 0 });
-                }
-                columns += copies * free;
-                unknowns.columns.end = columns;
-            }
-            nodes.push(unknowns);
-        }
-        let mut multipliers = |count: usize, dropped: &[usize]| -> Vec<Option<usize>> {
-            (0..count)
-                .map(|equation| {
-                    dropped.binary_search(&equation).is_err().then(|| {
-                        columns += 1;
-                        columns - 1
-                    })
-                })
-                .collect()
-        };
-        // unreduced: local equations are numbered behind the joints' own
-        let visible = model.equations + if options.unreduced { local_equations } else { 0 };
-        let multiplier_columns = multipliers(visible, &options.dropped);
-        let stabilizer_columns = multipliers(if options.stabilized { visible } else { 0 }, &options.dropped);
+        let mut numbering = Numbering::new(model, &options);
+        let elements: Vec<_> = model.elements.iter().map(|e| Coupled::all(numbering.of_nodes(&e.nodes))).collect();
+        let constraints = numbering.constraints(model, &options);
+        let block_nodes = numbering.number_blocks(options.stabilized);
+        let of_node = |&node: &usize| Coupled::all(numbering.of_nodes(&[model.node_id(node)]));
+        let node_blocks: Vec<_> = block_nodes.iter().map(of_node).collect();
 
-        let node_columns = |ids: &[NodeId]| -> Vec<Option<usize>> {
-            ids.iter().flat_map(|id| nodes[id.0].columns.clone().map(Some)).collect()
-        };
-        let with_multipliers = |mut unknowns: Vec<Option<usize>>, equations: Range<usize>| {
-            unknowns.extend_from_slice(&multiplier_columns[equations.clone()]);
-            if options.stabilized {
-                unknowns.extend_from_slice(&stabilizer_columns[equations]);
-            }
-            unknowns
-        };
-        let elements: Vec<_> = model
-            .elements
-            .iter()
-            .map(|e| Coupled { unknowns: node_columns(&e.nodes), nodes: Vec::new(), diagonal: false })
-            .collect();
-        let mut constraints = Vec::new();
-        // the same for all with one formula and nodes of the same kinds
-        let mut separable: HashMap<(*const Formula, bool, Vec<usize>), bool> = HashMap::new();
-        for constraint in &model.constraints {
-            let own = node_columns(&constraint.nodes);
-            let physics = &constraint.physics;
-            let sizes: Vec<usize> = constraint.nodes.iter().map(|id| model.nodes[id.0].dofs.len()).collect();
-            let kind = (Arc::as_ptr(physics.formula()), physics.is_nonholonomic(), sizes);
-            let is_separable = match separable.get(&kind) {
-                Some(known) => *known,
-                None => {
-                    let found = physics.is_separable(&kind.2);
-                    separable.insert(kind, found);
-                    found
-                }
-            };
-            let nodes = match is_separable {
-                true => constraint.nodes.iter().flat_map(|id| nodes[id.0].columns.clone().map(|_| Some(id.0))).collect(),
-                false => vec![None; own.len()],
-            };
-            let unknowns = with_multipliers(own, constraint.equations.clone());
-            constraints.push(Coupled { unknowns, nodes, diagonal: constraint.physics.is_nonholonomic() });
-        }
-        for local in locals.iter().filter(|_| options.unreduced) {
-            let own = node_columns(&[model.node_id(local.node)]);
-            let nodes = vec![None; own.len()];
-            let equations = local.equations.start + model.equations..local.equations.end + model.equations;
-            constraints.push(Coupled { unknowns: with_multipliers(own, equations), nodes, diagonal: false });
-        }
-        let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || options.stabilized);
-        let block_nodes: Vec<usize> = (0..nodes.len()).filter(|&node| with_block(&nodes[node])).collect();
-        for (block, &node) in block_nodes.iter().enumerate() {
-            nodes[node].local.into_iter().for_each(|local| locals[local].block = block);
-        }
-        let node_block =
-            |&node: &usize| Coupled { unknowns: node_columns(&[model.node_id(node)]), nodes: Vec::new(), diagonal: false };
-        let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
-
+        let columns = numbering.columns;
         assert!(columns < NOWHERE as usize, "{columns} unknowns, more than 2^32 - 2");
         let mut runs = Vec::new();
         for coupled in elements.iter().chain(&constraints).chain(&node_blocks) {
@@ -305,6 +326,7 @@ impl<'m> System<'m> {
         let node_blocks = block_nodes.into_iter().zip(of_nodes).collect();
         let part = |ids: &[NodeId], parameters: &Range<usize>| DofMap::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
+        let Numbering { nodes, locals, local_equations, multiplier_columns, stabilizer_columns, .. } = numbering;
         let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[model.node_id(local.node)], &(0..0)));
         let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
         let mut system = System {
@@ -356,10 +378,7 @@ impl<'m> System<'m> {
     pub(super) fn equations_of(&self, part: usize) -> Range<usize> {
         match self.model.constraints.get(part) {
             Some(joint) => joint.equations.clone(),
-            None => {
-                let own = &self.locals[part - self.model.constraints.len()].equations;
-                own.start + self.model.equations..own.end + self.model.equations
-            }
+            None => self.locals[part - self.model.constraints.len()].global_equations(self.model),
         }
     }
 
@@ -374,11 +393,7 @@ impl<'m> System<'m> {
             return Some(GlobalConstraint { physics: &joint.physics, equations: joint.equations.clone() });
         }
         let local = self.locals.get(index - self.model.constraints.len())?;
-        let shift = self.model.equations;
-        Some(GlobalConstraint {
-            physics: &local.physics,
-            equations: local.equations.start + shift..local.equations.end + shift,
-        })
+        Some(GlobalConstraint { physics: &local.physics, equations: local.global_equations(self.model) })
     }
 
     /// Number of unknowns in the matrix.
@@ -432,6 +447,11 @@ struct Coupled {
 }
 
 impl Coupled {
+    /// All unknowns of a part meet.
+    fn all(unknowns: Vec<Option<usize>>) -> Self {
+        Coupled { unknowns, nodes: Vec::new(), diagonal: false }
+    }
+
     /// Where the block stands, by the places of the runs.
     fn scatter(&self, places: &mut impl Iterator<Item = u32>) -> ScatterMap {
         let size = self.unknowns.len();

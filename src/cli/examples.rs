@@ -16,15 +16,12 @@ impl CommandLine<'_> {
     pub(super) fn examples(&self, command: &str) -> String {
         let first = self.example_scene(|_| true);
         let better = self.example_scene(|scene| scene.optimization_problem().is_some());
-        let set = |scene: &str| {
-            let own = self.scenes.iter().find(|own| own.name() == scene);
-            let variable = own.and_then(|own| own.variables().into_iter().next());
-            variable.map_or_else(String::new, |variable| format!(" --set \"{}={}\"", variable.name, variable.initial))
-        };
+        let variable = self.scenes.iter().find(|own| own.name() == first).and_then(|own| own.variables().into_iter().next());
+        let set = variable.as_ref().map_or_else(String::new, |own| format!(" --set \"{}={}\"", own.name, own.initial));
         let examples: Examples = match command {
             "run" => vec![
                 (format!("run {first}"), "the motion, with a report and other results in out/"),
-                (format!("run {first} --steps 2000{} --out results", set(&first)), "finer, another design, another folder"),
+                (format!("run {first} --steps 2000{set} --out results"), "finer, another design, another folder"),
                 (
                     "run arm.toml --tolerance 1e-6 --vtk".into(),
                     "a scene file, steps chosen by their error, meshes for ParaView",
@@ -44,8 +41,6 @@ impl CommandLine<'_> {
             )],
             "import" => vec![("import robot.urdf".into(), "writes robot.toml, held on the ground at its root link")],
             "sweep" => {
-                let own = self.scenes.iter().find(|own| own.name() == first);
-                let variable = own.and_then(|own| own.variables().into_iter().next());
                 let range =
                     variable.map_or_else(|| "length=1:2".into(), |own| format!("{}={}:{}", own.name, own.lower, own.upper));
                 vec![

@@ -144,21 +144,8 @@ fn run_one(
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
     show(&prepared, &simulation);
-    // what is there is said before what may fail
-    simulation.say_functionals(&prepared);
-    simulation.say_resolution(&prepared);
-    let crossings = simulation.crossings_in_words();
-    crossings.iter().for_each(|crossing| warn(crossing));
-    if let Some(page) = &mut page {
-        crossings.iter().for_each(|crossing| page.warning(crossing));
-    }
     let behind = simulation.behind_jumps(&prepared);
-    say_checkpoints(&prepared, forward);
-    // a sweep that is stopped leaves what the simulation gave
-    let mut simulated = simulation.json(&prepared);
-    simulated.insert("error".into(), json!("interrupted before the gradient was there"));
-    simulation.summarize(&simulated);
-    set_last_words(options.scene.json.then(|| Value::from(simulated).to_string()));
+    say_simulated(&simulation, &prepared, page.as_mut(), options.scene.json);
     let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
@@ -202,6 +189,23 @@ fn run_one(
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
     check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
     simulation.unwritten.map_or(Ok(()), Err)
+}
+
+/// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.
+fn say_simulated(simulation: &Simulation, prepared: &Prepared, mut page: Option<&mut Page>, as_json: bool) {
+    simulation.say_functionals(prepared);
+    simulation.say_resolution(prepared);
+    for crossing in simulation.crossings_in_words() {
+        warn(&crossing);
+        if let Some(page) = &mut page {
+            page.warning(&crossing);
+        }
+    }
+    say_checkpoints(prepared, &simulation.forward);
+    let mut simulated = simulation.json(prepared);
+    simulated.insert("error".into(), json!("interrupted before the gradient was there"));
+    simulation.summarize(&simulated);
+    set_last_words(as_json.then(|| Value::from(simulated).to_string()));
 }
 
 fn say_checkpoints(prepared: &Prepared, forward: &Forward) {

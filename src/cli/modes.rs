@@ -84,19 +84,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     };
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.name(), scene.summary()));
-    let what = if kind == Kind::Complex { "small vibrations with damping" } else { "small undamped vibrations" };
-    match about {
-        "start" if spins => {
-            say(
-                "small vibrations about the steady turn at which the motion begins, in the frame that turns, with damping\n",
-            );
-        }
-        "start" if prepared.plan.equilibrium.is_some() => {
-            say(format_args!("{what} about the equilibrium at which the motion begins\n"));
-        }
-        "start" => say(format_args!("{what} about the start\n")),
-        _ => say(format_args!("{what} about the equilibrium at the load factor {}\n", settings.end)),
-    }
+    say_about(&prepared, kind, settings.end);
     say_modes(&prepared, (&q, kind), &modes);
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
@@ -134,6 +122,20 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
     say_json(options.json, &object);
     Ok(())
+}
+
+/// What vibrates, and about which state.
+fn say_about(prepared: &Prepared, kind: Kind, end: f64) {
+    let what = if kind == Kind::Complex { "small vibrations with damping" } else { "small undamped vibrations" };
+    if prepared.method.table.is_static() {
+        say(format_args!("{what} about the equilibrium at the load factor {end}\n"));
+    } else if prepared.spin_rate().is_some() {
+        say("small vibrations about the steady turn at which the motion begins, in the frame that turns, with damping\n");
+    } else if prepared.plan.equilibrium.is_some() {
+        say(format_args!("{what} about the equilibrium at which the motion begins\n"));
+    } else {
+        say(format_args!("{what} about the start\n"));
+    }
 }
 
 /// The modes as a page on which they swing.

@@ -10,6 +10,7 @@
 
 use super::march::{Method, Problem};
 use super::newton::Newton;
+use super::step::newton;
 use super::{Counters, RunError, Stability, StartPlan, Systems};
 use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::State;
@@ -133,8 +134,7 @@ pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, ar
     arc.check(problem.model)?;
     super::start::check_stillness(problem)?;
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let newton = Newton::new(systems.plain, method.tolerance, method.backend);
-    let mut newton = newton.map_err(|singular| RunError::of_pattern("start", singular))?;
+    let mut newton = newton(method, &systems.plain)?;
     newton.counters = Counters::measuring(method.measures_phases);
     let mut follower = Follower { problem, newton, load_weight: 0.0 };
     let (start, tangent) = follower.start()?;

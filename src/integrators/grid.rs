@@ -153,11 +153,6 @@ impl TimeGrid {
         format!("step {} (t = {} s)", index + 1, shortest(t))
     }
 
-    /// Sum of the first `steps` step sizes \[s\].
-    pub fn duration(&self, steps: usize) -> f64 {
-        (0..steps).map(|index| self.span(index)).map(|(t, end)| end - t).sum()
-    }
-
     /// Start and end of step `index` as elements see them: before a breakpoint the end is the last number below it.
     pub fn span(&self, index: usize) -> (f64, f64) {
         let end = self.times[index + 1];

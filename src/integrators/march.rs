@@ -86,8 +86,6 @@ impl Method {
 pub struct Run<S> {
     /// Coordinates at the end.
     pub q: Vec<S>,
-    /// Velocities at the end.
-    pub v: Vec<S>,
     /// Steps that were tried and given up for shorter ones.
     pub rejected: usize,
     /// Largest estimated error of a step, where steps of a motion are given.

@@ -12,8 +12,8 @@ use super::resting_start::RestingStart;
 use super::start::check_velocities;
 use super::steady_turn;
 use super::{
-    Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, Stability, StabilityCourse,
-    StartPlan, Systems, Table, TimeGrid, Verdict,
+    Carried, ConstraintLevel, InitialState, Pace, Pause, RunError, Scheme, Stability, StabilityCourse, StartPlan, Systems,
+    Table, TimeGrid, Verdict,
 };
 use crate::assembly::{
     Clock, ConstraintRows, Equations, Residual, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq,
@@ -144,6 +144,11 @@ pub(super) fn solve<S: RunScalar>(
     solved.map_err(|failure| newton.describe(&failure, equations, &place()))
 }
 
+/// Gives back the memory of a solver before the next one is used: it may be large.
+fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
+    newton.release().map_err(|singular| RunError::of_pattern("start", singular))
+}
+
 /// Solvers of accelerations, of stages with projections, and of the start.
 fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[Newton<'m, S>; 3], RunError> {
     let acceleration = newton(method, &systems.plain)?;
@@ -155,7 +160,7 @@ fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[
     Ok(all)
 }
 
-fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
+pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
     Newton::new(system.clone(), method.tolerance, method.backend).map_err(|singular| RunError::of_pattern("start", singular))
 }
 
@@ -284,10 +289,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// # Errors
     /// [`RunError`] with what could not be solved.
     pub fn start(&mut self, t: f64, plan: &StartPlan, guide: Option<&StartRecord<f64>>) -> Result<StartRecord<S>, RunError> {
-        let start_of = |pick: fn(&StartRecord<f64>) -> Option<&SolveRecord<f64>>| InitialGuess::guided(guide.and_then(pick));
         let model = self.problem.model;
         let InitialState { mut q, mut v } = self.problem.start.clone();
-        let mut start_projections = [None, None];
         let is_static = self.method.table.is_static();
         let equilibrium = match &plan.equilibrium {
             Some(dropped) => Some(self.come_to_rest(dropped, t, &mut q, guide)?),
@@ -296,31 +299,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if equilibrium.is_some() {
             model.spin_velocities(&q, &self.problem.p, &mut v);
         }
-        // a large solver before the next one is used
-        let give_back =
-            |newton: &mut Newton<'m, S>| newton.release().map_err(|singular| RunError::of_pattern("start", singular));
+        let mut projections = [None, None];
         if plan.project && self.constrained && !is_static {
-            let place = || "projection of the start (t = 0 s)".to_string();
-            let zeros = || vec![S::zero(); model.dofs];
-            let p = &self.problem.p;
-            let mut first = None;
-            // the joints of an equilibrium are closed
-            if equilibrium.is_none() {
-                let first = first.insert(SolveRecord::empty());
-                first.equations = Equations::initial_position_projection();
-                first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-                let from = start_of(|start| start.position_projection.as_ref());
-                solve(&mut self.start, first, from, p, &place)?;
-                add_scaled(&mut q, &first.unknowns.x, 1.0);
-            }
-            let mut second = SolveRecord::empty();
-            second.equations = Equations::initial_velocity_projection();
-            second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
-            let from = start_of(|start| start.velocity_projection.as_ref());
-            solve(&mut self.start, &mut second, from, p, &place)?;
-            add_scaled(&mut v, &second.unknowns.x, 1.0);
-            start_projections = [first, Some(second)];
-            give_back(&mut self.start)?;
+            projections = self.project_start([&mut q, &mut v], equilibrium.is_some(), guide)?;
         }
         if equilibrium.is_some() && guide.is_none() {
             self.check_velocities(&q, &v)?;
@@ -337,13 +318,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             Residual::shape(&self.acceleration.system, &mut first.unknowns, true);
             if guide.is_none() {
                 guessed = self.start.reactions_at_release(&first.base, &self.problem.p, t).mu;
-                give_back(&mut self.start)?;
+                release(&mut self.start)?;
             }
         } else {
-            let from = start_of(|start| Some(&start.acceleration));
+            let from = InitialGuess::guided(guide.map(|start| &start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
         }
-        give_back(&mut self.acceleration)?;
+        release(&mut self.acceleration)?;
         let kinds = &self.method.table.carried;
         let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };
         // older vectors are read only after as many steps have written them
@@ -351,9 +332,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         carried.resize_with(kinds.len(), || vec![S::zero(); model.dofs]);
         let mut last = Unknowns::default();
         Residual::shape(&self.stage.system, &mut last, true);
-        let (rate, prediction) = (vec![S::zero(); rates], Prediction::default());
-        let dropped = plan.dropped.clone();
-        self.between = StepState { dropped, carried, rate, last, prediction, ..StepState::default() };
+        let rate = vec![S::zero(); rates];
+        self.between = StepState { dropped: plan.dropped.clone(), carried, rate, last, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;
@@ -367,9 +347,38 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if !guessed.is_empty() {
             self.between.last.mu = guessed;
         }
-        let [position_projection, velocity_projection] = start_projections;
+        let [position_projection, velocity_projection] = projections;
         let dropped = plan.dropped.clone();
         Ok(StartRecord { dropped, equilibrium, position_projection, velocity_projection, acceleration: first })
+    }
+
+    /// Moves coordinates and velocities to where the constraints hold; the joints of an equilibrium are closed.
+    fn project_start(
+        &mut self,
+        [q, v]: [&mut Vec<S>; 2],
+        is_closed: bool,
+        guide: Option<&StartRecord<f64>>,
+    ) -> Result<[Option<SolveRecord<S>>; 2], RunError> {
+        let place = || "projection of the start (t = 0 s)".to_string();
+        let zeros = || vec![S::zero(); self.problem.model.dofs];
+        let p = &self.problem.p;
+        let mut first = None;
+        if !is_closed {
+            let first = first.insert(SolveRecord::empty());
+            first.equations = Equations::initial_position_projection();
+            first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
+            let from = InitialGuess::guided(guide.and_then(|start| start.position_projection.as_ref()));
+            solve(&mut self.start, first, from, p, &place)?;
+            add_scaled(q, &first.unknowns.x, 1.0);
+        }
+        let mut second = SolveRecord::empty();
+        second.equations = Equations::initial_velocity_projection();
+        second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
+        let from = InitialGuess::guided(guide.and_then(|start| start.velocity_projection.as_ref()));
+        solve(&mut self.start, &mut second, from, p, &place)?;
+        add_scaled(v, &second.unknowns.x, 1.0);
+        release(&mut self.start)?;
+        Ok([first, Some(second)])
     }
 
     /// Moves coordinates to the equilibrium near them.
@@ -400,11 +409,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// The end of a run.
     pub(super) fn end(self, rejected: usize) -> Run<S> {
         let counters = self.counters();
-        let mut carried = self.between.carried.into_iter();
-        let (q, v) = (carried.next().unwrap_or_default(), carried.next().unwrap_or_default());
+        let q = self.between.carried.into_iter().next().unwrap_or_default();
         let determinants = self.drives.map_or(0, |drives| drives.determinants);
         let StepErrors { leap, stability, .. } = self.resolution.errors;
-        Run { q, v, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
+        Run { q, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
     }
 
     /// Takes note of the estimated error of the step made last.

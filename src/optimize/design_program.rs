@@ -255,6 +255,15 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         Gradients { objective: self.scaling.gradient(&self.objective.gradient(rows)), constraints }
     }
 
+    /// What an error means for the optimizer.
+    fn failed(&mut self, error: RunError) -> NoValue {
+        if matches!(error, RunError::Interrupted { .. }) {
+            return NoValue::Stop;
+        }
+        self.failure = Some(error);
+        NoValue::Failed
+    }
+
     /// Simulates a design unless it is the latest one.
     fn simulated(&mut self, y: &[f64]) -> Result<Values, NoValue> {
         if self.stopped || self.watcher.wants_to_stop() {
@@ -303,14 +312,8 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         if self.latest.as_ref().is_none_or(|latest| latest.0.design != design) {
             // recorded, but without its gradients: simulated once more
             let place = self.history.points.iter().rposition(|point| point.design == design).unwrap_or_default();
-            match self.simulate(&design) {
-                Ok(simulated) => self.latest = Some((simulated, place)),
-                Err(RunError::Interrupted { .. }) => return Err(NoValue::Stop),
-                Err(error) => {
-                    self.failure = Some(error);
-                    return Err(NoValue::Failed);
-                }
-            }
+            let simulated = self.simulate(&design).map_err(|error| self.failed(error))?;
+            self.latest = Some((simulated, place));
         }
         let Some(latest) = self.latest.take() else { return Err(NoValue::Failed) };
         let mut work = Work::default();
@@ -319,15 +322,8 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         work.gradient_seconds = begun.elapsed().as_secs_f64();
         let point = &mut self.history.points[latest.1];
         point.work += work;
-        let rows = match rows {
-            Ok(rows) => rows,
-            Err(RunError::Interrupted { .. }) => return Err(NoValue::Stop),
-            Err(error) => {
-                // a design that cannot be differentiated is no place to go on from
-                self.failure = Some(error);
-                return Err(NoValue::Failed);
-            }
-        };
+        // a design that cannot be differentiated is no place to go on from
+        let rows = rows.map_err(|error| self.failed(error))?;
         self.history.points[latest.1].gradients = Some(rows.clone());
         self.latest = Some(latest);
         self.tell();

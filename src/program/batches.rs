@@ -65,6 +65,46 @@ fn needed_instructions(listing: &Listing) -> Vec<bool> {
     needed
 }
 
+/// Who waits for whom.
+struct Readers {
+    /// Where the readers of each value begin, and the end.
+    first: Vec<usize>,
+    readers: Vec<usize>,
+    /// For how many operands each instruction waits.
+    missing: Vec<u8>,
+}
+
+impl Readers {
+    fn of(listing: &Listing, needed: &[bool]) -> Self {
+        let count = needed.len();
+        let mut first = vec![0; count + 1];
+        let mut missing = vec![0_u8; count];
+        let for_each_edge = |visit: &mut dyn FnMut(usize, usize)| {
+            for number in (0..count).filter(|&number| needed[number]) {
+                listing.instructions[number].for_each_source(|source| {
+                    if let Source::Value(value) = source {
+                        visit(value as usize, number);
+                    }
+                });
+            }
+        };
+        for_each_edge(&mut |value, reader| {
+            first[value + 1] += 1;
+            missing[reader] += 1;
+        });
+        for value in 0..count {
+            first[value + 1] += first[value];
+        }
+        let mut readers = vec![0; first[count]];
+        let mut filled = first.clone();
+        for_each_edge(&mut |value, reader| {
+            readers[filled[value]] = reader;
+            filled[value] += 1;
+        });
+        Readers { first, readers, missing }
+    }
+}
+
 /// The instructions that outputs depend on: operands before results, equal operations together.
 ///
 /// # Panics
@@ -72,32 +112,7 @@ fn needed_instructions(listing: &Listing) -> Vec<bool> {
 pub fn batched_order(listing: &Listing) -> Vec<usize> {
     let needed = needed_instructions(listing);
     let count = listing.instructions.len();
-    // who waits for each value, in one array; and for how many operands each instruction waits
-    let mut first_reader = vec![0; count + 1];
-    let mut missing = vec![0_u8; count];
-    let for_each_edge = |visit: &mut dyn FnMut(usize, usize)| {
-        for number in (0..count).filter(|&number| needed[number]) {
-            listing.instructions[number].for_each_source(|source| {
-                if let Source::Value(value) = source {
-                    visit(value as usize, number);
-                }
-            });
-        }
-    };
-    for_each_edge(&mut |value, reader| {
-        first_reader[value + 1] += 1;
-        missing[reader] += 1;
-    });
-    for value in 0..count {
-        first_reader[value + 1] += first_reader[value];
-    }
-    let mut readers = vec![0; first_reader[count]];
-    let mut filled = first_reader.clone();
-    for_each_edge(&mut |value, reader| {
-        readers[filled[value]] = reader;
-        filled[value] += 1;
-    });
-
+    let Readers { first: first_reader, readers, mut missing } = Readers::of(listing, &needed);
     let mut order = Vec::new();
     let mut done = vec![false; count];
     let mut queues: [Vec<usize>; 25] = Default::default();

@@ -23,72 +23,12 @@ enum Partial {
 impl Graph {
     /// Partial derivatives of an operation towards its operands.
     fn partials(&mut self, node: Node) -> SmallVec<[(Node, Partial); 2]> {
-        use Partial::{Factor, Guarded, MinusOne, One, Steep, Where};
+        use Partial::{Factor, Steep, Where};
         match self.operation(node) {
             Operation::Input(_) | Operation::Constant(_) => smallvec![],
             Operation::Binary(Binary::Less, ..) | Operation::Unary(Unary::Floor, _) => smallvec![],
-            Operation::Unary(function, x) => {
-                let one = self.constant(1.0);
-                let partial = match function {
-                    Unary::Floor => return smallvec![],
-                    Unary::Neg => MinusOne,
-                    Unary::Sqrt => {
-                        let half = self.constant(0.5);
-                        Steep(self.div(half, node))
-                    }
-                    Unary::Exp => Factor(node),
-                    Unary::Ln => Steep(self.div(one, x)),
-                    Unary::Sin => Factor(self.unary(Unary::Cos, x)),
-                    Unary::Cos => {
-                        let sine = self.unary(Unary::Sin, x);
-                        Factor(self.neg(sine))
-                    }
-                    Unary::Tan => {
-                        let square = self.mul(node, node);
-                        Factor(self.add(square, one))
-                    }
-                    Unary::Asin | Unary::Acos => {
-                        // (1 - x)(1 + x) keeps the digits that 1 - x^2 loses near the ends
-                        let (below, above) = (self.sub(one, x), self.add(one, x));
-                        let complement = self.mul(below, above);
-                        let root = self.unary(Unary::Sqrt, complement);
-                        let slope = self.div(one, root);
-                        Steep(if function == Unary::Asin { slope } else { self.neg(slope) })
-                    }
-                    Unary::Atan => {
-                        let square = self.mul(x, x);
-                        let sum = self.add(square, one);
-                        Factor(self.div(one, sum))
-                    }
-                    Unary::Sinh => Factor(self.unary(Unary::Cosh, x)),
-                    Unary::Cosh => Factor(self.unary(Unary::Sinh, x)),
-                    Unary::Tanh => {
-                        let square = self.mul(node, node);
-                        Factor(self.sub(one, square))
-                    }
-                };
-                smallvec![(x, partial)]
-            }
-            Operation::Binary(function, x, y) => match function {
-                Binary::Add => smallvec![(x, One), (y, One)],
-                Binary::Sub if x == y => smallvec![],
-                Binary::Sub => smallvec![(x, One), (y, MinusOne)],
-                Binary::Mul => smallvec![(x, Factor(y)), (y, Factor(x))],
-                Binary::Div => {
-                    let one = self.constant(1.0);
-                    let inverse = self.div(one, y);
-                    let product = self.mul(node, inverse);
-                    smallvec![(x, Factor(inverse)), (y, Factor(self.neg(product)))]
-                }
-                Binary::Atan2 => {
-                    let (xx, yy) = (self.mul(x, x), self.mul(y, y));
-                    let square = self.add(xx, yy);
-                    let (along, across) = (self.div(y, square), self.div(x, square));
-                    smallvec![(x, Steep(along)), (y, Steep(self.neg(across)))]
-                }
-                Binary::Vanishing => smallvec![(x, Steep(y)), (y, Guarded(x))],
-                Binary::Less => smallvec![],
-            },
+            Operation::Unary(function, x) => smallvec![(x, self.slope(function, x, node))],
+            Operation::Binary(function, x, y) => self.slopes(function, [x, y], node),
             Operation::Power(x, bits) => {
                 let exponent = f64::from_bits(bits);
                 if exponent == 0.0 {
@@ -106,6 +46,75 @@ impl Graph {
             Operation::Gather { first, count, at } => {
                 (0..count).map(|place| (Node(first.0 + place), Partial::At(at, place))).collect()
             }
+        }
+    }
+
+    /// Of a function of one number whose value is a node.
+    fn slope(&mut self, function: Unary, x: Node, node: Node) -> Partial {
+        use Partial::{Factor, MinusOne, Steep};
+        let one = self.constant(1.0);
+        match function {
+            Unary::Neg => MinusOne,
+            Unary::Sqrt => {
+                let half = self.constant(0.5);
+                Steep(self.div(half, node))
+            }
+            Unary::Exp => Factor(node),
+            Unary::Ln => Steep(self.div(one, x)),
+            Unary::Sin => Factor(self.unary(Unary::Cos, x)),
+            Unary::Cos => {
+                let sine = self.unary(Unary::Sin, x);
+                Factor(self.neg(sine))
+            }
+            Unary::Tan => {
+                let square = self.mul(node, node);
+                Factor(self.add(square, one))
+            }
+            Unary::Asin | Unary::Acos => {
+                // (1 - x)(1 + x) keeps the digits that 1 - x^2 loses near the ends
+                let (below, above) = (self.sub(one, x), self.add(one, x));
+                let complement = self.mul(below, above);
+                let root = self.unary(Unary::Sqrt, complement);
+                let slope = self.div(one, root);
+                Steep(if function == Unary::Asin { slope } else { self.neg(slope) })
+            }
+            Unary::Atan => {
+                let square = self.mul(x, x);
+                let sum = self.add(square, one);
+                Factor(self.div(one, sum))
+            }
+            Unary::Sinh => Factor(self.unary(Unary::Cosh, x)),
+            Unary::Cosh => Factor(self.unary(Unary::Sinh, x)),
+            Unary::Tanh => {
+                let square = self.mul(node, node);
+                Factor(self.sub(one, square))
+            }
+            Unary::Floor => unreachable!("steps have no derivative"),
+        }
+    }
+
+    /// Of a function of two numbers whose value is a node.
+    fn slopes(&mut self, function: Binary, [x, y]: [Node; 2], node: Node) -> SmallVec<[(Node, Partial); 2]> {
+        use Partial::{Factor, Guarded, MinusOne, One, Steep};
+        match function {
+            Binary::Add => smallvec![(x, One), (y, One)],
+            Binary::Sub if x == y => smallvec![],
+            Binary::Sub => smallvec![(x, One), (y, MinusOne)],
+            Binary::Mul => smallvec![(x, Factor(y)), (y, Factor(x))],
+            Binary::Div => {
+                let one = self.constant(1.0);
+                let inverse = self.div(one, y);
+                let product = self.mul(node, inverse);
+                smallvec![(x, Factor(inverse)), (y, Factor(self.neg(product)))]
+            }
+            Binary::Atan2 => {
+                let (xx, yy) = (self.mul(x, x), self.mul(y, y));
+                let square = self.add(xx, yy);
+                let (along, across) = (self.div(y, square), self.div(x, square));
+                smallvec![(x, Steep(along)), (y, Steep(self.neg(across)))]
+            }
+            Binary::Vanishing => smallvec![(x, Steep(y)), (y, Guarded(x))],
+            Binary::Less => smallvec![],
         }
     }
 

@@ -186,103 +186,101 @@ impl Graph {
 
     /// A function of two numbers.
     pub fn binary(&mut self, function: Binary, x: Node, y: Node) -> Node {
-        let (known_x, known_y) = (self.constant_of(x), self.constant_of(y));
-        if let (Some(a), Some(b)) = (known_x, known_y) {
+        let known = [x, y].map(|node| self.constant_of(node));
+        if let [Some(a), Some(b)] = known {
             return self.constant(function.apply(a, b));
         }
-        match function {
-            Binary::Add => {
-                if known_x == Some(0.0) {
-                    return y;
-                }
-                if known_y == Some(0.0) {
-                    return x;
-                }
-                if let Some(inner) = self.negated(y) {
-                    return self.sub(x, inner);
-                }
-                if let Some(inner) = self.negated(x) {
-                    return self.sub(y, inner);
-                }
-                self.push(Operation::Binary(function, x.min(y), x.max(y)))
-            }
-            Binary::Sub => {
-                if known_y == Some(0.0) {
-                    return x;
-                }
-                if known_x == Some(0.0) {
-                    return self.neg(y);
-                }
-                if x == y {
-                    return self.zero();
-                }
-                if let Some(inner) = self.negated(y) {
-                    return self.add(x, inner);
-                }
-                if let Some(inner) = self.negated(x) {
-                    let sum = self.add(inner, y);
-                    return self.neg(sum);
-                }
-                self.push(Operation::Binary(function, x, y))
-            }
-            Binary::Mul => {
-                for (known, other) in [(known_x, y), (known_y, x)] {
-                    // powers of two are exact, and derivatives are full of halves of doubles
-                    if let (Some(c), Operation::Binary(Binary::Add, a, b)) = (known, self.operation(other))
-                        && a == b
-                    {
-                        return self.scaled(a, 2.0 * c);
-                    }
-                    match known {
-                        Some(0.0) => return self.zero(),
-                        Some(1.0) => return other,
-                        Some(-1.0) => return self.neg(other),
-                        Some(2.0) => return self.push(Operation::Binary(Binary::Add, other, other)),
-                        _ => {}
-                    }
-                }
-                match (self.negated(x), self.negated(y)) {
-                    (Some(x), Some(y)) => return self.mul(x, y),
-                    (Some(inner), None) if known_y.is_none() => {
-                        let product = self.mul(inner, y);
-                        return self.neg(product);
-                    }
-                    (None, Some(inner)) if known_x.is_none() => {
-                        let product = self.mul(x, inner);
-                        return self.neg(product);
-                    }
-                    (Some(inner), None) => {
-                        let factor = self.constant(-known_y.unwrap_or(0.0));
-                        return self.mul(inner, factor);
-                    }
-                    (None, Some(inner)) => {
-                        let factor = self.constant(-known_x.unwrap_or(0.0));
-                        return self.mul(inner, factor);
-                    }
-                    (None, None) => {}
-                }
-                self.push(Operation::Binary(function, x.min(y), x.max(y)))
-            }
-            Binary::Div => {
-                if known_x == Some(0.0) {
-                    return x;
-                }
-                match known_y {
-                    Some(1.0) => return x,
-                    Some(-1.0) => return self.neg(x),
-                    // exact
-                    Some(c) if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => return self.scaled(x, 1.0 / c),
-                    _ => {}
-                }
-                self.push(Operation::Binary(function, x, y))
-            }
-            Binary::Vanishing => match (known_x, known_y) {
-                (Some(0.0), _) => x,
-                (_, Some(_)) | (Some(_), _) => self.mul(x, y),
-                _ => self.push(Operation::Binary(function, x, y)),
+        let folded = match function {
+            Binary::Add => self.folded_sum([x, y], known),
+            Binary::Sub => self.folded_difference([x, y], known),
+            Binary::Mul => self.folded_product([x, y], known),
+            Binary::Div => self.folded_quotient(x, known),
+            Binary::Vanishing => match known {
+                [Some(0.0), _] => Some(x),
+                [_, Some(_)] | [Some(_), _] => Some(self.mul(x, y)),
+                _ => None,
             },
-            Binary::Less if x == y => self.zero(),
-            Binary::Atan2 | Binary::Less => self.push(Operation::Binary(function, x, y)),
+            Binary::Less => (x == y).then(|| self.zero()),
+            Binary::Atan2 => None,
+        };
+        folded.unwrap_or_else(|| match function {
+            Binary::Add | Binary::Mul => self.push(Operation::Binary(function, x.min(y), x.max(y))),
+            _ => self.push(Operation::Binary(function, x, y)),
+        })
+    }
+
+    /// x + y where it is simpler than a sum.
+    fn folded_sum(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
+        match known {
+            [Some(0.0), _] => return Some(y),
+            [_, Some(0.0)] => return Some(x),
+            _ => {}
+        }
+        match (self.negated(x), self.negated(y)) {
+            (_, Some(inner)) => Some(self.sub(x, inner)),
+            (Some(inner), _) => Some(self.sub(y, inner)),
+            _ => None,
+        }
+    }
+
+    /// x - y where it is simpler than a difference.
+    fn folded_difference(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
+        match known {
+            [_, Some(0.0)] => return Some(x),
+            [Some(0.0), _] => return Some(self.neg(y)),
+            _ if x == y => return Some(self.zero()),
+            _ => {}
+        }
+        match (self.negated(x), self.negated(y)) {
+            (_, Some(inner)) => Some(self.add(x, inner)),
+            (Some(inner), _) => {
+                let sum = self.add(inner, y);
+                Some(self.neg(sum))
+            }
+            _ => None,
+        }
+    }
+
+    /// x y where it is simpler than a product.
+    fn folded_product(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
+        for (known, other) in known.into_iter().zip([y, x]) {
+            // powers of two are exact, and derivatives are full of halves of doubles
+            if let (Some(c), Operation::Binary(Binary::Add, a, b)) = (known, self.operation(other))
+                && a == b
+            {
+                return Some(self.scaled(a, 2.0 * c));
+            }
+            match known {
+                Some(0.0) => return Some(self.zero()),
+                Some(1.0) => return Some(other),
+                Some(-1.0) => return Some(self.neg(other)),
+                Some(2.0) => return Some(self.push(Operation::Binary(Binary::Add, other, other))),
+                _ => {}
+            }
+        }
+        let (inner, other, factor) = match (self.negated(x), self.negated(y)) {
+            (Some(x), Some(y)) => return Some(self.mul(x, y)),
+            (Some(inner), None) => (inner, y, known[1]),
+            (None, Some(inner)) => (inner, x, known[0]),
+            (None, None) => return None,
+        };
+        match factor {
+            Some(factor) => Some(self.scaled(inner, -factor)),
+            None => {
+                let product = self.mul(inner, other);
+                Some(self.neg(product))
+            }
+        }
+    }
+
+    /// x / y where it is simpler than a quotient.
+    fn folded_quotient(&mut self, x: Node, known: [Option<f64>; 2]) -> Option<Node> {
+        match known {
+            [Some(0.0), _] | [_, Some(1.0)] => Some(x),
+            [_, Some(-1.0)] => Some(self.neg(x)),
+            // exact
+            [_, Some(c)] if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => Some(self.scaled(x, 1.0 / c)),
+            _ => None,
         }
     }
 

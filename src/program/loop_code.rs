@@ -42,27 +42,30 @@ pub struct LoopCode {
     places: usize,
 }
 
+/// The last step that reads each value; outputs are read after all steps.
+fn last_uses(listing: &Listing, order: &[usize]) -> Vec<usize> {
+    let mut last_use = vec![0; listing.instructions.len()];
+    for (step, &number) in order.iter().enumerate() {
+        listing.instructions[number].for_each_source(|source| {
+            if let Source::Value(value) = source {
+                last_use[value as usize] = step;
+            }
+        });
+    }
+    for output in &listing.outputs {
+        if let Source::Value(value) = output {
+            last_use[*value as usize] = usize::MAX;
+        }
+    }
+    last_use
+}
+
 impl LoopCode {
     /// Orders the instructions and assigns the places.
     pub fn new(listing: &Listing) -> Self {
         let (constants, inputs) = (listing.constants.len(), listing.inputs);
         let order = batched_order(listing);
-
-        // last step that reads each value; outputs are read after all steps
-        let mut last_use = vec![0; listing.instructions.len()];
-        for (step, &number) in order.iter().enumerate() {
-            listing.instructions[number].for_each_source(|source| {
-                if let Source::Value(value) = source {
-                    last_use[value as usize] = step;
-                }
-            });
-        }
-        for output in &listing.outputs {
-            if let Source::Value(value) = output {
-                last_use[*value as usize] = usize::MAX;
-            }
-        }
-
+        let mut last_use = last_uses(listing, &order);
         let mut places = constants + inputs;
         let mut place_of_value = vec![0; listing.instructions.len()];
         let mut free: Vec<u32> = Vec::new();

@@ -1,6 +1,6 @@
 //! What a mechanism looks like in space: beams and cables with their sections, shells with their thickness, bodies and links as rods.
 
-use super::builder::{MechanismBuilder, OutlinedLine};
+use super::builder::{MechanismBuilder, OutlinedLine, Ring};
 use super::sketch::{Drawn, NodePoint};
 use super::surfaces::Surface;
 use crate::assembly::NodeId;
@@ -116,6 +116,19 @@ impl MechanismBuilder<f64> {
     fn start_of(&self, node: NodeId) -> Option<NodePoint> {
         self.node_point(node, [0.0; 3])
     }
+
+    /// A corner of the section of a beam or cable at one of its nodes.
+    fn corner(&self, ring: &Ring, node: &NodePoint, [x2, x3]: [f64; 2]) -> Option<Place> {
+        if let Some([second, third]) = ring.axes {
+            let local = combined([(x2, second), (x3, third)]);
+            return Some(Place::Node(self.node_point(ring.node, local)?));
+        }
+        let slope = unit(slope(node, &self.numbers.q));
+        let along = (0..3).min_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()))?;
+        let second = unit(cross(slope, [0, 1, 2].map(|k| f64::from(u8::from(k == along)))));
+        let offset = combined([(x2, second), (x3, cross(slope, second))]);
+        Some(Place::AcrossSlope { node: node.clone(), start: slope, offset })
+    }
 }
 
 impl Solids<'_> {
@@ -180,25 +193,11 @@ impl Solids<'_> {
                 self.stress_places.push(places);
                 self.stress_places.len() - 1
             });
-            let start = &mechanism.numbers.q;
             let points = ring.outline.points();
-            let vertex = |[x2, x3]: [f64; 2]| match ring.axes {
-                Some([second, third]) => {
-                    let local = combined([(x2, second), (x3, third)]);
-                    Some(Place::Node(mechanism.node_point(ring.node, local)?))
-                }
-                None => {
-                    let slope = unit(slope(&node, start));
-                    let along = (0..3).min_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()))?;
-                    let second = unit(cross(slope, [0, 1, 2].map(|k| f64::from(u8::from(k == along)))));
-                    let offset = combined([(x2, second), (x3, cross(slope, second))]);
-                    Some(Place::AcrossSlope { node: node.clone(), start: slope, offset })
-                }
-            };
             let ends = i == 0 || i + 1 == rings.len();
             // corners have a vertex for each face, so that they are sharp
             let copies = if ring.outline.round { 1 } else { 2 };
-            let corners: Vec<Place> = points.iter().filter_map(|&point| vertex(point)).collect();
+            let corners: Vec<Place> = points.iter().filter_map(|&point| mechanism.corner(ring, &node, point)).collect();
             let now: Vec<usize> = corners
                 .iter()
                 .flat_map(|place| vec![place.clone(); copies])

@@ -298,6 +298,17 @@ impl<'m> Sweep<'m> {
         }
     }
 
+    /// Adds what a functional reads of a state between steps, whose acceleration is x times a factor.
+    fn read_state(&mut self, k: usize, sample: &Sample<f64>, factor: f64, solved: &mut SolutionBar, back: &mut Backward) {
+        let mut measured = Measured::default();
+        self.measure(k, sample, 1.0, &mut measured, &mut back.p);
+        let Measured { at, mu } = measured;
+        add(&mut back.carried[0], 1.0, &at.q);
+        add(&mut back.carried[1], 1.0, &at.v);
+        add(&mut solved.x, factor, &at.a);
+        add(&mut solved.mu, 1.0, &mu);
+    }
+
     /// Adjoint of the first acceleration: what the first step carried over, and initial functionals.
     fn start_bars(&mut self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionBar> {
         let mut bars = take_carried_acceleration(&self.method.table, back);
@@ -305,13 +316,7 @@ impl<'m> Sweep<'m> {
         self.share(&mut sample);
         for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
             if self.times(k) == Times::Start {
-                let mut measured = Measured::default();
-                self.measure(k, &sample, 1.0, &mut measured, &mut back.p);
-                let Measured { at, mu } = measured;
-                add(&mut back.carried[0], 1.0, &at.q);
-                add(&mut back.carried[1], 1.0, &at.v);
-                add(&mut bar.x, 1.0, &at.a);
-                add(&mut bar.mu, 1.0, &mu);
+                self.read_state(k, &sample, 1.0, bar, back);
             }
         }
         bars
@@ -361,13 +366,7 @@ impl<'m> Sweep<'m> {
             self.share(&mut sample);
             for (k, (stage, back)) in stages[last].iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.times(k) == Times::End {
-                    let mut measured = Measured::default();
-                    self.measure(k, &sample, 1.0, &mut measured, &mut back.p);
-                    let Measured { at, mu } = measured;
-                    add(&mut back.carried[0], 1.0, &at.q);
-                    add(&mut back.carried[1], 1.0, &at.v);
-                    add(&mut stage.x, step.stages[last].solve.equations.residual.gamma, &at.a);
-                    add(&mut stage.mu, 1.0, &mu);
+                    self.read_state(k, &sample, step.stages[last].solve.equations.residual.gamma, stage, back);
                 }
             }
         }
@@ -470,8 +469,7 @@ impl<'m> Sweep<'m> {
         } else {
             let factor = table.rate_factor(stage, step.h);
             own.iter_mut().flat_map(|own| &mut own.rate).for_each(|rate| *rate *= factor);
-            let solver = solvers.stage(stage);
-            solved = solver.through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
+            solved = solvers.stage(stage).through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
         }
         for ((Measured { at, .. }, base), _) in measured.iter_mut().zip(solved).zip(&reads).filter(|(_, reads)| **reads) {
             add(&mut at.a, 1.0, &base.a);
@@ -480,11 +478,8 @@ impl<'m> Sweep<'m> {
         }
         let relation = &table.stages[stage];
         for (k, back) in back.iter_mut().enumerate() {
-            let base = match solved.get(k) {
-                _ if reads[k] => &measured[k].at,
-                Some(base) => base,
-                None => continue,
-            };
+            let base = if reads[k] { Some(&measured[k].at) } else { solved.get(k) };
+            let Some(base) = base else { continue };
             for (order, combination, bar) in [
                 (Carried::A.order(), &relation.a, &base.a),
                 (Carried::V.order(), &relation.v, &base.v),

@@ -66,6 +66,21 @@ impl<S: RunScalar> Newton<'_, S> {
             FailureKind::Parts(how) => how,
         };
         let of_parts = matches!(failure.how, FailureKind::Parts(_));
+        let (row, residual) = self.largest_row(of_parts);
+        RunError::NoConvergence {
+            place: place.into(),
+            how,
+            iterations: failure.iterations,
+            correction: failure.correction,
+            limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
+            row,
+            residual,
+        }
+    }
+
+    /// The row that is least in balance, and what is left there, or in its derivative parts.
+    fn largest_row(&self, of_parts: bool) -> (String, f64) {
+        let model = self.system.model;
         let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
         // a complex number carries its derivative times the step
         let unit = if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 };
@@ -83,24 +98,9 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         let force = largest(&self.residual.f).map(|(i, f)| (model.dof_name(i), f));
         let gap = largest(&self.residual.g).map(|(i, g)| (model.equation_name(i), g));
-        let (row, residual) = match (force, gap) {
-            (Some(force), Some(gap)) => {
-                if size(gap.1) > size(force.1) {
-                    gap
-                } else {
-                    force
-                }
-            }
+        match (force, gap) {
+            (Some(force), Some(gap)) if size(gap.1) > size(force.1) => gap,
             (force, gap) => force.or(gap).unwrap_or_default(),
-        };
-        RunError::NoConvergence {
-            place: place.into(),
-            how,
-            iterations: failure.iterations,
-            correction: failure.correction,
-            limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
-            row,
-            residual,
         }
     }
 }

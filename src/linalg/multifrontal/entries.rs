@@ -44,6 +44,29 @@ fn find_segments(rows: &[u32], place: &[u32], front_of: &[u32], segments: &mut V
     }
 }
 
+/// Blocks by the fronts that own them, which note where theirs stand; rows and columns get their numbers there.
+fn by_front(blocks: &[EntryBlock], owners: &[u32], mut local: Vec<u32>, symbolic: &mut Symbolic) -> Vec<EntryBlock> {
+    let mut starts = vec![0; symbolic.fronts.len() + 1];
+    owners.iter().for_each(|&owner| starts[owner as usize + 1] += 1);
+    (0..symbolic.fronts.len()).for_each(|front| starts[front + 1] += starts[front]);
+    let mut next = starts.clone();
+    let mut sorted = vec![EntryBlock { source: 0, stride: 0, row: 0, column: 0, height: 0, width: 0 }; blocks.len()];
+    for (block, &owner) in blocks.iter().zip(owners) {
+        sorted[next[owner as usize]] = *block;
+        next[owner as usize] += 1;
+    }
+    for number in 0..symbolic.fronts.len() {
+        symbolic.number_rows(&symbolic.fronts[number], &mut local);
+        let own = starts[number]..starts[number + 1];
+        for block in &mut sorted[own.clone()] {
+            block.row = local[block.row as usize];
+            block.column = local[block.column as usize];
+        }
+        symbolic.fronts[number].entries = own;
+    }
+    sorted
+}
+
 /// The entries of a pattern by the front that eliminates their row or their column first.
 ///
 /// Notes in each front where its blocks stand.
@@ -99,24 +122,5 @@ pub fn entry_blocks(pattern: &SparsePattern, symbolic: &mut Symbolic) -> Vec<Ent
         }
     }
 
-    let mut starts = vec![0; symbolic.fronts.len() + 1];
-    owners.iter().for_each(|&owner| starts[owner as usize + 1] += 1);
-    (0..symbolic.fronts.len()).for_each(|front| starts[front + 1] += starts[front]);
-    let mut next = starts.clone();
-    let mut sorted = vec![EntryBlock { source: 0, stride: 0, row: 0, column: 0, height: 0, width: 0 }; blocks.len()];
-    for (block, &owner) in blocks.iter().zip(&owners) {
-        sorted[next[owner as usize]] = *block;
-        next[owner as usize] += 1;
-    }
-    let mut local = place;
-    for number in 0..symbolic.fronts.len() {
-        symbolic.number_rows(&symbolic.fronts[number], &mut local);
-        let own = starts[number]..starts[number + 1];
-        for block in &mut sorted[own.clone()] {
-            block.row = local[block.row as usize];
-            block.column = local[block.column as usize];
-        }
-        symbolic.fronts[number].entries = own;
-    }
-    sorted
+    by_front(&blocks, &owners, place, symbolic)
 }

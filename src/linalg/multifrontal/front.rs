@@ -9,7 +9,7 @@ use super::kernels::{Target, solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
 use super::small_front::{Scratch, SmallFront};
-use super::symbolic::{Run, Symbolic};
+use super::symbolic::{Front, Run, Symbolic};
 use crate::linalg::Singular;
 use crate::linalg::simd::{Kernel, dispatch};
 use crate::linalg::vectors::dispatch_vectors;
@@ -35,6 +35,41 @@ pub struct Workspace {
     bounds: Vec<[usize; 3]>,
     exchanges: Vec<(u32, u32)>,
     scratch: Scratch,
+}
+
+impl Workspace {
+    /// Where the rows of each child stand in a front; those of delayed pivots follow the front's own, and are noted there.
+    fn place(
+        &mut self,
+        symbolic: &Symbolic,
+        front: &Front,
+        children: &[Contribution<'_>],
+        rows: &mut [u32],
+        columns: &mut [u32],
+    ) {
+        let Workspace { runs, bounds, .. } = self;
+        runs.clear();
+        bounds.clear();
+        let delayed = rows.len() - front.pivots;
+        let mut next = front.pivots;
+        for child in children {
+            let start = runs.len();
+            let own_delayed = child.delayed_rows.len();
+            if own_delayed > 0 {
+                rows[next..next + own_delayed].copy_from_slice(child.delayed_rows);
+                columns[next..next + own_delayed].copy_from_slice(child.delayed_columns);
+                runs.push(Run { from: 0, to: next as u32, length: own_delayed as u32 });
+                next += own_delayed;
+            }
+            let shifted = |run: &Run| {
+                let shift = if run.to as usize >= front.pivots { delayed } else { 0 };
+                Run { from: run.from + own_delayed as u32, to: run.to + shift as u32, length: run.length }
+            };
+            runs.extend(symbolic.extensions[symbolic.fronts[child.front].extensions.clone()].iter().map(shifted));
+            let own = runs[start..].iter().take_while(|run| (run.to as usize) < rows.len()).count();
+            bounds.push([start, start + own, runs.len()]);
+        }
+    }
 }
 
 /// Where contributions go.
@@ -77,27 +112,8 @@ pub fn factor_front(
     let blocks = &symbolic.entries[front.entries.clone()];
     dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
 
+    workspace.place(symbolic, front, children, rows, columns);
     let Workspace { runs, bounds, exchanges, .. } = workspace;
-    runs.clear();
-    bounds.clear();
-    let mut next = front.pivots;
-    for child in children {
-        let start = runs.len();
-        let own_delayed = child.delayed_rows.len();
-        if own_delayed > 0 {
-            rows[next..next + own_delayed].copy_from_slice(child.delayed_rows);
-            columns[next..next + own_delayed].copy_from_slice(child.delayed_columns);
-            runs.push(Run { from: 0, to: next as u32, length: own_delayed as u32 });
-            next += own_delayed;
-        }
-        let shifted = |run: &Run| {
-            let shift = if run.to as usize >= front.pivots { delayed } else { 0 };
-            Run { from: run.from + own_delayed as u32, to: run.to + shift as u32, length: run.length }
-        };
-        runs.extend(symbolic.extensions[symbolic.fronts[child.front].extensions.clone()].iter().map(shifted));
-        let own = runs[start..].iter().take_while(|run| (run.to as usize) < summed).count();
-        bounds.push([start, start + own, runs.len()]);
-    }
     let extensions = || {
         children.iter().zip(&*bounds).map(|(child, &[start, middle, end])| {
             let (runs, own, later) = (&runs[start..end], &runs[start..middle], &runs[middle..end]);
@@ -136,8 +152,7 @@ pub fn factor_front(
     }
     subtract_product(bottom, Target::Replaced, lower.block(summed..size, 0..found), upper.as_view(), threads);
     for (_, _, later, source) in extensions() {
-        let first = (summed - left, summed - left);
-        let region = Region { rows: later, columns: later, values: contribution, length: order, first };
+        let region = Region { rows: later, columns: later, values: contribution, length: order, first: (found, found) };
         dispatch(Extend { source, regions: [region] });
     }
     part.set_eliminated(number, found);

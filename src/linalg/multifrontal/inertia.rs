@@ -85,31 +85,31 @@ impl Count {
     }
 }
 
-fn eliminate_front(
-    symbolic: &Symbolic,
-    front: &Front,
-    (values, shift): (&[f64], f64),
-    children: &[(usize, Contribution)],
-    threads: usize,
-    count: &mut Count,
-) -> Contribution {
-    let delayed: usize = children.iter().map(|(_, child)| child.delayed).sum();
-    let (summed, others) = (front.pivots + delayed, front.others());
-    let size = summed + others;
-    let mut columns = vec![0.0; size * summed];
-    let shifted = |row: usize| if row < front.pivots { row } else { row + delayed };
+/// Adds the entries of the matrix to the columns of a front; rows delayed by others stand behind its own pivots.
+fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], delayed: usize, columns: &mut [f64]) {
+    let size = front.pivots + delayed + front.others();
     for block in &symbolic.entries[front.entries.clone()] {
         let first = block.column as usize;
         for column in (first..first + block.width as usize).take_while(|column| *column < front.pivots) {
             let source = block.source as usize + (column - first) * block.stride as usize;
-            let row = shifted(block.row as usize);
+            let row = block.row as usize;
+            let row = if row < front.pivots { row } else { row + delayed };
             let target = &mut columns[row + column * size..][..block.height as usize];
             target.iter_mut().zip(&values[source..]).for_each(|(target, value)| *target += value);
         }
     }
-    (0..front.pivots).for_each(|own| columns[own * (size + 1)] += shift);
+}
+
+/// Where the rows of each child stand in a front, delayed ones behind its pivots, and how many; adds their sums.
+fn extensions(
+    symbolic: &Symbolic,
+    front: &Front,
+    children: &[(usize, Contribution)],
+    delayed: usize,
+    sums: &mut [f64],
+) -> Vec<(Vec<Run>, usize)> {
+    let shifted = |row: usize| if row < front.pivots { row } else { row + delayed };
     let mut next = front.pivots;
-    let mut sums = vec![0.0; size];
     let mut extensions: Vec<(Vec<Run>, usize)> = Vec::with_capacity(children.len());
     for (number, child) in children {
         let own = child.delayed as u32;
@@ -124,6 +124,25 @@ fn eliminate_front(
         }
         extensions.push((runs, child.delayed + planned.others()));
     }
+    extensions
+}
+
+fn eliminate_front(
+    symbolic: &Symbolic,
+    front: &Front,
+    (values, shift): (&[f64], f64),
+    children: &[(usize, Contribution)],
+    threads: usize,
+    count: &mut Count,
+) -> Contribution {
+    let delayed: usize = children.iter().map(|(_, child)| child.delayed).sum();
+    let (summed, others) = (front.pivots + delayed, front.others());
+    let size = summed + others;
+    let mut columns = vec![0.0; size * summed];
+    add_entries(symbolic, front, values, delayed, &mut columns);
+    (0..front.pivots).for_each(|own| columns[own * (size + 1)] += shift);
+    let mut sums = vec![0.0; size];
+    let extensions = extensions(symbolic, front, children, delayed, &mut sums);
     // the columns of this front, then those that it leaves
     let add = |target: &mut [f64], length: usize, first: usize, lowest: usize, is_own: &dyn Fn(&&Run) -> bool| {
         for ((runs, order), (_, child)) in extensions.iter().zip(children) {
@@ -166,11 +185,9 @@ fn eliminate_front(
             contribution[column + row * order] = value;
         }
     }
-    let first = summed - left;
-    let mut later = std::mem::take(&mut contribution);
     // rows of this front that are delayed again have theirs from the columns above
-    add(&mut later, order, first, summed, &|run| run.to as usize >= summed);
-    Contribution { values: later, delayed: left, sums }
+    add(&mut contribution, order, found, summed, &|run| run.to as usize >= summed);
+    Contribution { values: contribution, delayed: left, sums }
 }
 
 /// A pivot of D.

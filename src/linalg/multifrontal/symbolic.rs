@@ -3,7 +3,7 @@ use super::elimination_tree::EliminationTree;
 use super::entries::{EntryBlock, entry_blocks};
 use super::graph::{Graph, Role};
 use super::small_front::{SMALL_FRONT, Shape, SmallPlan};
-use super::supernodes::{elimination_flops, factor_entries, supernodes};
+use super::supernodes::{Supernode, elimination_flops, factor_entries, supernodes};
 use crate::linalg::SparsePattern;
 use std::ops::Range;
 
@@ -110,6 +110,55 @@ pub struct Symbolic {
     pub entries: Vec<EntryBlock>,
 }
 
+/// Vertices and their unknowns in the order of the supernodes.
+struct Vertices {
+    /// Of each vertex of the graph.
+    numbers: Vec<u32>,
+    list: Vec<u32>,
+    /// Where the unknowns of each stand in the order, and the end.
+    places: Vec<usize>,
+    order: Vec<u32>,
+}
+
+impl Vertices {
+    fn new(graph: &Graph, tree: &EliminationTree, supernodes: &[Supernode]) -> Self {
+        let mut own = Vertices { numbers: vec![0; graph.len()], list: Vec::new(), places: vec![0], order: Vec::new() };
+        for &place in supernodes.iter().flat_map(|supernode| &supernode.vertices) {
+            let vertex = tree.order[place as usize];
+            own.numbers[vertex as usize] = own.list.len() as u32;
+            own.list.push(vertex);
+            own.order.extend_from_slice(graph.members(vertex as usize));
+            own.places.push(own.order.len());
+        }
+        own
+    }
+
+    /// The vertices behind those of a supernode that meet these, or are among those of the supernodes below, in order.
+    ///
+    /// * `seen_by` notes of each vertex the last supernode for which it was found
+    fn structure<'s>(
+        &self,
+        graph: &Graph,
+        own: &Range<usize>,
+        below: impl Iterator<Item = &'s u32>,
+        seen_by: &mut [usize],
+    ) -> Vec<u32> {
+        let mut structure: Vec<u32> = Vec::new();
+        let mut add = |vertex: u32| {
+            if vertex as usize >= own.end && seen_by[vertex as usize] != own.start {
+                seen_by[vertex as usize] = own.start;
+                structure.push(vertex);
+            }
+        };
+        for &vertex in &self.list[own.clone()] {
+            graph.neighbours(vertex as usize).iter().for_each(|&other| add(self.numbers[other as usize]));
+        }
+        below.for_each(|&vertex| add(vertex));
+        structure.sort_unstable();
+        structure
+    }
+}
+
 impl Symbolic {
     /// Orders and analyses a pattern.
     pub fn new(pattern: &SparsePattern, roles: &[Role]) -> Self {
@@ -117,21 +166,11 @@ impl Symbolic {
         let tree = EliminationTree::new(&graph, &dissect(&graph));
         let supernodes = supernodes(&graph, &tree);
 
-        // vertices and their unknowns in the order of the supernodes
-        let mut vertex_number = vec![0; graph.len()];
-        let (mut vertices, mut vertex_places, mut order) = (Vec::new(), vec![0], Vec::with_capacity(pattern.size));
-        for &place in supernodes.iter().flat_map(|supernode| &supernode.vertices) {
-            let vertex = tree.order[place as usize];
-            vertex_number[vertex as usize] = vertices.len() as u32;
-            vertices.push(vertex);
-            order.extend_from_slice(graph.members(vertex as usize));
-            vertex_places.push(order.len());
-        }
-
+        let mut vertices = Vertices::new(&graph, &tree, &supernodes);
         let mut symbolic = Symbolic {
             size: pattern.size,
             pattern_entries: pattern.rows.len(),
-            order,
+            order: std::mem::take(&mut vertices.order),
             fronts: Vec::with_capacity(supernodes.len()),
             small_plans: Vec::new(),
             rows: Vec::new(),
@@ -146,29 +185,17 @@ impl Symbolic {
         for (s, supernode) in supernodes.iter().enumerate() {
             let own = next_vertex..next_vertex + supernode.vertices.len();
             next_vertex = own.end;
-            let mut structure: Vec<u32> = Vec::new();
-            let mut add = |vertex: u32| {
-                if vertex as usize >= own.end && seen_by[vertex as usize] != s {
-                    seen_by[vertex as usize] = s;
-                    structure.push(vertex);
-                }
-            };
-            for &vertex in &vertices[own.clone()] {
-                graph.neighbours(vertex as usize).iter().for_each(|&other| add(vertex_number[other as usize]));
-            }
-            for &child in &child_lists[s] {
-                structures[child as usize].iter().for_each(|&vertex| add(vertex));
-            }
-            structure.sort_unstable();
+            let below = child_lists[s].iter().flat_map(|&child: &u32| &structures[child as usize]);
+            let structure = vertices.structure(&graph, &own, below, &mut seen_by);
             let (first_row, first_child) = (symbolic.rows.len(), symbolic.children.len());
             for &vertex in &structure {
-                let places = vertex_places[vertex as usize]..vertex_places[vertex as usize + 1];
+                let places = vertices.places[vertex as usize]..vertices.places[vertex as usize + 1];
                 symbolic.rows.extend(places.map(|place| place as u32));
             }
             let subtree = child_lists[s].first().map_or(s, |&child: &u32| symbolic.fronts[child as usize].subtree);
             symbolic.children.append(&mut child_lists[s]);
             let front = Front {
-                first: vertex_places[own.start],
+                first: vertices.places[own.start],
                 pivots: supernode.pivots,
                 rows: first_row..symbolic.rows.len(),
                 children: first_child..symbolic.children.len(),

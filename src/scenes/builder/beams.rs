@@ -25,9 +25,9 @@ pub struct BeamLine<S> {
     ends: [End; 2],
 }
 
-/// What a beam ends in.
+/// What a beam or a cable ends in.
 #[derive(Clone, Copy, Debug)]
-enum End {
+pub(super) enum End {
     /// A node of its own.
     Free,
     /// A node that never moves.
@@ -142,6 +142,38 @@ fn reference<S: Scalar>(points: &[Vector3<S>], axes: &[Vector3<S>], xi: f64) -> 
     (slope.length(), triad(slope, combine(axes, values(xi))))
 }
 
+/// Parameters of an element whose points and axes and sections these are, and those of inertia, which come last among them.
+fn element_parameters<S: Scalar>(
+    field: BeamField,
+    (points, axes): (&[Vector3<S>], &[Vector3<S>]),
+    rotation: Quaternion<S>,
+    section: &dyn Fn(f64) -> Section<S>,
+) -> (Vec<S>, Vec<S>) {
+    let mut p = Vec::new();
+    for xi in TWO {
+        let (metric, axes) = reference(points, axes, xi);
+        let [tangent, second, _] = axes.map(|axis| rotation.rotate_back(axis));
+        let own = section(xi);
+        p.push(metric);
+        p.extend(tangent.components().into_iter().chain(second.components()));
+        p.extend((0..STRAINS).map(|i| own.stiffness[i][i]));
+        if field.coupled {
+            (0..STRAINS).for_each(|i| p.extend_from_slice(&own.stiffness[i][i + 1..]));
+        }
+        if field.damped {
+            p.push(own.damping);
+        }
+    }
+    let mut inertia = Vec::new();
+    for (xi, weight) in THREE.into_iter().zip(THREE_WEIGHTS) {
+        let (metric, axes) = reference(points, axes, xi);
+        let axes = axes.map(|axis| rotation.rotate_back(axis));
+        inertia.extend(section_inertia(&section(xi), axes).map(|number| number * metric * weight));
+    }
+    p.extend_from_slice(&inertia);
+    (p, inertia)
+}
+
 impl<S: Scalar> MechanismBuilder<S> {
     /// A beam along a line, with the same section everywhere: see [`Section`].
     pub fn beam(&mut self, name: &str, line: BeamLine<S>, section: &Section<S>) -> BeamMember {
@@ -185,28 +217,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let range = 2 * element..2 * element + 3;
             let (points, axes) = (&line.points[range.clone()], &line.second_axes[range]);
             let share = |xi: f64| (element as f64 + 0.5 * (xi + 1.0)) / elements as f64;
-            let mut p = Vec::new();
-            for xi in TWO {
-                let (metric, axes) = reference(points, axes, xi);
-                let [tangent, second, _] = axes.map(|axis| rotation.rotate_back(axis));
-                let own = section(share(xi));
-                p.push(metric);
-                p.extend(tangent.components().into_iter().chain(second.components()));
-                p.extend((0..STRAINS).map(|i| own.stiffness[i][i]));
-                if field.coupled {
-                    (0..STRAINS).for_each(|i| p.extend_from_slice(&own.stiffness[i][i + 1..]));
-                }
-                if field.damped {
-                    p.push(own.damping);
-                }
-            }
-            let mut inertia = Vec::new();
-            for (xi, weight) in THREE.into_iter().zip(THREE_WEIGHTS) {
-                let (metric, axes) = reference(points, axes, xi);
-                let axes = axes.map(|axis| rotation.rotate_back(axis));
-                inertia.extend(section_inertia(&section(share(xi)), axes).map(|number| number * metric * weight));
-            }
-            p.extend_from_slice(&inertia);
+            let (p, inertia) = element_parameters(field, (points, axes), rotation, &|xi| section(share(xi)));
             let nodes = member.nodes_of(element);
             let own = format!("{name}, element {}", element + 1);
             let id = self.add_element(&own, &nodes, Flexible(field).into(), &p);

@@ -1,5 +1,6 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
+use super::beams::End;
 use super::functionals::entry;
 use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
@@ -19,7 +20,7 @@ pub struct CableLine<S> {
     /// Both ends \[m\].
     points: [Vector3<S>; 2],
     elements: usize,
-    ends: [CableLineEnd; 2],
+    ends: [End; 2],
 }
 
 /// The weight of an element of a cable.
@@ -30,44 +31,33 @@ pub(super) enum HeavyCable<S> {
     Apart(String, [NodeId; 2], [S; 2]),
 }
 
-/// What a cable ends in.
-#[derive(Clone, Copy, Debug)]
-enum CableLineEnd {
-    /// A node of its own.
-    Free,
-    /// A node that never moves.
-    Clamped,
-    /// A cable's node that is there already.
-    Node(NodeId),
-}
-
 impl<S: Scalar> CableLine<S> {
     /// A line of equal elements.
     pub fn straight(points: [Vector3<S>; 2], elements: usize) -> Self {
-        CableLine { points, elements, ends: [CableLineEnd::Free; 2] }
+        CableLine { points, elements, ends: [End::Free; 2] }
     }
     /// Goes on from the end of another cable, in the same direction.
     #[must_use]
     pub fn from_node(mut self, node: NodeId) -> Self {
-        self.ends[0] = CableLineEnd::Node(node);
+        self.ends[0] = End::Node(node);
         self
     }
     /// Ends in the start of another cable, in the same direction.
     #[must_use]
     pub fn to_node(mut self, node: NodeId) -> Self {
-        self.ends[1] = CableLineEnd::Node(node);
+        self.ends[1] = End::Node(node);
         self
     }
     /// Starts in a node that never moves, slope and stretch included.
     #[must_use]
     pub fn clamped_start(mut self) -> Self {
-        self.ends[0] = CableLineEnd::Clamped;
+        self.ends[0] = End::Clamped;
         self
     }
     /// Ends in a node that never moves, slope and stretch included.
     #[must_use]
     pub fn clamped_end(mut self) -> Self {
-        self.ends[1] = CableLineEnd::Clamped;
+        self.ends[1] = End::Clamped;
         self
     }
 }
@@ -104,33 +94,19 @@ impl<S: Scalar> MechanismBuilder<S> {
         let CableLine { points: [from, to], elements, ends } = line;
         let whole = (to - from).length();
         let mut member = CableMember { nodes: Vec::new(), elements: Vec::new(), strain: section.strain, name: name.into() };
-        let sound = elements > 0 && whole.value() > 0.0 && whole.value().is_finite();
-        if !sound {
-            let (apart, number) = (whole.value(), elements);
-            self.mistakes.push(format!(
-                "\"{name}\" has {number} elements on a line of {apart} m; a cable needs one element or more and ends that lie apart"
-            ));
-        }
-        if let Some(size) = section.impossible {
-            self.mistakes.push(format!("the section of \"{name}\": {size}"));
-        }
-        if section.damped && section.strain == CableStrain::Small {
-            self.mistakes.push(format!(
-                "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
-            ));
-        }
+        let sound = self.check_cable(name, (elements, whole.value()), section);
         let direction = if sound { (to - from) * whole.recip() } else { Vector3::from_f64([1.0, 0.0, 0.0]) };
         for i in 0..=elements {
             let end = if i == 0 { Some(ends[0]) } else { (i == elements).then_some(ends[1]) };
             let point = from + (to - from) * S::from(i as f64 / elements.max(1) as f64);
             let q: Vec<S> = point.components().into_iter().chain(direction.components()).collect();
             member.nodes.push(match end {
-                Some(CableLineEnd::Node(node)) => {
+                Some(End::Node(node)) => {
                     self.check_continued(name, node, point, direction, whole);
                     node
                 }
                 _ => {
-                    let fixed = matches!(end, Some(CableLineEnd::Clamped));
+                    let fixed = matches!(end, Some(End::Clamped));
                     self.add_node_of_member(&format!("{name}[{i}]"), NodeKind::Slope, fixed, &q)
                 }
             });
@@ -173,6 +149,25 @@ impl<S: Scalar> MechanismBuilder<S> {
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
         self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member
+    }
+
+    /// Whether a line of some length \[m\] may be a cable; tells what of its section may not.
+    fn check_cable(&mut self, name: &str, (elements, whole): (usize, f64), section: &CableSection<S>) -> bool {
+        let sound = elements > 0 && whole > 0.0 && whole.is_finite();
+        if !sound {
+            self.mistakes.push(format!(
+                "\"{name}\" has {elements} elements on a line of {whole} m; a cable needs one element or more and ends that lie apart"
+            ));
+        }
+        if let Some(size) = section.impossible {
+            self.mistakes.push(format!("the section of \"{name}\": {size}"));
+        }
+        if section.damped && section.strain == CableStrain::Small {
+            self.mistakes.push(format!(
+                "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
+            ));
+        }
+        sound
     }
 
     /// A node in which two cables meet holds one slope.

@@ -312,6 +312,22 @@ impl<S: Scalar> FreeMesh<S> {
 
     /// What cannot be a shell, in words; each name stands for a face.
     pub(super) fn mistakes_of(&self, face_name: &dyn Fn(usize) -> String) -> Vec<String> {
+        let mut all = self.mistakes_of_numbers(face_name);
+        // what follows looks at points and faces that are there
+        if !all.is_empty() {
+            return all;
+        }
+        let own_normals = self.own_normals();
+        all.extend(self.folded(&own_normals, face_name));
+        all.extend(self.hanging(face_name));
+        if all.is_empty() {
+            all.extend(self.gaps(&own_normals, face_name));
+        }
+        if all.is_empty() { self.turned(face_name) } else { all }
+    }
+
+    /// Numbers of points and faces where there are none, and faces that are none.
+    fn mistakes_of_numbers(&self, face_name: &dyn Fn(usize) -> String) -> Vec<String> {
         let mut all = Vec::new();
         for &(number, count) in &self.odd {
             all.push(format!(
@@ -350,30 +366,27 @@ impl<S: Scalar> FreeMesh<S> {
                 ));
             }
         }
-        // what follows looks at points and faces that are there
-        if !all.is_empty() {
-            return all;
-        }
-        let own_normals = self.own_normals();
+        all
+    }
+
+    /// The first face that is folded or has no area.
+    fn folded(&self, own_normals: &[Vec<Vector3<S>>], face_name: &dyn Fn(usize) -> String) -> Option<String> {
         let folded: Vec<(usize, usize, f64)> = own_normals.iter().enumerate().filter_map(fold_of).collect();
-        if let Some(&(number, node, cosine)) = folded.first() {
-            let (name, point) = (face_name(number), self.point_number(self.faces[number].points[node]));
-            let more = match folded.len() - 1 {
-                0 => String::new(),
-                more => format!("; the same holds for {more} more"),
-            };
-            all.push(format!(
-                "{name} is folded or has no area at point {point}: its normal there and that of the whole face enclose an angle whose \
-                 cosine is {cosine:.3}; points must lie apart, corners be convex, and points on edges lie near their middles{more}"
-            ));
-        }
-        all.extend(self.hanging(face_name));
-        if all.is_empty() {
-            all.extend(self.gaps(&own_normals, face_name));
-        }
-        if !all.is_empty() {
-            return all;
-        }
+        let &(number, node, cosine) = folded.first()?;
+        let (name, point) = (face_name(number), self.point_number(self.faces[number].points[node]));
+        let more = match folded.len() - 1 {
+            0 => String::new(),
+            more => format!("; the same holds for {more} more"),
+        };
+        Some(format!(
+            "{name} is folded or has no area at point {point}: its normal there and that of the whole face enclose an angle whose \
+             cosine is {cosine:.3}; points must lie apart, corners be convex, and points on edges lie near their middles{more}"
+        ))
+    }
+
+    /// Edges at which the normals of the faces point to different sides.
+    fn turned(&self, face_name: &dyn Fn(usize) -> String) -> Vec<String> {
+        let mut all = Vec::new();
         let mut turned = 0;
         for MeshEdge { points, faces } in self.edges() {
             if let [(first, forward), (second, other)] = faces[..]

@@ -240,22 +240,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut shell = MeshedShell { name: name.into(), nodes, elements, faces, layers, of_point, groups, node_sets };
         let sound = self.check_mesh(name, mesh, free);
         let rotation = self.rotation_of(free);
-        // of a mesh without faces, which is refused, all points may be asked for
-        let mut used = vec![free.faces.is_empty(); free.points.len()];
-        for &point in free.faces.iter().flat_map(|face| &face.points) {
-            used.get_mut(point).into_iter().for_each(|used| *used = true);
-        }
-        let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
-        let given: HashMap<usize, NodeId> = free.given.iter().rev().copied().collect();
-        for (point, place) in free.points.iter().enumerate().filter(|(point, _)| used[*point]) {
-            let node = given.get(&point).copied().unwrap_or_else(|| {
-                let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
-                let fixed = clamped.contains(&point);
-                self.add_node(&format!("{name}{}", mesh.node_name(point)), NodeKind::Body, fixed, &q)
-            });
-            shell.nodes.push(node);
-            shell.of_point[point] = Some(node);
-        }
+        self.add_shell_nodes(mesh, free, &mut shell);
         if !sound {
             return shell;
         }
@@ -300,6 +285,27 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         self.shells.push(shell.clone());
         shell
+    }
+
+    /// The nodes of a shell, those of others among them.
+    fn add_shell_nodes<M: SurfaceMesh<S>>(&mut self, mesh: &M, free: &FreeMesh<S>, shell: &mut MeshedShell) {
+        let rotation = self.rotation_of(free);
+        // of a mesh without faces, which is refused, all points may be asked for
+        let mut used = vec![free.faces.is_empty(); free.points.len()];
+        for &point in free.faces.iter().flat_map(|face| &face.points) {
+            used.get_mut(point).into_iter().for_each(|used| *used = true);
+        }
+        let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
+        let given: HashMap<usize, NodeId> = free.given.iter().rev().copied().collect();
+        for (point, place) in free.points.iter().enumerate().filter(|(point, _)| used[*point]) {
+            let node = given.get(&point).copied().unwrap_or_else(|| {
+                let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
+                let fixed = clamped.contains(&point);
+                self.add_node(&format!("{}{}", shell.name, mesh.node_name(point)), NodeKind::Body, fixed, &q)
+            });
+            shell.nodes.push(node);
+            shell.of_point[point] = Some(node);
+        }
     }
 
     /// A pressure on a shell with its size over time [N/m2]: it pushes to where the normal points.
@@ -362,6 +368,12 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
         }
+        self.check_given(name, mesh, free);
+        self.mistakes.len() == mistakes
+    }
+
+    /// Nodes of others at points of a mesh: they are bodies, lie there and start alike.
+    fn check_given<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) {
         let size = free.size();
         let mut rotation: Option<[f64; 4]> = None;
         let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
@@ -399,7 +411,6 @@ impl<S: Scalar> MechanismBuilder<S> {
                 ));
             }
         }
-        self.mistakes.len() == mistakes
     }
 
     /// Weight of the elements of shells from one of them on.

@@ -153,6 +153,31 @@ fn motion<S: Scalar>(
     Motion { velocity: velocity * factor, omega: omega * factor, wishbones: [axes[0] * factor, axes[1] * (ratio * factor)] }
 }
 
+/// A rigid body with its mass \[kg\] and the moments of inertia about its principal axes \[kg m2\].
+fn add_solid<S: Scalar>(
+    m: &mut MechanismBuilder<S>,
+    name: &str,
+    centre: Vector3<S>,
+    mass: f64,
+    moments: [f64; 3],
+) -> NodeId {
+    let node = m.natural_body(name, centre, Quaternion::identity());
+    let [a, b, c] = moments.map(S::from);
+    m.rigid_body(name, node, S::from(mass), Vector3::zeros(), [a, b, c, S::zero(), S::zero(), S::zero()]);
+    node
+}
+
+/// Stresses of the beams over the run, and their lengths at the start.
+fn add_beam_functionals<S: Scalar>(m: &mut MechanismBuilder<S>, beams: &[CableMember], young: S, radius: S) {
+    for (number, beam) in (1..).zip(beams) {
+        m.largest_cable_stress_functional(&stress_name(number), beam, young, radius, 1.0 / STRESS_SCALE);
+    }
+    for (number, beam) in (1..).zip(beams) {
+        let ends = [beam.start(), beam.end()];
+        m.distance_functional(&length_name(number), Over::Initial, ends, ends.map(|node| m.position(node)));
+    }
+}
+
 impl Scene for Suspension {
     fn name(&self) -> String {
         "suspension".into()
@@ -200,14 +225,10 @@ impl Scene for Suspension {
             return Err(format!("60 variables expected, {} given", x.len()));
         }
         let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
-        let solid = |moments: [f64; 3]| {
-            let [a, b, c] = moments.map(S::from);
-            [a, b, c, S::zero(), S::zero(), S::zero()]
-        };
         let centre = at([0.243, 0.0, 0.365]);
-        let (chassis, ground) = (m.natural_body("chassis", centre, Quaternion::identity()), m.ground());
         let cuboid = [[1.2, 0.5], [2.0, 0.5], [2.0, 1.2]].map(|[a, b]: [f64; 2]| 300.0 / 12.0 * (a * a + b * b));
-        m.rigid_body("chassis", chassis, S::from(300.0), Vector3::zeros(), solid(cuboid));
+        let chassis = add_solid(m, "chassis", centre, 300.0, cuboid);
+        let ground = m.ground();
         let material = Material { young: S::from(STEEL[0]), poisson: S::from(0.3), density: S::from(STEEL[1]) };
         let [diameter, wall] = TUBE.map(S::from);
         let section = CableSection::of(material, Shape::tube(diameter, wall, material.poisson));
@@ -221,28 +242,23 @@ impl Scene for Suspension {
             let inside = |distance: f64, x: f64, z: f64| at([x, side * (wheel_y - distance), z]);
             let hub = inside(0.0, wheel_x, wheel_z);
             let joints = corner.joints.map(|z| inside(INSIDE, wheel_x, z));
-            let inner_y = corner.points[0][1];
-            let tie = [wheel_y - inner_y, INSIDE].map(|distance| inside(distance, wheel_x + BEHIND, wheel_z));
+            let tie = [wheel_y - corner.points[0][1], INSIDE].map(|distance| inside(distance, wheel_x + BEHIND, wheel_z));
             let [amplitude, frequency] = corner.road;
             let rise = S::from(amplitude * TAU * frequency);
             let hinges = [[points[0], points[1]], [points[2], points[3]]];
             let motion = motion(hinges, joints, tie, hub, rise);
 
-            let wheel = m.natural_body(&of("wheel"), hub, Quaternion::identity());
             let (radius, width) = (0.3, 0.2);
             let (about, across) = (10.0 * radius * radius, 20.0 / 12.0 * (3.0 * radius * radius + width * width));
-            m.rigid_body(&of("wheel"), wheel, S::from(20.0), Vector3::zeros(), solid([across, about, across]));
+            let wheel = add_solid(m, &of("wheel"), hub, 20.0, [across, about, across]);
             m.set_velocity(wheel, motion.velocity, motion.omega);
             m.draw(wheel, &[joints[1], joints[0], hub, joints[1]]);
 
             for (level, name) in ["upper", "lower"].into_iter().enumerate() {
                 let tubes: [CableMember; 2] = std::array::from_fn(|place| {
                     let (from, beam) = (hinges[level][place], beams.len() + place + 1);
-                    let tube = m.cable(
-                        &format!("beam {beam}"),
-                        CableLine::straight([from, joints[level]], self.elements),
-                        &section,
-                    );
+                    let line = CableLine::straight([from, joints[level]], self.elements);
+                    let tube = m.cable(&format!("beam {beam}"), line, &section);
                     m.set_rigid_motion(&tube.nodes, from, Vector3::zeros(), motion.wishbones[level]);
                     m.spherical(&format!("joint {beam}"), [chassis, tube.start()], from);
                     tube
@@ -256,11 +272,9 @@ impl Scene for Suspension {
             let foot = inside(INSIDE, wheel_x, 0.0);
             let mut head = inside(INSIDE + LEAN, wheel_x, 0.0);
             head[2] = x[48 + k];
-            let between: ([NodeId; 2], _) = ([wheel, chassis], [foot, head]);
-            m.line_spring(&of("spring"), between.0, between.1, x[52 + k], (head - foot).length());
-            m.line_damper(&of("damper"), between.0, between.1, x[56 + k]);
-            let (offset, phase) = (S::zero(), S::zero());
-            let (amplitude, angular_frequency) = (S::from(amplitude), S::from(TAU * frequency));
+            m.line_spring(&of("spring"), [wheel, chassis], [foot, head], x[52 + k], (head - foot).length());
+            m.line_damper(&of("damper"), [wheel, chassis], [foot, head], x[56 + k]);
+            let [offset, phase, amplitude, angular_frequency] = [0.0, 0.0, amplitude, TAU * frequency].map(S::from);
             let wave = Signal::Sine { offset, amplitude, angular_frequency, phase };
             m.prescribed_translation(&of("road"), [ground, wheel], [hub; 2], up, wave);
         }
@@ -269,19 +283,7 @@ impl Scene for Suspension {
         m.draw(chassis, &corners.map(|[x, y]| at([x, y, 0.365])));
 
         m.target_functional(OBJECTIVE, Over::Integral, chassis, centre, centre);
-        for (number, beam) in (1..).zip(&beams) {
-            m.largest_cable_stress_functional(
-                &stress_name(number),
-                beam,
-                material.young,
-                diameter * 0.5,
-                1.0 / STRESS_SCALE,
-            );
-        }
-        for (number, beam) in (1..).zip(&beams) {
-            let ends = [beam.start(), beam.end()];
-            m.distance_functional(&length_name(number), Over::Initial, ends, ends.map(|node| m.position(node)));
-        }
+        add_beam_functionals(m, &beams, material.young, diameter * 0.5);
         Ok(())
     }
 }

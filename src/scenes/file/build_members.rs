@@ -136,8 +136,7 @@ fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSec
 
 pub(super) fn laminate<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Made<S>> {
     let (mut plies, mut strengths) = (Vec::new(), Vec::new());
-    for (_, value) in list(fields, "plies") {
-        let Value::Fields(own) = value else { continue };
+    for (_, own) in fields.tables("plies") {
         plies.push(Ply {
             thickness: known.number(own, "thickness")?,
             angle: known.number_or(own, "angle", 0.0)?,
@@ -210,10 +209,9 @@ fn with_ends<L>(
     for (place, [key, end]) in [["start_node", "start"], ["end_node", "end"]].into_iter().enumerate() {
         if fields.get(key).is_some() {
             if is_clamped(fields, end) {
-                let at = fields.get("clamped").map_or(fields.at, |own| own.0);
                 let text =
                     format!("clamped = \"{end}\" has no effect beside {key}: hold that node, or leave one of them out");
-                return Err(Mistake::new(at, text));
+                return Err(Mistake::new(fields.at("clamped"), text));
             }
             line = joined[place](line, node(key)?);
         } else if is_clamped(fields, end) {
@@ -287,10 +285,18 @@ pub(super) fn shells_named<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields, 
     others
 }
 
-pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
-    let elements = counts(fields, "elements").unwrap_or([1; 2]);
+/// The laminate that a table names.
+pub(super) fn laminate_of<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields) -> Found<&'k Laminate<S>> {
+    match known.made(fields, "laminate")? {
+        Made::Laminate(laminate, _) => Ok(laminate),
+        _ => Err(Mistake::new(fields.at, "laminate must name a laminate")),
+    }
+}
+
+/// The surface of a shell by its form.
+fn surface<S: Scalar>(known: &Known<S>, fields: &Fields, elements: [usize; 2]) -> Found<ShellMesh<S>> {
     let vector = |key| known.vector(fields, key);
-    let mut mesh = match fields.form {
+    Ok(match fields.form {
         "plate" => {
             let corner = known.vector_or(fields, "corner", Vector3::zeros())?;
             ShellMesh::plate(corner, [vector("first")?, vector("second")?], elements)
@@ -313,7 +319,12 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
             let edges = [vector("first")?.unit(), vector("second")?.unit()];
             ShellMesh::sphere_face(vector("centre")?, known.number(fields, "radius")?, edges, elements)
         }
-    };
+    })
+}
+
+pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let elements = counts(fields, "elements").unwrap_or([1; 2]);
+    let mut mesh = surface(known, fields, elements)?;
     if flag(fields, "closed", false) {
         mesh = mesh.closed();
     }
@@ -327,8 +338,7 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
         mesh = mesh.with_coincident_points();
     }
     mesh = m.joined_to_each(mesh, &shells_named(known, fields, "joined"));
-    for (at, value) in list(fields, "held") {
-        let Value::Fields(own) = value else { continue };
+    for (at, own) in fields.tables("held") {
         let [i, j] = counts(own, "place").unwrap_or([0; 2]);
         let [columns, rows] = elements.map(|count| 2 * count + 1);
         if i >= columns || j >= rows {
@@ -337,10 +347,8 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
         mesh = mesh.with_node(i, j, known.node(own, "node", m)?);
     }
     if fields.get("laminate").is_some() {
-        let Made::Laminate(laminate, _) = known.made(fields, "laminate")? else {
-            return Err(Mistake::new(fields.at, "laminate must name a laminate"));
-        };
-        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, laminate, vector("direction")?))));
+        let laminate = laminate_of(known, fields)?;
+        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, laminate, known.vector(fields, "direction")?))));
     }
     let (material, thickness) = (known.material(fields)?, known.strips(fields, "thickness", elements[0])?);
     let (strips, along) = (thickness.len(), elements[0]);
@@ -349,7 +357,7 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
             "\"{name}\" has {strips} thicknesses of strips of equal width, but {along} elements along its first direction: give one, or as many as \
              divide these"
         );
-        return Err(Mistake::new(fields.get("thickness").map_or(fields.at, |own| own.0), text));
+        return Err(Mistake::new(fields.at("thickness"), text));
     }
     let shell = m.tapered_shell(name, mesh, &material, |element, _| thickness[(element % along) * strips / along]);
     Ok(Made::Shell(Box::new(shell)))
@@ -359,11 +367,8 @@ pub(super) fn thin_walls<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
     let (profile, walls) = match fields.form {
         "profile" => {
             let corners = list(fields, "corners").map(|given| known.pair(given)).collect::<Found<Vec<[S; 2]>>>()?;
-            let wall = |(_, value): (usize, &Value)| match value {
-                Value::Fields(own) => Some((counts(own, "between")?, count(own, "elements"))),
-                _ => None,
-            };
-            let walls: Vec<([usize; 2], usize)> = list(fields, "walls").filter_map(wall).collect();
+            let wall = |(_, own): (usize, &Fields)| Some((counts(own, "between")?, count(own, "elements")));
+            let walls: Vec<([usize; 2], usize)> = fields.tables("walls").filter_map(wall).collect();
             let number = walls.len();
             (Profile::new(corners, walls), number)
         }
@@ -386,7 +391,7 @@ pub(super) fn thin_walls<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
     let thickness = known.series(fields, "thickness")?;
     if thickness.len() != 1 && thickness.len() != walls {
         let text = format!("\"{name}\" has {} thicknesses; give one, or {walls}, one for each wall", thickness.len());
-        return Err(Mistake::new(fields.get("thickness").map_or(fields.at, |own| own.0), text));
+        return Err(Mistake::new(fields.at("thickness"), text));
     }
     let of_wall = |wall: usize, _: f64| thickness[wall % thickness.len()];
     let walls = m.thin_walls(name, &profile, &extrusion, &known.material(fields)?, of_wall);

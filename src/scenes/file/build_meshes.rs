@@ -1,14 +1,15 @@
 //! Shells on meshes of a file.
 
 use super::build::Builder;
-use super::build_members::shells_named;
-use super::known::{Found, Known, Made, fixed, flag, list, texts};
+use super::build_members::{laminate_of, shells_named};
+use super::known::{Found, Known, Made, fixed, flag, list, text, texts};
 use super::meshes::{names, nodes_of};
 use super::mistake::Mistake;
 use super::reader::{Fields, Value};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::unknown;
 use crate::scenes::{FreeMesh, MeshData, ShellPart};
+use std::sync::Arc;
 
 /// Thickness at the points of each face, those that complete faces of eight points included.
 type Thickness<S> = Vec<Vec<(usize, S)>>;
@@ -90,13 +91,8 @@ fn thickness<S: Scalar>(
     Ok(all)
 }
 
-pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {
-    let item = &known.items[place];
-    let (name, fields) = (item.name.as_str(), &item.fields);
-    let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
-    check(fields, data)?;
-    // these were read with the mesh
-    ["file", "reverse", "groups", "node_sets"].iter().for_each(|key| _ = fields.get(key));
+/// The mesh of an entry, with what holds its points.
+fn free_mesh<S: Scalar>(known: &Known<S>, fields: &Fields, data: &Arc<MeshData>, m: &mut Builder<S>) -> Found<FreeMesh<S>> {
     let mut mesh = FreeMesh::of_data_at(data, points(known, fields, data)?);
     if let Some(angle) = fixed(fields, "crease") {
         mesh = mesh.creased(angle);
@@ -109,9 +105,8 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
         let points = nodes_of(data, &format!(".{set}"));
         mesh = mesh.clamped(points.map_err(|why| Mistake::new(at, format!("clamped, \"{set}\": {why}")))?);
     }
-    for (at, value) in list(fields, "nodes") {
-        let Value::Fields(own) = value else { continue };
-        let Some((_, Value::Text(text))) = own.get("at") else { continue };
+    for (at, own) in fields.tables("nodes") {
+        let Some(text) = text(own, "at") else { continue };
         let is_number = text.chars().all(|letter| letter.is_ascii_digit());
         let rest = if is_number { format!("[{text}]") } else { format!(".{text}") };
         let point = match nodes_of(data, &rest).as_deref() {
@@ -127,15 +122,16 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     if flag(fields, "coincident", false) {
         mesh = mesh.with_coincident_points();
     }
-    mesh = m.joined_to_each(mesh, &shells_named(known, fields, "joined"));
+    Ok(m.joined_to_each(mesh, &shells_named(known, fields, "joined")))
+}
 
-    // which entry says the section of each face
-    let parts: Vec<&Fields> =
-        list(fields, "parts").filter_map(|(_, own)| if let Value::Fields(own) = own { Some(own) } else { None }).collect();
+/// The tables that say the sections of faces, the entry itself where they belong to no part, and which does for each.
+fn parts<'f>(name: &str, fields: &'f Fields, data: &MeshData) -> Found<(Vec<&'f Fields>, Vec<usize>)> {
+    let mut entries: Vec<&Fields> = fields.tables("parts").map(|own| own.1).collect();
     let mut part_of: Vec<Option<usize>> = vec![None; data.faces.len()];
-    for (number, own) in parts.iter().enumerate() {
+    for (number, own) in entries.iter().enumerate() {
         for group in texts(own, "of") {
-            let at = own.get("of").map_or(own.at, |given| given.0);
+            let at = own.at("of");
             let Some(faces) = data.group(&group) else {
                 return Err(Mistake::new(at, unknown("group of faces", &group, &names(&data.groups))));
             };
@@ -147,22 +143,29 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
             }
         }
     }
-    let has_own = || fields.get("thickness").is_some() || fields.get("laminate").is_some();
-    if let Some(face) = part_of.iter().position(Option::is_none).filter(|_| !has_own()) {
-        let text = format!(
-            "\"{name}\" needs the keys material and thickness, or laminate and direction: element {} belongs to none of its {} parts",
-            data.face_numbers[face],
-            parts.len()
-        );
-        return Err(Mistake::new(fields.at, text));
-    }
-    let mut entries = parts;
     let of_mesh = entries.len();
-    if part_of.contains(&None) {
+    if let Some(face) = part_of.iter().position(Option::is_none) {
+        if fields.get("thickness").is_none() && fields.get("laminate").is_none() {
+            let text = format!(
+                "\"{name}\" needs the keys material and thickness, or laminate and direction: element {} belongs to none of its {of_mesh} parts",
+                data.face_numbers[face],
+            );
+            return Err(Mistake::new(fields.at, text));
+        }
         entries.push(fields);
     }
-    let part_of: Vec<usize> = part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect();
+    Ok((entries, part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect()))
+}
 
+pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {
+    let item = &known.items[place];
+    let (name, fields) = (item.name.as_str(), &item.fields);
+    let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
+    check(fields, data)?;
+    // these were read with the mesh
+    ["file", "reverse", "groups", "node_sets"].iter().for_each(|key| _ = fields.get(key));
+    let mesh = free_mesh(known, fields, data, m)?;
+    let (entries, part_of) = parts(name, fields, data)?;
     let mut tables: Vec<Thickness<S>> = Vec::new();
     for (number, own) in entries.iter().enumerate() {
         let is_layered = own.get("laminate").is_some();
@@ -183,10 +186,7 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     for (number, own) in entries.iter().enumerate() {
         let given = |key: &str| if own.get(key).is_some() { own } else { fields };
         sections.push(if own.get("laminate").is_some() {
-            let Made::Laminate(laminate, _) = known.made(own, "laminate")? else {
-                return Err(Mistake::new(own.at, "laminate must name a laminate"));
-            };
-            ShellPart::Laminate(laminate, known.vector(given("direction"), "direction")?)
+            ShellPart::Laminate(laminate_of(known, own)?, known.vector(given("direction"), "direction")?)
         } else if part_of.contains(&number) {
             ShellPart::Isotropic(known.material(given("material"))?, &*lookups[number])
         } else {

@@ -275,6 +275,23 @@ impl<'r> FormulaText<'r> {
         Ok(false)
     }
 
+    /// What stands in the brackets behind the name of a function; whether each is to be a vector.
+    fn arguments(&mut self, name: &str, are_vectors: &[bool]) -> Result<(), SyntaxError> {
+        self.expect('(')?;
+        for (place, &wanted) in are_vectors.iter().enumerate() {
+            if place > 0 {
+                self.expect(',')?;
+            }
+            self.skip_blanks();
+            let at = self.at;
+            if self.deeper(Self::sum)? != wanted {
+                let [is, must] = if wanted { ["a number", "a vector"] } else { ["a vector", "a number"] };
+                return Err((at, format!("argument {} of {name} is {is}; it must be {must}", place + 1)));
+            }
+        }
+        self.expect(')')
+    }
+
     fn name(&mut self) -> Result<bool, SyntaxError> {
         let (at, rest) = (self.at, self.rest());
         let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
@@ -299,19 +316,7 @@ impl<'r> FormulaText<'r> {
             };
         }
         if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
-            self.expect('(')?;
-            for (place, &wanted) in arguments.iter().enumerate() {
-                if place > 0 {
-                    self.expect(',')?;
-                }
-                self.skip_blanks();
-                let at = self.at;
-                if self.deeper(Self::sum)? != wanted {
-                    let [is, must] = if wanted { ["a number", "a vector"] } else { ["a vector", "a number"] };
-                    return Err((at, format!("argument {} of {name} is {is}; it must be {must}", place + 1)));
-                }
-            }
-            self.expect(')')?;
+            self.arguments(name, arguments)?;
             self.operations.push(Operation::Call(*function));
             return Ok(*is_vector);
         }

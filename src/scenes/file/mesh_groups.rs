@@ -116,8 +116,7 @@ impl Reader {
                 Ok(condition) => candidates.where_holds(&condition, text),
                 Err((inside, why)) => {
                     let at = place.map_or(value.at, |at| at + inside);
-                    self.wrong(at, format!("\"{name}\" of {key}, \"{text}\": {why}"));
-                    return None;
+                    return self.refuse(at, format!("\"{name}\" of {key}, \"{text}\": {why}"));
                 }
             },
             _ => return None,
@@ -137,9 +136,6 @@ pub(super) fn fixed_point(raw: &Raw) -> [f64; 3] {
         }
         _ => Vec::new(),
     };
-    let components = match &raw.value {
-        RawValue::List(list) => list.iter().flat_map(fixed).collect(),
-        _ => fixed(raw),
-    };
+    let components: Vec<f64> = raw.one_or_more().iter().flat_map(fixed).collect();
     components.try_into().unwrap_or([f64::NAN; 3])
 }

@@ -61,10 +61,7 @@ impl Reader {
             Some(data) => data.clone(),
             None => match read_gmsh(&path) {
                 Ok(data) => Arc::new(data),
-                Err(why) => {
-                    self.wrong(key.at, format!("file, \"{file}\": {why}"));
-                    return None;
-                }
+                Err(why) => return self.refuse(key.at, format!("file, \"{file}\": {why}")),
             },
         };
         read.insert(path, data.clone());
@@ -73,7 +70,7 @@ impl Reader {
 
     /// The mesh with the groups of the key `reverse` turned round.
     fn turned_round(&mut self, raw: &Raw, data: Arc<MeshData>) -> Option<Arc<MeshData>> {
-        let Some(RawValue::List(list)) = raw.get("reverse").map(|own| &own.value) else { return Some(data) };
+        let Some(list) = raw.get("reverse").and_then(Raw::list) else { return Some(data) };
         let mut turned: Vec<usize> = Vec::new();
         for own in list {
             let name = own.text()?;
@@ -126,10 +123,7 @@ impl Reader {
         });
         Some(match found {
             Ok(points) => Some(place(points)),
-            Err(why) => {
-                self.wrong(raw.at, why);
-                None
-            }
+            Err(why) => self.refuse(raw.at, why),
         })
     }
 
@@ -138,8 +132,7 @@ impl Reader {
         let given = [("per_face", Per::Face), ("per_node", Per::Node)].map(|(key, per)| (raw.get(key), key, per));
         let (own, key, per) = match given {
             [(Some(own), ..), (Some(_), ..)] => {
-                self.wrong(own.at, "a design variable has per_face or per_node, not both");
-                return None;
+                return self.refuse(own.at, "a design variable has per_face or per_node, not both");
             }
             [(Some(own), key, per), _] | [_, (Some(own), key, per)] => (own, key, per),
             _ => return None,
@@ -149,8 +142,7 @@ impl Reader {
         let Some((mesh, rest)) = self.of_mesh(text) else {
             let mut known = self.names_of(&["mesh"]);
             known.extend(self.group_names());
-            self.wrong(own.at, format!("{key}: {}", unknown("mesh", text, &known)));
-            return None;
+            return self.refuse(own.at, format!("{key}: {}", unknown("mesh", text, &known)));
         };
         let data = self.meshes.get(&mesh)?.clone();
         let faces: Vec<usize> = match rest.strip_prefix('.') {
@@ -158,14 +150,13 @@ impl Reader {
                 Some(faces) => faces.to_vec(),
                 None => {
                     let text = unknown("group of faces", group, &names(&data.groups));
-                    self.wrong(own.at, format!("{key}: {text}"));
-                    return None;
+                    return self.refuse(own.at, format!("{key}: {text}"));
                 }
             },
             None if rest.is_empty() => (0..data.faces.len()).collect(),
             None => {
-                self.wrong(own.at, format!("{key} must name a mesh, or a group of its faces; it is \"{text}\""));
-                return None;
+                let text = format!("{key} must name a mesh, or a group of its faces; it is \"{text}\"");
+                return self.refuse(own.at, text);
             }
         };
         let (places, all): (Vec<usize>, &[usize]) = match per {
@@ -240,19 +231,16 @@ pub(super) fn nodes_of(data: &MeshData, rest: &str) -> Result<Vec<usize>, String
 
 /// A mesh whose points and faces stand in the file itself, as far as they are right.
 fn given_here(raw: &Raw) -> MeshData {
-    let list = |raw: Option<&Raw>| match raw.map(|own| &own.value) {
-        Some(RawValue::List(list)) => list.clone(),
-        _ => Vec::new(),
-    };
-    let points = list(raw.get("points"));
+    let list = |key: &str| raw.get(key).and_then(Raw::list).unwrap_or_default();
+    let points = list("points");
     let count = points.len();
     let number = |raw: &Raw| match raw.value {
         RawValue::Number { value, whole: true } if (0.0..count.max(1) as f64).contains(&value) => value as usize,
         // refused where values are checked
         _ => 0,
     };
-    let faces: Vec<Vec<usize>> =
-        list(raw.get("faces")).iter().map(|face| list(Some(face)).iter().map(number).collect()).collect();
+    let face = |face: &Raw| face.list().unwrap_or_default().iter().map(number).collect();
+    let faces: Vec<Vec<usize>> = list("faces").iter().map(face).collect();
     MeshData {
         points: points.iter().map(fixed_point).collect(),
         point_numbers: (0..count).collect(),

@@ -70,6 +70,19 @@ impl Raw {
         Some(&self.entries()?.iter().find(|entry| entry.key == key)?.value)
     }
 
+    /// What stands in a list.
+    pub fn list(&self) -> Option<&[Raw]> {
+        match &self.value {
+            RawValue::List(list) => Some(list),
+            _ => None,
+        }
+    }
+
+    /// The same, or itself where it is none.
+    pub fn one_or_more(&self) -> &[Raw] {
+        self.list().unwrap_or(std::slice::from_ref(self))
+    }
+
     /// A text.
     pub fn text(&self) -> Option<&str> {
         match &self.value {
@@ -167,7 +180,7 @@ fn steps_of(own: &Entry) -> Result<Vec<Step>, Mistake> {
 
 /// Whole numbers or texts of a list that is not empty.
 fn listed(raw: &Raw) -> Option<Vec<Step>> {
-    let RawValue::List(list) = &raw.value else { return None };
+    let list = raw.list()?;
     let numbers: Option<Vec<Step>> = list.iter().map(|own| own.whole().map(Step::Whole)).collect();
     let words = || list.iter().map(|own| own.text().map(|word| Step::Word(word.into()))).collect();
     numbers.or_else(words).filter(|own: &Vec<Step>| !own.is_empty())

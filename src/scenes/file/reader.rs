@@ -79,6 +79,18 @@ impl Fields {
         self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
         Some((*at, value))
     }
+    /// Where a key was given its value, or the table stands where it was not.
+    pub fn at(&self, key: &str) -> usize {
+        self.get(key).map_or(self.at, |given| given.0)
+    }
+    /// The tables of a list, with their places.
+    pub fn tables(&self, key: &str) -> impl Iterator<Item = (usize, &Fields)> + use<'_> {
+        let list = match self.get(key) {
+            Some((_, Value::List(list))) => list.as_slice(),
+            _ => &[],
+        };
+        list.iter().filter_map(|(at, own)| if let Value::Fields(own) = own { Some((*at, own)) } else { None })
+    }
     /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
     pub fn unread(&self) -> Vec<(&'static str, usize)> {
         fn inside(value: &Value) -> Vec<(&'static str, usize)> {
@@ -200,6 +212,12 @@ impl Reader {
         self.mistakes.push(Mistake::new(at, what));
     }
 
+    /// The same where a value was wanted.
+    pub(super) fn refuse<T>(&mut self, at: usize, what: impl Into<String>) -> Option<T> {
+        self.wrong(at, what);
+        None
+    }
+
     fn contents(&mut self, root: &Raw) -> Contents {
         let entries = root.entries().unwrap_or_default();
         let top_keys = TOP.forms[0].keys;
@@ -210,13 +228,11 @@ impl Reader {
         let mut definitions: &[Entry] = &[];
         let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
         for entry in entries {
-            if let Some(key) = top_keys.iter().find(|key| key.name == entry.key) {
-                top.push((key, entry));
+            if top_keys.iter().any(|key| key.name == entry.key) {
+                top.push(entry.clone());
             } else if entry.key == DEFINE.0 {
-                match entry.value.entries() {
-                    Some(own) => definitions = own,
-                    None => self.wrong(entry.value.at, format!("[define] must be a table; it is {}", entry.value.words())),
-                }
+                let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
+                definitions = own.unwrap_or_default();
             } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
                 if section.shape == Shape::Once {
                     singles.push((section, &entry.value));
@@ -230,8 +246,7 @@ impl Reader {
         self.meshes();
         let variables = self.variables();
         let definitions = self.define(definitions);
-        let top_entries: Vec<Entry> = top.iter().map(|(_, entry)| (*entry).clone()).collect();
-        let top = self.fields(&Raw { at: 0, value: RawValue::Table(top_entries) }, &TOP, "the file");
+        let top = self.fields(&Raw { at: 0, value: RawValue::Table(top) }, &TOP, "the file");
         let single: Vec<(&'static str, Fields)> = singles
             .into_iter()
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
@@ -302,40 +317,29 @@ impl Reader {
     /// Adds the names that an entry gives to formulas of its nodes.
     fn take_definitions(&mut self, raw: &Raw) {
         let Some(given) = raw.get("define") else { return };
-        let Some(entries) = given.entries().filter(|entries| !entries.is_empty()) else {
-            let text = "define must be a table of names with formulas, as in { speed = \"norm(tip.velocity)\" }";
-            return self.wrong(given.at, format!("{text}; it is {}", given.words()));
-        };
-        for own in entries {
-            self.check_name(&own.key, own.at);
-            if self.scope.knows(&own.key) || self.scope.of_node(&own.key).next().is_some() {
-                self.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
+        let wanted = "with formulas, as in { speed = \"norm(tip.velocity)\" }";
+        self.named(given, "define", wanted, |reader, own| {
+            reader.check_name(&own.key, own.at);
+            if reader.scope.knows(&own.key) || reader.scope.of_node(&own.key).next().is_some() {
+                reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
             }
-            if let Some(formula) = self.number_or_vector(&own.value, &format!("define: {}", own.key)) {
-                self.scope.add_definition(&own.key, formula);
-            }
-        }
+            let formula = reader.number_or_vector(&own.value, &format!("define: {}", own.key))?;
+            reader.scope.add_definition(&own.key, formula);
+            Some(())
+        });
     }
 
     /// Takes down the entries of a section with their names.
     fn declare(&mut self, section: &'static Section, entry: &Entry) {
-        let entries: Result<Vec<(Raw, String)>, Mistake> = match (section.shape, &entry.value.value) {
+        let entries: Result<Vec<(String, Raw)>, Mistake> = match (section.shape, &entry.value.value) {
             (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
-                let name = |own: &Raw| own.get("name").and_then(|name| name.text()).unwrap_or_default().to_string();
+                let name = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
                 let all: Result<Vec<Vec<Raw>>, Mistake> = list.iter().map(repeated_entries).collect();
-                all.map(|all| {
-                    all.into_iter()
-                        .flatten()
-                        .map(|own| {
-                            let name = name(&own);
-                            (own, name)
-                        })
-                        .collect()
-                })
+                all.map(|all| all.into_iter().flatten().map(|own| (name(&own), own)).collect())
             }
             (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
                 let all: Result<Vec<Vec<Entry>>, Mistake> = named.iter().map(repeated_named).collect();
-                let of_key = |own: Entry| (Raw { at: own.at, value: own.value.value }, own.key);
+                let of_key = |own: Entry| (own.key, Raw { at: own.at, value: own.value.value });
                 all.map(|all| all.into_iter().flatten().map(of_key).collect())
             }
             _ => {
@@ -351,7 +355,7 @@ impl Reader {
                 return self.mistakes.push(mistake);
             }
         };
-        for (raw, name) in entries {
+        for (name, raw) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);
             let space = name_space(section.name);
             if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
@@ -446,13 +450,8 @@ impl Reader {
             let Entry { key, value, .. } = &entries[place];
             let what = format!("{key} of [define]");
             let formula = match &value.value {
-                RawValue::List(_) => self.vector(value, &what),
-                RawValue::Text(..) | RawValue::Number { .. } => self.formula(value, &what, None),
-                _ => {
-                    let words = value.words();
-                    self.wrong(value.at, format!("{what} must be a number, a formula or a vector; it is {words}"));
-                    None
-                }
+                RawValue::List(_) | RawValue::Text(..) | RawValue::Number { .. } => self.number_or_vector(value, &what),
+                _ => self.not(value, &what, "a number, a formula or a vector"),
             };
             // what is wrong is told once, not by all that use it
             let formula = formula.unwrap_or_else(|| match &value.value {
@@ -468,19 +467,12 @@ impl Reader {
     /// The values of a table.
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
         let mut fields = Fields { at: raw.at, form: "", values: Vec::new(), read: Arc::default() };
-        let Some(entries) = raw.entries() else {
-            self.wrong(raw.at, format!("{owner} must be a table; it is {}", raw.words()));
-            return fields;
-        };
+        let Some(entries) = raw.entries().or_else(|| self.not(raw, owner, "a table")) else { return fields };
         let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first().copied() };
         let Some(form) = form else { return fields };
         fields.form = form.name;
         let keys = || forms.common.iter().chain(form.keys);
-        for entry in entries {
-            let is_type = forms.have_types() && entry.key == "type";
-            if is_type {
-                continue;
-            }
+        for entry in entries.iter().filter(|entry| !(forms.have_types() && entry.key == "type")) {
             let Some(key) = keys().find(|key| key.name == entry.key) else {
                 let mut known: Vec<String> = keys().map(|key| key.name.into()).collect();
                 if forms.have_types() {
@@ -491,7 +483,7 @@ impl Reader {
                 self.wrong(entry.at, format!("{of}: {text}"));
                 continue;
             };
-            if let Some(value) = self.value(&entry.value, key, &key.takes, owner) {
+            if let Some(value) = self.value(&entry.value, &key.takes, &format!("{} of {owner}", key.name)) {
                 fields.values.push((key.name, entry.value.at, value));
             }
         }
@@ -505,19 +497,11 @@ impl Reader {
         let known = all_forms(forms, &self.own);
         let names = || known.iter().map(|form| form.name.to_string()).collect::<Vec<_>>();
         let Some(given) = raw.get("type") else {
-            self.wrong(raw.at, format!("{owner} needs the key type: one of {}", names().join(", ")));
-            return None;
+            return self.refuse(raw.at, format!("{owner} needs the key type: one of {}", names().join(", ")));
         };
-        let Some(name) = given.text() else {
-            self.wrong(given.at, format!("type of {owner} must be a text; it is {}", given.words()));
-            return None;
-        };
+        let name = given.text().or_else(|| self.not(given, &format!("type of {owner}"), "a text"))?;
         let form = known.iter().find(|form| form.name == name).copied();
-        if form.is_none() {
-            let text = unknown("type", name, &names());
-            self.wrong(given.at, format!("{owner}: {text}"));
-        }
-        form
+        form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown("type", name, &names()))))
     }
 }
 

@@ -21,10 +21,7 @@ impl Reader {
 
     pub(super) fn item(&mut self, raw: &Raw, what: &str, sections: &[&str]) -> Option<usize> {
         let wanted = sections.join(", ");
-        let Some(name) = raw.text() else {
-            self.wrong(raw.at, format!("{what} must be the name of a {wanted}; it is {}", raw.words()));
-            return None;
-        };
+        let name = raw.text().or_else(|| self.not(raw, what, &format!("the name of a {wanted}")))?;
         let found = self.find(name, sections);
         if found.is_none() && !self.names_are_missing {
             let mut names = self.names_of(sections);
@@ -65,35 +62,15 @@ impl Reader {
         self.item(raw, what, sections).map(Value::Item)
     }
 
-    pub(super) fn node_list(&mut self, list: &[Raw], what: &str, sets: bool) -> Option<Value> {
-        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.node(raw, what, sets))).collect();
-        own.into_iter().map(|(at, node)| Some((at, Value::Node(node?)))).collect::<Option<_>>().map(Value::List)
-    }
-
     pub(super) fn node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<NodePlace> {
-        let Some(text) = raw.text() else {
-            self.wrong(raw.at, format!("{what} must be the name of a node; it is {}", raw.words()));
-            return None;
-        };
+        let text = raw.text().or_else(|| self.not(raw, what, "the name of a node"))?;
         if text == "ground" {
             return Some(NodePlace::default());
         }
         if let Some(found) = self.mesh_node(raw, what, sets) {
             return found;
         }
-        let (name, edge, index) = match self.find(text, WITH_NODES) {
-            Some(_) => (text, None, Vec::new()),
-            None => {
-                let (front, index) = divided(text);
-                match self.find(front, WITH_NODES) {
-                    Some(_) => (front, None, index),
-                    None => match front.rsplit_once('.') {
-                        Some((name, edge)) if self.find(name, WITH_NODES).is_some() => (name, Some(edge), index),
-                        _ => (front, None, index),
-                    },
-                }
-            }
-        };
+        let (name, edge, index) = self.node_parts(text);
         let Some(place) = self.find(name, WITH_NODES) else {
             if self.names_are_missing {
                 return None;
@@ -106,44 +83,72 @@ impl Reader {
                 }
                 None => unknown("node", name, &known),
             };
-            self.wrong(raw.at, format!("{what}: {text}"));
-            return None;
+            return self.refuse(raw.at, format!("{what}: {text}"));
         };
         let section = self.declared[place].section.name;
-        // names of ends and edges, and how many numbers stand behind the name and behind them
-        let (edges, own, of_edge): (&[&'static str], usize, usize) = match section {
+        let nodes = MemberNodes::of(section);
+        let found = edge.map(|edge| nodes.edges.iter().copied().find(|own| *own == edge));
+        let right = match (found, index.len()) {
+            (None, count) => count == nodes.own && (count > 0 || nodes.edges.is_empty()),
+            (Some(None), _) => false,
+            (Some(Some(_)), 0) => sets || nodes.of_edge == 0,
+            (Some(Some(_)), count) => count == nodes.of_edge,
+        };
+        if !right {
+            let ways = nodes.ways(name, sets).join(", ");
+            return self
+                .refuse(raw.at, format!("{what}: \"{text}\" is no node of the {section} \"{name}\"; there are: {ways}"));
+        }
+        Some(NodePlace { item: Some(place), edge: found.flatten(), index, points: Vec::new() })
+    }
+
+    /// The entry that a text names, the edge or end behind it, and the numbers behind these.
+    fn node_parts<'t>(&self, text: &'t str) -> (&'t str, Option<&'t str>, Vec<usize>) {
+        let is_known = |name: &str| self.find(name, WITH_NODES).is_some();
+        if is_known(text) {
+            return (text, None, Vec::new());
+        }
+        let (front, index) = divided(text);
+        match front.rsplit_once('.') {
+            Some((name, edge)) if !is_known(front) && is_known(name) => (name, Some(edge), index),
+            _ => (front, None, index),
+        }
+    }
+}
+
+/// How nodes of a member are called: its ends and edges, and how many numbers stand behind its name and behind these.
+struct MemberNodes {
+    edges: &'static [&'static str],
+    own: usize,
+    of_edge: usize,
+}
+
+impl MemberNodes {
+    fn of(section: &str) -> Self {
+        let (edges, own, of_edge): (&[&str], usize, usize) = match section {
             "beam" | "cable" => (&["start", "end"], 1, 0),
             "shell" => (&["first_start", "first_end", "second_start", "second_end"], 2, 1),
             "thin_walls" => (&["start", "end"], 0, 1),
             "sphere" => (&[], 3, 0),
             _ => (&[], 0, 0),
         };
-        let found = edge.map(|edge| edges.iter().copied().find(|own| *own == edge));
-        let right = match (found, index.len()) {
-            (None, count) => count == own && (count > 0 || edges.is_empty()),
-            (Some(None), _) => false,
-            (Some(Some(_)), 0) => sets || of_edge == 0,
-            (Some(Some(_)), count) => count == of_edge,
-        };
-        if !right {
-            let numbers = |count| ["", "[i]", "[i, j]", "[face, i, j]"][count];
-            let mut ways: Vec<String> = Vec::new();
-            if own > 0 || edges.is_empty() {
-                ways.push(format!("{name}{}", numbers(own)));
-            }
-            for edge in edges {
-                if sets && of_edge > 0 {
-                    ways.push(format!("{name}.{edge}"));
-                }
-                ways.push(format!("{name}.{edge}{}", numbers(of_edge)));
-            }
-            self.wrong(
-                raw.at,
-                format!("{what}: \"{text}\" is no node of the {section} \"{name}\"; there are: {}", ways.join(", ")),
-            );
-            return None;
+        MemberNodes { edges, own, of_edge }
+    }
+
+    /// All ways to name nodes, or also sets of them.
+    fn ways(&self, name: &str, sets: bool) -> Vec<String> {
+        let numbers = |count| ["", "[i]", "[i, j]", "[face, i, j]"][count];
+        let mut ways: Vec<String> = Vec::new();
+        if self.own > 0 || self.edges.is_empty() {
+            ways.push(format!("{name}{}", numbers(self.own)));
         }
-        Some(NodePlace { item: Some(place), edge: found.flatten(), index, points: Vec::new() })
+        for edge in self.edges {
+            if sets && self.of_edge > 0 {
+                ways.push(format!("{name}.{edge}"));
+            }
+            ways.push(format!("{name}.{edge}{}", numbers(self.of_edge)));
+        }
+        ways
     }
 }
 

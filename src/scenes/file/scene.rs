@@ -1,6 +1,7 @@
 use super::build::build;
 use super::expression::Quantity;
 use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
+use super::meshes::Each;
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
@@ -203,7 +204,7 @@ impl FileScene {
             && let Some(fields) = single(&contents, "output")
         {
             let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
-            mistakes.push(Mistake::new(fields.get("step").map_or(fields.at, |given| given.0), text));
+            mistakes.push(Mistake::new(fields.at("step"), text));
         }
         check_output(&contents, &mut mistakes);
         check_spans(&contents, settings.end, &mut mistakes);
@@ -267,12 +268,11 @@ fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
     for function in functions {
         let is_outside = |key| fixed(function, key).is_some_and(|own| if key == "start" { own > 0.0 } else { own < end });
         for key in ["start", "end"].into_iter().filter(|key| is_outside(key)) {
-            let at = function.get(key).map_or(function.at, |given| given.0);
             let text = format!(
                 "{key} lies within the run, but a formula of time holds at all times; leave {key} out, or let if_less choose between what \
                  holds before it and after it"
             );
-            mistakes.push(Mistake::new(at, text));
+            mistakes.push(Mistake::new(function.at(key), text));
         }
     }
 }
@@ -300,12 +300,10 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
         let mut initial = fixed_list(&own.fields, "initial");
         let bounds = fixed_list(&own.fields, "bounds");
         let &[lower, upper] = bounds.as_slice() else { continue };
-        let at = |key: &str| own.fields.get(key).map_or(own.fields.at, |given| given.0);
+        let at = |key: &str| own.fields.at(key);
         if lower > upper {
-            mistakes.push(Mistake::new(
-                at("bounds"),
-                format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name),
-            ));
+            let text = format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name);
+            mistakes.push(Mistake::new(at("bounds"), text));
         } else if let Some(initial) = initial.iter().find(|own| !(lower..=upper).contains(*own)) {
             let text =
                 format!("initial of \"{}\" is {initial}; it must lie between its bounds {lower} and {upper}", own.name);
@@ -331,16 +329,13 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
         return Settings::new(1.0, 1);
     };
     let method = text(fields, "method");
-    let at = |key: &str| fields.get(key).map_or(fields.at, |given| given.0);
-    if let Some(name) = method {
-        match table_named(name) {
-            Ok(Some(_)) => {}
-            Ok(None) => {
-                let text = unknown("method of [settings]:", name, &table_names());
-                mistakes.push(Mistake::new(at("method"), text));
-            }
-            Err(why) => mistakes.push(Mistake::new(at("method"), format!("method of [settings]: {why}"))),
+    match method.map(table_named) {
+        None | Some(Ok(Some(_))) => {}
+        Some(Ok(None)) => {
+            let text = unknown("method of [settings]:", method.unwrap_or_default(), &table_names());
+            mistakes.push(Mistake::new(fields.at("method"), text));
         }
+        Some(Err(why)) => mistakes.push(Mistake::new(fields.at("method"), format!("method of [settings]: {why}"))),
     }
     let is_static = method == Some(STATIC_TABLE);
     let tolerance = fixed(fields, "tolerance");
@@ -349,29 +344,7 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
         Some((_, Value::Count(steps))) => Some(*steps),
         _ => None,
     };
-    if end.is_none() {
-        mistakes.push(Mistake::new(fields.at, "[settings] needs the key end: the duration in s"));
-    }
-    if steps.is_none() && tolerance.is_none() {
-        mistakes.push(Mistake::new(
-            fields.at,
-            "[settings] needs the key steps, or tolerance where steps are to be chosen by their error",
-        ));
-    }
-    if let (Some(_), Some(_)) = (steps, tolerance) {
-        mistakes
-            .push(Mistake::new(at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"));
-    }
-    for key in ["velocity_tolerance", "project_start", "start"] {
-        if fields.get(key).is_some() && is_static {
-            mistakes.push(Mistake::new(at(key), format!("{key} of [settings] means nothing with the method static")));
-        }
-    }
-    for key in ["velocity_tolerance", "longest_step"] {
-        if fields.get(key).is_some() && tolerance.is_none() {
-            mistakes.push(Mistake::new(at(key), format!("{key} of [settings] means nothing without the key tolerance")));
-        }
-    }
+    check_steps(fields, (end, steps, tolerance), is_static, mistakes);
     let mut settings = Settings::new(end.unwrap_or(1.0), steps.unwrap_or(1));
     settings.method = method.map(str::to_string);
     let level = text(fields, "constraint_level").and_then(ConstraintLevel::by_name);
@@ -383,24 +356,8 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     settings.divide = flag(fields, "divide_steps", false);
     settings.policy.drop_redundant = flag(fields, "drop_redundant", false);
     settings.policy.project_start = flag(fields, "project_start", false);
-    let start = text(fields, "start");
-    settings.policy.from_equilibrium = matches!(start, Some("equilibrium" | "steady"));
-    let first = |section: &str| contents.items.iter().find(|item| item.section == section);
-    if let Some(hold) = first("hold").filter(|_| !settings.policy.from_equilibrium) {
-        let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\" or \"steady\"";
-        mistakes.push(Mistake::new(hold.fields.at, text));
-    }
-    match (first("spin"), start == Some("steady")) {
-        (Some(spin), false) => {
-            let text = "[[spin]] is for a motion that begins with a steady turn: give [settings] the key start = \"steady\"";
-            mistakes.push(Mistake::new(spin.fields.at, text));
-        }
-        (None, true) => {
-            let text = "start = \"steady\" needs a [[spin]]: which parts turn, about which axis, at which rate";
-            mistakes.push(Mistake::new(at("start"), text));
-        }
-        _ => {}
-    }
+    settings.policy.from_equilibrium = matches!(text(fields, "start"), Some("equilibrium" | "steady"));
+    check_start(contents, fields, mistakes);
     settings.control = tolerance.map(|tolerance| {
         let mut control = StepControl::new(tolerance);
         control.velocities = StepControl::new(fixed(fields, "velocity_tolerance").unwrap_or(tolerance)).velocities;
@@ -410,21 +367,101 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     settings
 }
 
+/// Whether the settings say how long steps are, and nothing that means nothing beside it.
+fn check_steps(
+    fields: &Fields,
+    (end, steps, tolerance): (Option<f64>, Option<usize>, Option<f64>),
+    is_static: bool,
+    mistakes: &mut Vec<Mistake>,
+) {
+    let mut wrong = |at: usize, what: &str| mistakes.push(Mistake::new(at, what));
+    if end.is_none() {
+        wrong(fields.at, "[settings] needs the key end: the duration in s");
+    }
+    match (steps, tolerance) {
+        (None, None) => {
+            wrong(fields.at, "[settings] needs the key steps, or tolerance where steps are to be chosen by their error");
+        }
+        (Some(_), Some(_)) => {
+            wrong(fields.at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are");
+        }
+        _ => {}
+    }
+    for key in ["velocity_tolerance", "project_start", "start"] {
+        if fields.get(key).is_some() && is_static {
+            wrong(fields.at(key), &format!("{key} of [settings] means nothing with the method static"));
+        }
+    }
+    for key in ["velocity_tolerance", "longest_step"] {
+        if fields.get(key).is_some() && tolerance.is_none() {
+            wrong(fields.at(key), &format!("{key} of [settings] means nothing without the key tolerance"));
+        }
+    }
+}
+
+/// Whether what is held and what turns fits to how the motion begins.
+fn check_start(contents: &Contents, fields: &Fields, mistakes: &mut Vec<Mistake>) {
+    let mut wrong = |at: usize, what: &str| mistakes.push(Mistake::new(at, what));
+    let start = text(fields, "start");
+    let first = |section: &str| contents.items.iter().find(|item| item.section == section);
+    if let Some(hold) = first("hold").filter(|_| !matches!(start, Some("equilibrium" | "steady"))) {
+        let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\" or \"steady\"";
+        wrong(hold.fields.at, text);
+    }
+    match (first("spin"), start == Some("steady")) {
+        (Some(spin), false) => {
+            let text = "[[spin]] is for a motion that begins with a steady turn: give [settings] the key start = \"steady\"";
+            wrong(spin.fields.at, text);
+        }
+        (None, true) => {
+            let text = "start = \"steady\" needs a [[spin]]: which parts turn, about which axis, at which rate";
+            wrong(fields.at("start"), text);
+        }
+        _ => {}
+    }
+}
+
 fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
-    let given: Vec<Limit> = [
+    let given = [
         fixed(fields, "at_most").map(Limit::AtMost),
         fixed(fields, "at_least").map(Limit::AtLeast),
         fixed(fields, "equal").map(Limit::Equal),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let given: Vec<Limit> = given.into_iter().flatten().collect();
     match given.as_slice() {
         [one] => *one,
         other => {
             let text = format!("a limit needs one of the keys at_most, at_least and equal; {} are given", other.len());
             mistakes.push(Mistake::new(fields.at, text));
             Limit::Equal(0.0)
+        }
+    }
+}
+
+/// Numbers by the names of functionals or design variables.
+type Weights = Vec<(String, f64)>;
+
+fn weights(fields: &Fields, key: &str) -> Weights {
+    match fields.get(key) {
+        Some((_, Value::Weights(weights))) => weights.clone(),
+        _ => Vec::new(),
+    }
+}
+
+/// The objective, with the key that says it.
+fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'static str, Weights)> {
+    let one = |key: &str| vec![(text(fields, key).unwrap_or_default().to_string(), 1.0)];
+    match ["minimize", "maximize", "weights"].map(|key| fields.get(key).is_some()) {
+        [true, false, false] => Some((Sense::Minimize, "minimize", one("minimize"))),
+        [false, true, false] => Some((Sense::Maximize, "maximize", one("maximize"))),
+        [false, false, true] => {
+            let sense = if text(fields, "sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize };
+            Some((sense, "weights", weights(fields, "weights")))
+        }
+        _ => {
+            let text = "[optimization] needs one of the keys minimize, maximize and weights, which says the objective";
+            mistakes.push(Mistake::new(fields.at, text));
+            None
         }
     }
 }
@@ -442,32 +479,13 @@ fn problem(
         }
     }
     let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
-    let at = |key: &str| fields.get(key).map_or(fields.at, |given| given.0);
-    let mut check = |kind: &str, key_at: usize, name: &str, known: &[String]| {
+    let (sense, key, objective) = objective(fields, mistakes)?;
+    let check = |kind: &str, at: usize, name: &str, known: &[String], mistakes: &mut Vec<Mistake>| {
         if !known.iter().any(|own| own == name) {
-            mistakes.push(Mistake::new(key_at, unknown(kind, name, known)));
+            mistakes.push(Mistake::new(at, unknown(kind, name, known)));
         }
     };
-    let weights = |fields: &Fields, key: &str| match fields.get(key) {
-        Some((_, Value::Weights(weights))) => weights.clone(),
-        _ => Vec::new(),
-    };
-    let sum = weights(fields, "weights");
-    let ways = ["minimize", "maximize", "weights"].map(|key| fields.get(key).is_some());
-    let (sense, objective) = match ways {
-        [true, false, false] => (Sense::Minimize, vec![(text(fields, "minimize").unwrap_or_default().to_string(), 1.0)]),
-        [false, true, false] => (Sense::Maximize, vec![(text(fields, "maximize").unwrap_or_default().to_string(), 1.0)]),
-        [false, false, true] => {
-            (if text(fields, "sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize }, sum)
-        }
-        _ => {
-            let text = "[optimization] needs one of the keys minimize, maximize and weights, which says the objective";
-            mistakes.push(Mistake::new(fields.at, text));
-            return None;
-        }
-    };
-    let key = ["minimize", "maximize", "weights"].into_iter().zip(ways).find(|own| own.1).map_or("weights", |own| own.0);
-    objective.iter().for_each(|(name, _)| check("functional", at(key), name, &functionals));
+    objective.iter().for_each(|(name, _)| check("functional", fields.at(key), name, &functionals, mistakes));
     // one name stands for all of a variable of faces or nodes
     let varying = fields.get("varying").map(|_| {
         let all = |name: String| match contents.variables.iter().find(|own| own.name == name) {
@@ -476,36 +494,21 @@ fn problem(
         };
         texts(fields, "varying").into_iter().flat_map(all).collect::<Vec<String>>()
     });
-    varying.iter().flatten().for_each(|name| check("design variable", at("varying"), name, &names));
-    let (mut constraints, mut linear) = (Vec::new(), Vec::new());
-    for (_, value) in list(fields, "constraint") {
-        let Value::Fields(own) = value else { continue };
+    let at = fields.at("varying");
+    varying.iter().flatten().for_each(|name| check("design variable", at, name, &names, mistakes));
+    let constraints = fields.tables("constraint").map(|(_, own)| {
         let functional = text(own, "functional").unwrap_or_default().to_string();
-        check("functional", own.get("functional").map_or(own.at, |given| given.0), &functional, &functionals);
-        constraints.push((own, functional));
-    }
-    for (_, value) in list(fields, "linear") {
-        let Value::Fields(own) = value else { continue };
+        check("functional", own.at("functional"), &functional, &functionals, mistakes);
+        FunctionalConstraint { functional, limit: limit(own, mistakes), scale: fixed(own, "scale") }
+    });
+    let constraints = constraints.collect();
+    let linear = fields.tables("linear").map(|(_, own)| {
+        let (name, at) = (text(own, "name").unwrap_or_default().to_string(), own.at("coefficients"));
         let coefficients = weights(own, "coefficients");
-        let at = own.get("coefficients").map_or(own.at, |given| given.0);
-        coefficients.iter().for_each(|(name, _)| check("design variable", at, name, &names));
-        linear.push((own, coefficients));
-    }
-    let constraints = constraints
-        .into_iter()
-        .map(|(own, functional)| FunctionalConstraint {
-            functional,
-            limit: limit(own, mistakes),
-            scale: fixed(own, "scale"),
-        })
-        .collect();
-    let linear = linear
-        .into_iter()
-        .map(|(own, coefficients)| {
-            let name = text(own, "name").unwrap_or_default().to_string();
-            LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
-        })
-        .collect();
+        coefficients.iter().for_each(|(name, _)| check("design variable", at, name, &names, mistakes));
+        LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
+    });
+    let linear = linear.collect();
     let (scale, screening) = (fixed(fields, "scale"), fixed(fields, "screening"));
     let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
     // the rest, such as an objective of weights that are zero
@@ -515,6 +518,34 @@ fn problem(
         mistakes.push(Mistake::new(fields.at, why));
     }
     Some(problem)
+}
+
+/// The values of all names of formulas, and those of the variables of each face or node of a mesh.
+type Values<'c, S> = (Vec<Quantity<S>>, Vec<(usize, &'c Each, Vec<S>)>);
+
+impl FileScene {
+    /// What the names of formulas are at a design: the place along a section, the design variables, the definitions.
+    fn values<S: Scalar>(&self, x: &[S]) -> Result<Values<'_, S>, String> {
+        let (mut names, mut each, mut rest) = (vec![Quantity::Number(S::zero())], Vec::new(), x);
+        for own in &self.contents.variables {
+            let (values, others) = rest.split_at(own.count());
+            rest = others;
+            if let Extent::OfMesh(of) = &own.extent {
+                each.push((names.len(), of, values.to_vec()));
+            }
+            let named = if let Extent::Array(_) = own.extent { values } else { &values[..1] };
+            names.extend(named.iter().map(|&own| Quantity::Number(own)));
+        }
+        for (at, name, formula) in &self.contents.definitions {
+            let value = formula.value(&names);
+            if let Some(own) = value.components().iter().map(|own| own.value()).find(|own| !own.is_finite()) {
+                let text = format!("{name} of [define] is {own} at this design; it must be finite");
+                return Err(self.source.told(&Mistake::new(*at, text)));
+            }
+            names.push(value);
+        }
+        Ok((names, each))
+    }
 }
 
 /// Sections whose entries have mass: weight follows them.
@@ -556,29 +587,11 @@ impl Scene for FileScene {
         Some(self.source.place(item.fields.at))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let Contents { top, variables, definitions, items, order, own, .. } = &self.contents;
+        let Contents { top, items, order, own, .. } = &self.contents;
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
-        let (mut names, mut each, mut rest): (Vec<Quantity<S>>, Vec<_>, &[S]) =
-            (vec![Quantity::Number(S::zero())], Vec::new(), x);
-        for own in variables {
-            let (values, others) = rest.split_at(own.count());
-            rest = others;
-            if let Extent::OfMesh(of) = &own.extent {
-                each.push((names.len(), of, values.to_vec()));
-            }
-            let named = if let Extent::Array(_) = own.extent { values } else { &values[..1] };
-            names.extend(named.iter().map(|&own| Quantity::Number(own)));
-        }
-        for (at, name, formula) in definitions {
-            let value = formula.value(&names);
-            if let Some(own) = value.components().iter().map(|own| own.value()).find(|own| !own.is_finite()) {
-                let text = format!("{name} of [define] is {own} at this design; it must be finite");
-                return Err(self.source.told(&Mistake::new(*at, text)));
-            }
-            names.push(value);
-        }
+        let (names, each) = self.values(x)?;
         let made = items.iter().map(|_| Made::Nothing).collect();
         let mut known = Known { own, items, names, share: Cell::new(S::zero()), each, made };
         // the ground comes first, as nothing can be joined to it otherwise

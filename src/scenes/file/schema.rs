@@ -14,8 +14,8 @@ pub fn schema(parts: &OwnParts) -> Value {
     for key in TOP.forms[0].keys {
         properties.insert(key.name.into(), of_key(key));
     }
-    let quantity = json!({"anyOf": [formula(Range::Any), part("vector")]});
-    properties.insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity}));
+    properties
+        .insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity()}));
     for section in SECTIONS {
         let own = table(&section.forms, section.shape != Shape::Once, parts);
         let mut own = match section.shape {
@@ -33,19 +33,16 @@ pub fn schema(parts: &OwnParts) -> Value {
     });
     properties.insert(SCENARIO.into(), scenario);
     let mut parts = Map::new();
-    parts.insert("formula".into(), json!({"anyOf": [number(Range::Any), {"type": "string"}]}));
-    let component = formula(Range::Any);
-    let list = json!({"type": "array", "items": component, "minItems": 3, "maxItems": 3});
-    parts.insert("vector".into(), json!({"anyOf": [list, {"type": "string"}]}));
-    let words = json!({"type": "array", "items": {"type": "string"}, "minItems": 1});
+    parts.insert("formula".into(), any_of(&[number(Range::Any), text()]));
+    parts.insert("vector".into(), any_of(&[array(formula(Range::Any), 3, 3), text()]));
     let whole = json!({"type": "integer"});
     let range = json!({
         "type": "object", "properties": {"from": whole, "to": whole}, "required": ["from", "to"], "additionalProperties": false
     });
-    let list = json!({"anyOf": [{"type": "array", "items": whole, "minItems": 1}, words]});
+    let list = any_of(&[at_least(1, whole), at_least(1, text())]);
     let listed =
         json!({"type": "object", "properties": {"values": list}, "required": ["values"], "additionalProperties": false});
-    let values = json!({"anyOf": [range, list, listed]});
+    let values = any_of(&[range, list, listed]);
     let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
     parts.insert("for".into(), own);
     for (name, forms) in tables() {
@@ -113,108 +110,99 @@ fn number(range: Range) -> Value {
 fn formula(range: Range) -> Value {
     match range {
         Range::Any => part("formula"),
-        _ => json!({"anyOf": [number(range), {"type": "string"}]}),
+        _ => any_of(&[number(range), text()]),
     }
 }
 
 fn of_key(key: &Key) -> Value {
-    let array = |items: Value, least: usize, most: Option<usize>| {
-        let mut own = json!({"type": "array", "items": items, "minItems": least});
-        if let Some(most) = most {
-            own["maxItems"] = most.into();
-        }
-        own
-    };
-    let text = || json!({"type": "string"});
+    let unit = unit(&key.takes);
+    let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+    let mut own = of_type(&key.takes);
+    own["description"] = format!("{}{unit}", key.doc).into();
+    own
+}
+
+/// The unit of what a key takes, where it has one.
+fn unit(takes: &Type) -> &'static str {
+    match *takes {
+        Type::Number(unit, _) | Type::Fixed(unit, _) | Type::OfMesh(unit, _) | Type::OfNodes(unit) => unit,
+        Type::Vector(unit) | Type::Numbers(_, unit, _) | Type::Fixeds(_, unit) | Type::Series(unit) => unit,
+        Type::FixedOrMore(unit) | Type::OneOrMore(unit, _) | Type::Strips(unit, _) | Type::Pairs(unit) => unit,
+        Type::SeriesOfNodes(unit) | Type::NamedFormulas(unit) => unit,
+        Type::Function(unit, _) | Type::Law(unit, _) | Type::Energy(unit, _) => unit,
+        Type::Points => "m",
+        _ => "",
+    }
+}
+
+fn of_type(takes: &Type) -> Value {
+    const LARGEST: usize = usize::MAX >> 11;
+    let words = |words: &[&str]| json!({"enum": words});
     let whole = |least: usize, most: usize| json!({"type": "integer", "minimum": least, "maximum": most});
-    let mut unit = "";
-    let mut own = match key.takes {
-        Type::Number(of, range) | Type::Fixed(of, range) | Type::OfMesh(of, range) => {
-            unit = of;
-            formula(range)
-        }
-        Type::Vector(of) => {
-            unit = of;
-            part("vector")
-        }
-        Type::Numbers(counts, of, range) => {
-            unit = of;
+    let count = |least, most| any_of(&[whole(least, most), text()]);
+    let one_or_more = |range| any_of(&[number(range), text(), at_least(1, formula(range))]);
+    let named = |own: Value| json!({"type": "object", "additionalProperties": own, "minProperties": 1});
+    match *takes {
+        Type::Number(_, range) | Type::Fixed(_, range) | Type::OfMesh(_, range) => formula(range),
+        Type::OfNodes(_) => formula(Range::Any),
+        Type::Vector(_) => part("vector"),
+        Type::Numbers(counts, _, range) => {
             let [least, most] = [counts.iter().min(), counts.iter().max()].map(|own| own.copied().unwrap_or(0));
-            array(formula(range), least, Some(most))
+            array(formula(range), least, most)
         }
-        Type::Fixeds(count, of) => {
-            unit = of;
-            array(formula(Range::Any), count, (count > 0).then_some(count))
-        }
-        Type::Series(of) => {
-            unit = of;
-            json!({"anyOf": [text(), array(formula(Range::Any), 1, None)]})
-        }
-        Type::FixedOrMore(of) => {
-            unit = of;
-            json!({"anyOf": [number(Range::Any), {"type": "string"}, array(formula(Range::Any), 1, None)]})
-        }
-        Type::OneOrMore(of, range) | Type::Strips(of, range) => {
-            unit = of;
-            json!({"anyOf": [number(range), {"type": "string"}, array(formula(range), 1, None)]})
-        }
-        Type::Points => {
-            unit = "m";
-            array(part("vector"), 2, None)
-        }
-        Type::Pairs(of) => {
-            unit = of;
-            array(array(formula(Range::Any), 2, Some(2)), 2, None)
-        }
-        Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string"}]}),
-        Type::Counts(count, least, most) => {
-            array(json!({"anyOf": [whole(least, most), {"type": "string"}]}), count, Some(count))
-        }
+        Type::Fixeds(0, _) => at_least(0, formula(Range::Any)),
+        Type::Fixeds(count, _) => array(formula(Range::Any), count, count),
+        Type::Series(_) => any_of(&[text(), at_least(1, formula(Range::Any))]),
+        Type::SeriesOfNodes(_) => at_least(1, formula(Range::Any)),
+        Type::FixedOrMore(_) => one_or_more(Range::Any),
+        Type::OneOrMore(_, range) | Type::Strips(_, range) => one_or_more(range),
+        Type::Points => at_least(2, part("vector")),
+        Type::Pairs(_) => at_least(2, array(formula(Range::Any), 2, 2)),
+        Type::Count(least, most) => count(least, most),
+        Type::Counts(own, least, most) => array(count(least, most), own, own),
         Type::Flag => json!({"type": "boolean"}),
-        Type::SeriesOfNodes(of) => {
-            unit = of;
-            array(formula(Range::Any), 1, None)
-        }
-        Type::NamedNodes(forms) => {
-            let node = json!({"anyOf": [text(), inner(forms)]});
-            json!({"type": "object", "additionalProperties": node, "minProperties": 1})
-        }
-        Type::Definitions => {
-            let own = json!({"anyOf": [formula(Range::Any), part("vector")]});
-            json!({"type": "object", "additionalProperties": own, "minProperties": 1})
-        }
-        Type::OfNodes(of) => {
-            unit = of;
-            formula(Range::Any)
-        }
-        Type::NamedFormulas(of) => {
-            unit = of;
-            let own = json!({"anyOf": [formula(Range::Any), part("vector")]});
-            json!({"type": "object", "additionalProperties": own, "minProperties": 1})
-        }
+        Type::NamedNodes(forms) => named(any_of(&[text(), inner(forms)])),
+        Type::Definitions | Type::NamedFormulas(_) => named(quantity()),
+        Type::Weights => named(formula(Range::Any)),
         Type::Text | Type::Stl | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
-        Type::Texts => array(text(), 0, None),
-        Type::Columns => array(json!({"anyOf": [text(), whole(1, usize::MAX >> 11)]}), 2, Some(2)),
-        Type::Weights => json!({"type": "object", "additionalProperties": formula(Range::Any), "minProperties": 1}),
-        Type::Choice(words) => json!({"enum": words}),
-        Type::Choices(words) => json!({"anyOf": [{"enum": words}, array(json!({"enum": words}), 0, None)]}),
-        Type::Nodes(count) => array(text(), count, Some(count)),
-        Type::NodeSets => array(text(), 1, None),
-        Type::Items(_) => json!({"anyOf": [text(), array(text(), 0, None)]}),
-        Type::Lists => array(array(whole(0, usize::MAX >> 11), 0, None), 1, None),
+        Type::Texts => at_least(0, text()),
+        Type::Columns => array(any_of(&[text(), whole(1, LARGEST)]), 2, 2),
+        Type::Choice(own) => words(own),
+        Type::Choices(own) => any_of(&[words(own), at_least(0, words(own))]),
+        Type::Nodes(count) => array(text(), count, count),
+        Type::NodeSets => at_least(1, text()),
+        Type::Items(_) => any_of(&[text(), at_least(0, text())]),
+        Type::Lists => at_least(1, at_least(0, whole(0, LARGEST))),
         Type::Selections => {
-            let selection = json!({"anyOf": [text(), array(whole(0, usize::MAX >> 11), 0, None)]});
+            let selection = any_of(&[text(), at_least(0, whole(0, LARGEST))]);
             json!({"type": "object", "additionalProperties": selection})
         }
         Type::Table(forms) => inner(forms),
-        Type::Tables(forms) => array(inner(forms), 0, None),
-        Type::Function(of, forms) | Type::Law(of, forms) | Type::Energy(of, forms) => {
-            unit = of;
-            json!({"anyOf": [{"type": "number"}, {"type": "string"}, inner(forms)]})
+        Type::Tables(forms) => at_least(0, inner(forms)),
+        Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) => {
+            any_of(&[number(Range::Any), text(), inner(forms)])
         }
-        Type::Over(words, forms) => json!({"anyOf": [{"enum": words}, inner(forms)]}),
-    };
-    let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-    own["description"] = format!("{}{unit}", key.doc).into();
-    own
+        Type::Over(own, forms) => any_of(&[words(own), inner(forms)]),
+    }
+}
+
+/// A number or a vector.
+fn quantity() -> Value {
+    any_of(&[formula(Range::Any), part("vector")])
+}
+
+fn text() -> Value {
+    json!({"type": "string"})
+}
+
+fn any_of(ways: &[Value]) -> Value {
+    json!({"anyOf": ways})
+}
+
+fn at_least(least: usize, items: Value) -> Value {
+    json!({"type": "array", "items": items, "minItems": least})
+}
+
+fn array(items: Value, least: usize, most: usize) -> Value {
+    json!({"type": "array", "items": items, "minItems": least, "maxItems": most})
 }

@@ -3,7 +3,7 @@
 use super::expression::{Expression, OF_LAW, Quantity, TIME, names_in};
 use super::raw::{Entry, Raw, RawValue, repeated_entries};
 use super::reader::{NamedNode, Reader, Value};
-use crate::elements::entries::{Forms, Key, Range, Type};
+use crate::elements::entries::{Forms, Range, Type};
 use crate::scenes::unknown;
 
 /// Whether a text mentions a name.
@@ -15,325 +15,218 @@ fn uses(text: &str, name: &str) -> bool {
 const MOST_POINTS: usize = 10_000_000;
 
 impl Reader {
-    fn not(&mut self, raw: &Raw, key: &Key, owner: &str, wanted: &str) {
-        self.wrong(raw.at, format!("{} of {owner} must be {wanted}; it is {}", key.name, raw.words()));
+    /// Tells that a value is not what its key takes.
+    pub(super) fn not<T>(&mut self, raw: &Raw, what: &str, wanted: &str) -> Option<T> {
+        self.refuse(raw.at, format!("{what} must be {wanted}; it is {}", raw.words()))
     }
 
-    pub(super) fn value(&mut self, raw: &Raw, key: &Key, takes: &Type, owner: &str) -> Option<Value> {
-        let what = format!("{} of {owner}", key.name);
-        let list = || match &raw.value {
-            RawValue::List(list) => Some(list.as_slice()),
-            _ => None,
-        };
+    /// The value of a key, where it is what the key takes; every mistake in it is told.
+    pub(super) fn value(&mut self, raw: &Raw, takes: &Type, what: &str) -> Option<Value> {
+        if let Some(array) = self.array(raw, takes) {
+            return Some(array);
+        }
         match *takes {
-            Type::Number(_, range) => Some(Value::Formula(self.formula(raw, &what, Some(range))?, range)),
-            Type::Fixed(_, range) => self.fixed(raw, &what, range).map(Value::Fixed),
-            Type::Vector(_) => Some(Value::Formula(self.vector(raw, &what)?, Range::Any)),
-            Type::Numbers(counts, _, range) => {
-                let words: Vec<String> = counts.iter().map(ToString::to_string).collect();
-                match list().filter(|list| counts.contains(&list.len())) {
-                    Some(list) => self.numbers(list, &what, range),
-                    None => {
-                        self.not(raw, key, owner, &format!("a list of {} numbers or formulas", words.join(" or ")));
-                        None
-                    }
-                }
+            Type::Number(_, range) => self.number(raw, what, range),
+            Type::OfNodes(_) => self.number(raw, what, Range::Any),
+            Type::OfMesh(_, range) => {
+                self.scope.of_mesh = self.current;
+                let own = self.number(raw, what, range);
+                self.scope.of_mesh = None;
+                own
             }
-            _ if self.array(raw, takes).is_some() => self.array(raw, takes),
-            Type::Series(_) => match list().filter(|list| !list.is_empty()) {
-                Some(list) => self.numbers(list, &what, Range::Any).map(|own| self.with_known(own)),
-                None => {
-                    self.not(raw, key, owner, "a list of numbers or formulas");
-                    None
-                }
-            },
             Type::Strips(unit, range) => {
                 let of_section = std::mem::replace(&mut self.scope.of_section, true);
-                let own = self.value(raw, key, &Type::OneOrMore(unit, range), owner);
+                let own = self.value(raw, &Type::OneOrMore(unit, range), what);
                 self.scope.of_section = of_section;
                 own
             }
-            Type::FixedOrMore(_) => {
-                let one = [raw.clone()];
-                let own: Vec<_> =
-                    list().unwrap_or(&one).iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
-                let value = |(at, value): (usize, Option<f64>)| Some((at, Value::Fixed(value?)));
-                own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
-            }
-            Type::OneOrMore(_, range) => match list() {
-                Some([]) => {
-                    self.not(raw, key, owner, "a number or a list of numbers");
-                    None
-                }
-                Some(list) => self.numbers(list, &what, range),
-                None => {
-                    let formula = self.formula(raw, &what, Some(range))?;
-                    Some(Value::List(vec![(raw.at, Value::Formula(formula, range))]))
-                }
-            },
-            Type::Fixeds(count, _) => match list().filter(|list| count == 0 || list.len() == count) {
-                Some(list) => {
-                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
-                    own.into_iter()
-                        .map(|(at, value)| Some((at, Value::Fixed(value?))))
-                        .collect::<Option<_>>()
-                        .map(Value::List)
-                }
-                None => {
-                    let number = if count == 0 { String::new() } else { format!("{count} ") };
-                    self.not(raw, key, owner, &format!("a list of {number}numbers"));
-                    None
-                }
-            },
-            Type::Points => match list().filter(|list| list.len() > 1) {
-                Some(list) => {
-                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.vector(raw, &what))).collect();
-                    let value =
-                        |(at, formula): (usize, Option<Expression>)| Some((at, Value::Formula(formula?, Range::Any)));
-                    own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
-                }
-                None => {
-                    self.not(raw, key, owner, "a list of two or more vectors");
-                    None
-                }
-            },
-            Type::Pairs(_) => {
-                let pairs = list().filter(|list| list.len() > 1);
-                let pair = |own: &Raw| match &own.value {
-                    RawValue::List(list) if list.len() == 2 => Some((own.at, list.clone())),
-                    _ => None,
-                };
-                match pairs.and_then(|list| list.iter().map(pair).collect::<Option<Vec<_>>>()) {
-                    Some(pairs) => {
-                        let own: Vec<_> =
-                            pairs.iter().map(|(at, pair)| (*at, self.numbers(pair, &what, Range::Any))).collect();
-                        own.into_iter().map(|(at, pair)| Some((at, pair?))).collect::<Option<_>>().map(Value::List)
-                    }
-                    None => {
-                        self.not(
-                            raw,
-                            key,
-                            owner,
-                            "a list of two or more pairs of numbers or formulas, as in [[0, 0], [1, 0]]",
-                        );
-                        None
-                    }
-                }
-            }
-            Type::Count(least, most) => self.count(raw, &what, [least, most]).map(Value::Count),
-            Type::Counts(count, least, most) => match list().filter(|list| list.len() == count) {
-                Some(list) => {
-                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.count(raw, &what, [least, most]))).collect();
-                    own.into_iter()
-                        .map(|(at, value)| Some((at, Value::Count(value?))))
-                        .collect::<Option<_>>()
-                        .map(Value::List)
-                }
-                None => {
-                    self.not(raw, key, owner, &format!("a list of {count} whole numbers"));
-                    None
-                }
-            },
+            Type::Fixed(_, range) => self.fixed(raw, what, range).map(Value::Fixed),
+            Type::Count(least, most) => self.count(raw, what, [least, most]).map(Value::Count),
+            Type::Vector(_) => Some(Value::Formula(self.vector(raw, what)?, Range::Any)),
             Type::Flag => match raw.value {
                 RawValue::Flag(flag) => Some(Value::Flag(flag)),
-                _ => {
-                    self.not(raw, key, owner, "true or false");
-                    None
-                }
+                _ => self.not(raw, what, "true or false"),
             },
-            Type::Text => match raw.text() {
-                Some("") => {
-                    self.wrong(raw.at, format!("{what} is empty; give it some letters"));
-                    None
-                }
-                Some(text) => Some(Value::Text(text.into())),
-                None => {
-                    self.not(raw, key, owner, "a text");
-                    None
-                }
-            },
-            Type::Stl => self.surface(raw, &what).map(Value::Surface),
-            Type::Texts => match list().filter(|list| list.iter().all(|own| own.text().is_some())) {
-                Some(list) => {
-                    let texts = list.iter().map(|own| (own.at, Value::Text(own.text().unwrap_or_default().into())));
-                    Some(Value::List(texts.collect()))
-                }
-                None => {
-                    self.not(raw, key, owner, "a list of texts");
-                    None
-                }
-            },
-            Type::Columns => {
-                let of = |own: &Raw| match &own.value {
-                    RawValue::Number { value, whole: true } if *value >= 1.0 => Some(Value::Count(*value as usize)),
-                    _ => own.text().map(|name| Value::Text(name.into())),
-                };
-                let columns = list().filter(|list| list.len() == 2);
-                let columns = columns.and_then(|list| list.iter().map(|own| Some((own.at, of(own)?))).collect());
-                if columns.is_none() {
-                    self.not(raw, key, owner, "two names or numbers of columns, as in [\"time\", \"height\"] or [1, 3]");
-                }
-                columns.map(Value::List)
+            Type::Text => self.text(raw, what),
+            Type::Stl => self.surface(raw, what).map(Value::Surface),
+            Type::Choice(words) => self.choice(raw, what, words),
+            Type::Node => self.node(raw, what, false).map(Value::Node),
+            Type::NodeSet => self.node(raw, what, true).map(Value::Node),
+            Type::Item(sections) => self.item_or_group(raw, what, sections),
+            Type::OneOrMore(unit, range) => self.one_or_more(raw, &Type::Number(unit, range), what),
+            Type::FixedOrMore(unit) => self.values(raw.one_or_more(), &Type::Fixed(unit, Range::Any), what),
+            Type::Choices(words) => self.values(raw.one_or_more(), &Type::Choice(words), what),
+            Type::Items(sections) => self.values(raw.one_or_more(), &Type::Item(sections), what),
+            Type::Series(_) => self.list(raw, takes, what).map(|own| self.with_known(own)),
+            Type::Numbers(..) | Type::Fixeds(..) | Type::SeriesOfNodes(_) => self.list(raw, takes, what),
+            Type::Points | Type::Pairs(_) | Type::Counts(..) => self.list(raw, takes, what),
+            Type::Nodes(_) | Type::NodeSets => self.list(raw, takes, what),
+            Type::Texts => self.texts(raw, what),
+            Type::Columns => self.columns(raw, what),
+            Type::Lists => self.lists(raw, what),
+            Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, what))),
+            Type::Tables(forms) => self.tables(raw, forms, what),
+            Type::Over(_, forms) if raw.entries().is_some() => Some(Value::Fields(self.fields(raw, forms, what))),
+            Type::Over(words, _) => self.choice(raw, what, words),
+            Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) if raw.entries().is_some() => {
+                let fields = self.fields(raw, forms, what);
+                Some(Value::Fields(self.with_columns(fields)))
             }
-            Type::Weights => match raw.entries().filter(|entries| !entries.is_empty()) {
-                Some(entries) => {
-                    let own: Vec<_> = entries
-                        .iter()
-                        .map(|own| Some((own.key.clone(), self.fixed(&own.value, &what, Range::Any)?)))
-                        .collect();
-                    own.into_iter().collect::<Option<_>>().map(Value::Weights)
-                }
-                None => {
-                    self.not(
-                        raw,
-                        key,
-                        owner,
-                        "a table of names with numbers, as in { mass = 1.0, \"largest moment\" = 0.5 }",
-                    );
-                    None
-                }
-            },
-            Type::Choice(words) => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
-            Type::Choices(words) => {
-                let own = std::slice::from_ref(raw);
-                let list = list().unwrap_or(own);
-                let chosen: Vec<_> = list.iter().map(|own| (own.at, self.choice(own, &what, words))).collect();
-                chosen
-                    .into_iter()
-                    .map(|(at, word)| Some((at, Value::Text(word?.into()))))
-                    .collect::<Option<_>>()
-                    .map(Value::List)
-            }
-            Type::Node => self.node(raw, &what, false).map(Value::Node),
-            Type::NodeSet => self.node(raw, &what, true).map(Value::Node),
-            Type::Nodes(count) => match list().filter(|list| list.len() == count) {
-                Some(list) => self.node_list(list, &what, false),
-                None => {
-                    self.not(raw, key, owner, &format!("a list of {count} nodes, as in [\"ground\", \"crank\"]"));
-                    None
-                }
-            },
-            Type::NodeSets => match list() {
-                Some(list) => self.node_list(list, &what, true),
-                None => {
-                    self.not(raw, key, owner, "a list of nodes, edges and ends, as in [\"plate.first_start\"]");
-                    None
-                }
-            },
-            Type::Item(sections) => self.item_or_group(raw, &what, sections),
-            Type::Items(sections) => {
-                let own = std::slice::from_ref(raw);
-                let list = list().unwrap_or(own);
-                let found: Vec<_> = list.iter().map(|own| (own.at, self.item_or_group(own, &what, sections))).collect();
-                found.into_iter().map(|(at, item)| Some((at, item?))).collect::<Option<_>>().map(Value::List)
-            }
-            Type::OfMesh(_, range) => {
-                self.scope.of_mesh = self.current;
-                let formula = self.formula(raw, &what, Some(range));
-                self.scope.of_mesh = None;
-                Some(Value::Formula(formula?, range))
-            }
-            Type::Lists => match list().filter(|list| !list.is_empty()) {
-                Some(list) => {
-                    let own: Vec<_> = list.iter().map(|own| (own.at, self.whole_numbers(own, &what))).collect();
-                    let value = |(at, numbers): (usize, Option<Vec<usize>>)| {
-                        Some((at, Value::List(numbers?.into_iter().map(|own| (at, Value::Count(own))).collect())))
-                    };
-                    own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
-                }
-                None => {
-                    self.not(raw, key, owner, "a list of lists of whole numbers, as in [[0, 1, 2, 3]]");
-                    None
-                }
-            },
-            Type::Selections => match raw.entries() {
-                Some(entries) => {
-                    let listed = entries.iter().filter(|own| own.value.text().is_none());
-                    let own: Vec<_> = listed.map(|own| self.whole_numbers(&own.value, &what)).collect();
-                    // what they select was read with the mesh
-                    own.into_iter().collect::<Option<Vec<_>>>().map(|_| Value::List(Vec::new()))
-                }
-                None => {
-                    let wanted = "a table of names with lists of whole numbers or conditions, as in { rim = [0, 1, 2], root = \"x < 1e-6\" }";
-                    self.not(raw, key, owner, wanted);
-                    None
-                }
-            },
-            Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, &what))),
-            Type::Tables(forms) => match list() {
-                Some(list) => {
-                    let mut all = Vec::new();
-                    for own in list {
-                        match repeated_entries(own) {
-                            Ok(own) => all.extend(own),
-                            Err(mistake) => self.mistakes.push(mistake),
-                        }
-                    }
-                    let fields = |own: &Raw| (own.at, Value::Fields(self.fields(own, forms, &what)));
-                    Some(Value::List(all.iter().map(fields).collect()))
-                }
-                None => {
-                    self.not(raw, key, owner, "a list of tables");
-                    None
-                }
-            },
-            Type::Function(_, forms) => match raw.value {
-                RawValue::Table(_) => Some(self.function_fields(raw, forms, &what)),
-                _ => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
-            },
-            Type::OfTime => self.formula_of(raw, &what, &[TIME]),
-            Type::OfNodes(_) => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
-            Type::SeriesOfNodes(_) => match list().filter(|list| !list.is_empty()) {
-                Some(list) => self.numbers(list, &what, Range::Any),
-                None => {
-                    self.not(raw, key, owner, "a list of formulas");
-                    None
-                }
-            },
+            Type::Function(..) => self.number(raw, what, Range::Any),
+            Type::Law(..) => self.formula_of(raw, what, &OF_LAW),
+            Type::Energy(..) => self.formula_of(raw, what, &OF_LAW[..1]),
+            Type::OfTime => self.formula_of(raw, what, &[TIME]),
+            Type::Weights => self.weights(raw, what),
+            Type::Selections => self.selections(raw, what),
+            Type::NamedNodes(forms) => self.named_nodes(raw, forms, what),
+            Type::NamedFormulas(_) => self.named_formulas(raw, what),
             // read with the names that formulas of the entry know
             Type::Definitions => Some(Value::List(Vec::new())),
-            Type::NamedNodes(forms) => match raw.entries().filter(|entries| !entries.is_empty()) {
-                Some(entries) => {
-                    entries.iter().for_each(|own| self.check_name(&own.key, own.at));
-                    let hidden = entries.iter().find(|own| self.scope.knows(&own.key));
-                    if let Some(own) = hidden {
-                        let text = format!("{what}: \"{}\" is a name of this file, too: take another one", own.key);
-                        self.wrong(own.at, text);
-                    }
-                    let nodes: Vec<_> = entries.iter().map(|own| self.named_node(own, &what, forms)).collect();
-                    nodes.into_iter().collect::<Option<_>>().map(Value::NamedNodes)
-                }
-                None => {
-                    self.not(
-                        raw,
-                        key,
-                        owner,
-                        "a table of names for formulas with nodes, as in { hub = \"rotor\", tip = \"blade.end\" }",
-                    );
-                    None
-                }
-            },
-            Type::NamedFormulas(_) => match raw.entries().filter(|entries| !entries.is_empty()) {
-                Some(entries) => {
-                    let formula = |own: &Entry| Some((own.key.clone(), own.at, self.number_or_vector(&own.value, &what)?));
-                    let formulas: Vec<_> = entries.iter().map(formula).collect();
-                    formulas.into_iter().collect::<Option<_>>().map(Value::Formulas)
-                }
-                None => {
-                    self.not(raw, key, owner, "a table of names with formulas, as in { tip = \"-c * tip.velocity\" }");
-                    None
-                }
-            },
-            Type::Law(_, forms) | Type::Energy(_, forms) => match raw.value {
-                RawValue::Table(_) => Some(self.function_fields(raw, forms, &what)),
-                _ if matches!(takes, Type::Law(..)) => self.formula_of(raw, &what, &OF_LAW),
-                _ => self.formula_of(raw, &what, &OF_LAW[..1]),
-            },
-            Type::Over(words, forms) => match raw.value {
-                RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
-                _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
-            },
         }
+    }
+
+    /// A list of values that are alike, as many as its type wants.
+    fn list(&mut self, raw: &Raw, takes: &Type, what: &str) -> Option<Value> {
+        let list = raw.list().unwrap_or_default();
+        let count = list.len();
+        let (each, is_right, wanted) = match *takes {
+            Type::Numbers(counts, unit, range) => {
+                let words = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+                (Type::Number(unit, range), counts.contains(&count), format!("{words} numbers or formulas"))
+            }
+            Type::Fixeds(0, unit) => (Type::Fixed(unit, Range::Any), true, "numbers".into()),
+            Type::Fixeds(own, unit) => (Type::Fixed(unit, Range::Any), count == own, format!("{own} numbers")),
+            Type::Series(unit) => (Type::Number(unit, Range::Any), count > 0, "numbers or formulas".into()),
+            Type::SeriesOfNodes(unit) => (Type::OfNodes(unit), count > 0, "formulas".into()),
+            Type::Points => (Type::Vector("m"), count > 1, "two or more vectors".into()),
+            Type::Pairs(unit) => {
+                let are_pairs = list.iter().all(|own| own.list().is_some_and(|own| own.len() == 2));
+                let wanted = "two or more pairs of numbers or formulas, as in [[0, 0], [1, 0]]";
+                (Type::Numbers(&[2], unit, Range::Any), count > 1 && are_pairs, wanted.into())
+            }
+            Type::Counts(own, least, most) => (Type::Count(least, most), count == own, format!("{own} whole numbers")),
+            Type::Nodes(own) => (Type::Node, count == own, format!("{own} nodes, as in [\"ground\", \"crank\"]")),
+            Type::NodeSets => (Type::NodeSet, true, "nodes, edges and ends, as in [\"plate.first_start\"]".into()),
+            _ => unreachable!("{takes:?} is no list"),
+        };
+        if raw.list().is_none() || !is_right {
+            return self.not(raw, what, &format!("a list of {wanted}"));
+        }
+        self.values(list, &each, what)
+    }
+
+    fn one_or_more(&mut self, raw: &Raw, each: &Type, what: &str) -> Option<Value> {
+        match raw.one_or_more() {
+            [] => self.not(raw, what, "a number or a list of numbers"),
+            list => self.values(list, each, what),
+        }
+    }
+
+    /// The values of a list.
+    fn values(&mut self, list: &[Raw], takes: &Type, what: &str) -> Option<Value> {
+        self.all(list, |reader, own| Some((own.at, reader.value(own, takes, what)?))).map(Value::List)
+    }
+
+    /// What is read of each: of all of them, also after one that is wrong, so that every mistake is told.
+    fn all<I, T>(&mut self, list: &[I], of: impl Fn(&mut Reader, &I) -> Option<T>) -> Option<Vec<T>> {
+        let own: Vec<Option<T>> = list.iter().map(|own| of(self, own)).collect();
+        own.into_iter().collect()
+    }
+
+    fn text(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        match raw.text() {
+            Some("") => self.refuse(raw.at, format!("{what} is empty; give it some letters")),
+            Some(text) => Some(Value::Text(text.into())),
+            None => self.not(raw, what, "a text"),
+        }
+    }
+
+    fn texts(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        let text = |own: &Raw| Some((own.at, Value::Text(own.text()?.into())));
+        let texts = raw.list().and_then(|list| list.iter().map(text).collect());
+        texts.map(Value::List).or_else(|| self.not(raw, what, "a list of texts"))
+    }
+
+    fn columns(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        let column = |own: &Raw| match &own.value {
+            RawValue::Number { value, whole: true } if *value >= 1.0 => Some((own.at, Value::Count(*value as usize))),
+            _ => own.text().map(|name| (own.at, Value::Text(name.into()))),
+        };
+        let list = raw.list().filter(|list| list.len() == 2);
+        let columns = list.and_then(|list| list.iter().map(column).collect());
+        let wanted = "two names or numbers of columns, as in [\"time\", \"height\"] or [1, 3]";
+        columns.map(Value::List).or_else(|| self.not(raw, what, wanted))
+    }
+
+    fn lists(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        let Some(list) = raw.list().filter(|list| !list.is_empty()) else {
+            return self.not(raw, what, "a list of lists of whole numbers, as in [[0, 1, 2, 3]]");
+        };
+        let of = |reader: &mut Reader, own: &Raw| {
+            let numbers = reader.whole_numbers(own, what)?.into_iter();
+            Some((own.at, Value::List(numbers.map(|number| (own.at, Value::Count(number))).collect())))
+        };
+        self.all(list, of).map(Value::List)
+    }
+
+    fn tables(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
+        let Some(list) = raw.list() else { return self.not(raw, what, "a list of tables") };
+        let mut all = Vec::new();
+        for own in list {
+            match repeated_entries(own) {
+                Ok(own) => all.extend(own),
+                Err(mistake) => self.mistakes.push(mistake),
+            }
+        }
+        self.values(&all, &Type::Table(forms), what)
+    }
+
+    /// What is read of the entries of a table of names, which has some.
+    pub(super) fn named<T>(
+        &mut self,
+        raw: &Raw,
+        what: &str,
+        wanted: &str,
+        of: impl Fn(&mut Reader, &Entry) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let entries = raw.entries().filter(|entries| !entries.is_empty());
+        let entries = entries.or_else(|| self.not(raw, what, &format!("a table of names {wanted}")))?;
+        self.all(entries, of)
+    }
+
+    fn weights(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        let wanted = "with numbers, as in { mass = 1.0, \"largest moment\" = 0.5 }";
+        let of = |reader: &mut Reader, own: &Entry| Some((own.key.clone(), reader.fixed(&own.value, what, Range::Any)?));
+        self.named(raw, what, wanted, of).map(Value::Weights)
+    }
+
+    fn named_formulas(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        let wanted = "with formulas, as in { tip = \"-c * tip.velocity\" }";
+        let of =
+            |reader: &mut Reader, own: &Entry| Some((own.key.clone(), own.at, reader.number_or_vector(&own.value, what)?));
+        self.named(raw, what, wanted, of).map(Value::Formulas)
+    }
+
+    fn named_nodes(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
+        let entries = raw.entries().unwrap_or_default();
+        entries.iter().for_each(|own| self.check_name(&own.key, own.at));
+        if let Some(own) = entries.iter().find(|own| self.scope.knows(&own.key)) {
+            self.wrong(own.at, format!("{what}: \"{}\" is a name of this file, too: take another one", own.key));
+        }
+        let wanted = "for formulas with nodes, as in { hub = \"rotor\", tip = \"blade.end\" }";
+        self.named(raw, what, wanted, |reader, own| reader.named_node(own, what, forms)).map(Value::NamedNodes)
+    }
+
+    /// Of selections by numbers; what they select was read with the mesh.
+    fn selections(&mut self, raw: &Raw, what: &str) -> Option<Value> {
+        let wanted =
+            "a table of names with lists of whole numbers or conditions, as in { rim = [0, 1, 2], root = \"x < 1e-6\" }";
+        let entries = raw.entries().or_else(|| self.not(raw, what, wanted))?;
+        self.all(entries, |reader, own| match own.value.text() {
+            Some(_) => Some(()),
+            None => reader.whole_numbers(&own.value, what).map(drop),
+        })?;
+        Some(Value::List(Vec::new()))
     }
 
     /// All numbers of a design variable that has several, where a list is wanted and its name stands.
@@ -370,12 +263,6 @@ impl Reader {
         }
     }
 
-    /// A function or law by its form.
-    fn function_fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Value {
-        let fields = self.fields(raw, forms, owner);
-        Value::Fields(self.with_columns(fields))
-    }
-
     /// Formulas that no design variable changes as numbers.
     fn with_known(&self, value: Value) -> Value {
         let known = |(at, own): (usize, Value)| match own {
@@ -397,89 +284,67 @@ impl Reader {
             names.iter().find(|&&name| self.scope.find(name).is_some() && raw.text().is_some_and(|text| uses(text, name)));
         if let Some(name) = hidden {
             let text = format!("{what}: {name} is what it depends on, and a name of this file, too: give that another name");
-            self.wrong(raw.at, text);
-            return None;
+            return self.refuse(raw.at, text);
         }
         let scope = self.scope.with(names);
         let own = std::mem::replace(&mut self.scope, scope);
-        let formula = self.formula(raw, what, Some(Range::Any));
+        let formula = self.number(raw, what, Range::Any);
         self.scope = own;
-        Some(Value::Formula(formula?, Range::Any))
+        formula
     }
 
     fn whole_numbers(&mut self, raw: &Raw, what: &str) -> Option<Vec<usize>> {
-        let RawValue::List(list) = &raw.value else {
-            self.wrong(raw.at, format!("{what} must have lists of whole numbers; there is {}", raw.words()));
-            return None;
+        let Some(list) = raw.list() else {
+            return self.refuse(raw.at, format!("{what} must have lists of whole numbers; there is {}", raw.words()));
         };
-        let own: Vec<Option<usize>> = list.iter().map(|own| self.count(own, what, [0, MOST_POINTS])).collect();
-        own.into_iter().collect()
+        self.all(list, |reader, own| reader.count(own, what, [0, MOST_POINTS]))
     }
 
-    fn numbers(&mut self, list: &[Raw], what: &str, range: Range) -> Option<Value> {
-        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.formula(raw, what, Some(range)))).collect();
-        own.into_iter()
-            .map(|(at, formula)| Some((at, Value::Formula(formula?, range))))
-            .collect::<Option<_>>()
-            .map(Value::List)
+    fn number(&mut self, raw: &Raw, what: &str, range: Range) -> Option<Value> {
+        Some(Value::Formula(self.formula(raw, what, Some(range))?, range))
     }
 
     /// A number or formula; of a number where a range is given.
     pub(super) fn formula(&mut self, raw: &Raw, what: &str, range: Option<Range>) -> Option<Expression> {
         let formula = match &raw.value {
             RawValue::Number { value, .. } if value.is_finite() => Expression::literal(*value),
-            RawValue::Number { value, .. } => {
-                self.wrong(raw.at, format!("{what} is {value}; it must be finite"));
-                return None;
-            }
+            RawValue::Number { value, .. } => return self.refuse(raw.at, format!("{what} is {value}; it must be finite")),
             RawValue::Text(text, place) => match Expression::parse(text, &self.scope) {
                 Ok(formula) => formula,
                 Err((inside, why)) => {
-                    self.wrong(place.map_or(raw.at, |at| at + inside), format!("{what}, \"{text}\": {why}"));
-                    return None;
+                    let at = place.map_or(raw.at, |at| at + inside);
+                    return self.refuse(at, format!("{what}, \"{text}\": {why}"));
                 }
             },
-            _ => {
-                self.wrong(raw.at, format!("{what} must be a number or a formula; it is {}", raw.words()));
-                return None;
-            }
+            _ => return self.not(raw, what, "a number or a formula"),
         };
         let Some(range) = range else { return Some(formula) };
         if formula.is_vector {
-            self.wrong(raw.at, format!("{what} must be a number; {} is a vector", raw.words()));
-            return None;
+            return self.refuse(raw.at, format!("{what} must be a number; {} is a vector", raw.words()));
         }
-        if let Some(Quantity::Number(value)) = formula.constant(&self.scope)
-            && !(range.holds(value) && value.is_finite())
-        {
-            self.wrong(raw.at, format!("{what} is {value}; it must be {}", range.words()));
-            return None;
+        match formula.constant(&self.scope) {
+            Some(Quantity::Number(value)) if !(range.holds(value) && value.is_finite()) => {
+                self.refuse(raw.at, format!("{what} is {value}; it must be {}", range.words()))
+            }
+            _ => Some(formula),
         }
-        Some(formula)
     }
 
     pub(super) fn vector(&mut self, raw: &Raw, what: &str) -> Option<Expression> {
         match &raw.value {
             RawValue::List(list) if list.len() == 3 => {
-                let own: Vec<_> = list.iter().map(|raw| self.formula(raw, what, Some(Range::Any))).collect();
-                let own: Vec<Expression> = own.into_iter().collect::<Option<_>>()?;
+                let own = self.all(list, |reader, own| reader.formula(own, what, Some(Range::Any)))?;
                 own.try_into().ok().map(Expression::vector)
             }
             RawValue::Text(text, _) => {
                 let formula = self.formula(raw, what, None)?;
                 if !formula.is_vector {
-                    self.wrong(raw.at, format!("{what} must be a vector; the formula \"{text}\" gives a number"));
-                    return None;
+                    let text = format!("{what} must be a vector; the formula \"{text}\" gives a number");
+                    return self.refuse(raw.at, text);
                 }
                 Some(formula)
             }
-            _ => {
-                self.wrong(
-                    raw.at,
-                    format!("{what} must be a vector [x, y, z] or a formula that gives one; it is {}", raw.words()),
-                );
-                None
-            }
+            _ => self.not(raw, what, "a vector [x, y, z] or a formula that gives one"),
         }
     }
 
@@ -488,11 +353,8 @@ impl Reader {
         match formula.constant(&self.scope) {
             Some(Quantity::Number(value)) => Some(value),
             _ => {
-                self.wrong(
-                    raw.at,
-                    format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words()),
-                );
-                None
+                let text = format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words());
+                self.refuse(raw.at, text)
             }
         }
     }
@@ -509,27 +371,19 @@ impl Reader {
             }
             _ => None,
         };
-        let allowed = if least == most { format!("{least}") } else { format!("a whole number from {least} to {most}") };
         match value.filter(|value| (least as f64..=most as f64).contains(value)) {
             Some(value) => Some(value as usize),
-            None => {
-                self.wrong(raw.at, format!("{what} must be {allowed}; it is {}", raw.words()));
-                None
-            }
+            None if least == most => self.not(raw, what, &least.to_string()),
+            None => self.not(raw, what, &format!("a whole number from {least} to {most}")),
         }
     }
 
-    fn choice(&mut self, raw: &Raw, what: &str, words: &'static [&'static str]) -> Option<&'static str> {
+    fn choice(&mut self, raw: &Raw, what: &str, words: &[&str]) -> Option<Value> {
         let known: Vec<String> = words.iter().map(ToString::to_string).collect();
-        let Some(text) = raw.text() else {
-            self.wrong(raw.at, format!("{what} must be one of {}; it is {}", known.join(", "), raw.words()));
-            return None;
-        };
-        let found = words.iter().copied().find(|word| *word == text);
-        if found.is_none() {
-            let text = unknown("value", text, &known);
-            self.wrong(raw.at, format!("{what}: {text}"));
+        let text = raw.text().or_else(|| self.not(raw, what, &format!("one of {}", known.join(", "))))?;
+        match words.contains(&text) {
+            true => Some(Value::Text(text.into())),
+            false => self.refuse(raw.at, format!("{what}: {}", unknown("value", text, &known))),
         }
-        found
     }
 }
