@@ -31,6 +31,8 @@ pub trait MadeEntry: Send + Sync + 'static {
     type Law: 'static;
     /// Name, sentence and keys.
     fn form(&self) -> Form;
+    /// Its nodes, and values of its keys where there is an example.
+    fn example(&self) -> Example;
     /// The formula and its parameters, as [`Entry::make`] gives them.
     fn make<S: Scalar>(&self, given: &mut Given<S>) -> (Self::Law, Vec<S>);
 }
@@ -42,6 +44,9 @@ impl<E: Entry> MadeEntry for OfType<E> {
     type Law = E::Law;
     fn form(&self) -> Form {
         Form { name: E::NAME, doc: E::DOC, keys: E::KEYS }
+    }
+    fn example(&self) -> Example {
+        E::EXAMPLE
     }
     fn make<S: Scalar>(&self, given: &mut Given<S>) -> (E::Law, Vec<S>) {
         E::make(given)
@@ -179,7 +184,7 @@ impl<L: ?Sized + 'static> Part<L> {
         Part { form, example: E::EXAMPLE, entry: &(), make, erased: PhantomData }
     }
     pub(crate) fn of_entry<E: MadeEntry>(entry: &'static E, make: Maker) -> Self {
-        Part { form: entry.form(), example: (&[], &[]), entry, make, erased: PhantomData }
+        Part { form: entry.form(), example: entry.example(), entry, make, erased: PhantomData }
     }
     pub(crate) fn made_of_type<E: Entry>(given: &mut dyn Any, erase: fn(E::Law) -> Box<L>) -> Option<Box<dyn Any>> {
         make_in_any(&OfType::<E>(PhantomData), given, erase)

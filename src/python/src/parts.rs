@@ -2,7 +2,7 @@
 
 use crate::errors::scene_error;
 use crate::tape::Tape;
-use costate::elements::entries::{Form, Given, Key, MadeEntry, Range, Type, need};
+use costate::elements::entries::{Example, Form, Given, Key, MadeEntry, Range, Type, need};
 use costate::prelude::*;
 use costate::scenes::file::OwnParts;
 use pyo3::PyResult;
@@ -61,7 +61,7 @@ enum Allowed {
 /// A part that is ready for scene files: its texts stay for the life of the program, each description once.
 pub struct Part {
     description: Description,
-    kinds: Vec<NodeKind>,
+    kinds: &'static [NodeKind],
     parameters: Vec<Parameter>,
     form: Form,
     unit: &'static str,
@@ -116,7 +116,7 @@ impl Description {
         let form = Form { name: kept(&self.name), doc: kept(&self.doc), keys: Box::leak(keys.into()) };
         let parameters = self.parameters.iter().map(parameter).collect();
         let unit = kept(&self.unit);
-        Ok(Part { kinds, parameters, form, unit, description: self })
+        Ok(Part { kinds: Box::leak(kinds.into()), parameters, form, unit, description: self })
     }
 
     /// Whether every formula has the arguments and results that its name says.
@@ -180,7 +180,7 @@ impl Part {
 
     /// Kinds of its nodes.
     pub fn kinds(&self) -> &[NodeKind] {
-        &self.kinds
+        self.kinds
     }
 
     /// What it is.
@@ -191,7 +191,7 @@ impl Part {
 
 impl Element for Law {
     fn nodes(&self) -> Vec<NodeKind> {
-        self.0.kinds.clone()
+        self.0.kinds.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         self.0.parameters.clone()
@@ -238,7 +238,7 @@ impl Constraint for Law {
     // of this instance there are as many as it says
     const EQUATIONS: usize = 0;
     fn nodes(&self) -> Vec<NodeKind> {
-        self.0.kinds.clone()
+        self.0.kinds.to_vec()
     }
     fn equations(&self) -> usize {
         self.0.description.equations
@@ -270,6 +270,9 @@ impl MadeEntry for Law {
     type Law = Self;
     fn form(&self) -> Form {
         self.0.form
+    }
+    fn example(&self) -> Example {
+        (self.0.kinds, &[])
     }
     fn make<S: Scalar>(&self, given: &mut Given<S>) -> (Self, Vec<S>) {
         (self.clone(), self.0.numbers(given))
