@@ -106,6 +106,7 @@ const OTHERS: [(&str, &str, &str); 41] = [
     ("cli/optimize.rs", "gradient_by gradient_name", "names of a choice"),
     ("cli/report/sections.rs", "gradient", "writes"),
     ("testing.rs", "adjoints", "made up, for a check"),
+    ("python/src/run.rs", "gradient tangent", "hand out"),
 ];
 
 fn source() -> std::path::PathBuf {
