@@ -99,12 +99,12 @@ def _type(own: dict[str, Any], tables: dict[str, Any]) -> tuple[str, str]:
         return f"Literal[{', '.join(map(repr, own['enum']))}]", " or ".join(f'"{word}"' for word in own["enum"])
     if "anyOf" in own:
         parts = [_type(part, tables) for part in own["anyOf"]]
-        types, words = dict.fromkeys(part[0] for part in parts), dict.fromkeys(part[1] for part in parts)
+        types, each = dict.fromkeys(part[0] for part in parts), dict.fromkeys(part[1] for part in parts)
         if set(types) == {"float", "str"}:
             return "Scalar", "number or formula"
         if set(types) == {"int", "str"}:
             return "int | str", "whole number"
-        return " | ".join(types), ", or ".join(words)
+        return " | ".join(types), ", or ".join(each)
     match own.get("type"):
         case "number":
             return "float", "number"

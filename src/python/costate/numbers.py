@@ -9,7 +9,7 @@ import math
 import operator
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from numbers import Integral, Real
+from numbers import Real
 from typing import Any, NoReturn
 
 import numpy as np
@@ -59,8 +59,8 @@ class Number:
             return (exponent * self.log()).exp()
         if not isinstance(exponent, Real):
             return NotImplemented
-        if isinstance(exponent, Integral) or float(exponent).is_integer():
-            return Number("powi", (self, int(exponent)))
+        if float(exponent).is_integer():
+            return Number("powi", (self, int(float(exponent))))
         return Number("powf", (self, float(exponent)))
 
     def __rpow__(self, base: Any) -> Any:
@@ -183,41 +183,47 @@ def _binary(function: str, a: Any, b: Any) -> Any:
     return Number(function, (constant(a), constant(b)))
 
 
-def _each(function: Callable[..., Any], *given: Any) -> Any:
-    """Of numbers, or of arrays of them element by element."""
-    if any(isinstance(own, (np.ndarray, list, tuple)) for own in given):
-        return np.frompyfunc(function, len(given), 1)(*given)
-    return function(*given)
+def _choose(function: str, of_floats: Callable[..., Any], *given: Any) -> Any:
+    """Of numbers, or of arrays of them element by element; floats have values."""
+    is_recorded = any(isinstance(own, Number) for part in given for own in np.array(part, dtype=object).flat)
+    if not is_recorded:
+        return of_floats(*given)
+
+    def record(*given: Any) -> Number:
+        return Number(function, tuple(constant(own) for own in given))
+
+    is_array = any(np.ndim(np.array(own, dtype=object)) for own in given)
+    return np.frompyfunc(record, len(given), 1)(*given) if is_array else record(*given)
 
 
 def less(a: Any, b: Any) -> Any:
     """1 where a is less than b, otherwise 0: a mask for ``where``."""
-    return _each(lambda a, b: _binary("less", a, b), a, b)
+    return _choose("less", lambda a, b: np.less(a, b) * 1.0, a, b)
 
 
 def where(mask: Any, then: Any, otherwise: Any) -> Any:
     """``then`` where the mask is not 0, otherwise ``otherwise``; what is not taken leaves no trace in any derivative."""
-    return _each(lambda *given: Number("select", tuple(constant(own) for own in given)), mask, then, otherwise)
+    return _choose("select", np.where, mask, then, otherwise)
 
 
 def minimum(a: Any, b: Any) -> Any:
     """The smaller of two numbers, the first where they are equal."""
-    return _each(lambda a, b: _binary("min", a, b), a, b)
+    return _choose("min", np.minimum, a, b)
 
 
 def maximum(a: Any, b: Any) -> Any:
     """The larger of two numbers, the first where they are equal."""
-    return _each(lambda a, b: _binary("max", a, b), a, b)
+    return _choose("max", np.maximum, a, b)
 
 
 def sign(x: Any) -> Any:
     """-1, 0 or 1."""
-    return _each(lambda x: Number("sign", (constant(x),)), x)
+    return _choose("sign", np.sign, x)
 
 
 def floor(x: Any) -> Any:
-    """The largest whole number that is not above x; its derivative is zero."""
-    return _each(lambda x: Number("floor", (constant(x),)), x)
+    """The largest whole number that is not above x; its derivative is zero. For formulas of own parts."""
+    return _choose("floor", np.floor, x)
 
 
 class Numbers(np.ndarray):

@@ -165,8 +165,6 @@ class _Recorder:
         self, what: str, formula: Callable[..., Any], given: Sequence[Any], arguments: Sequence[Any], count: int | None
     ) -> dict[str, Any]:
         made = formula(*given)
-        if count == 1 and not isinstance(made, (list, tuple, np.ndarray)):
-            made = [made]
         if made is None:
             raise InputError(f"{what} returns nothing: return {'a number' if count == 1 else 'a list of numbers'}")
         results = list(np.ravel(np.array(made, dtype=object)))

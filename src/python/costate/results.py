@@ -6,14 +6,19 @@ import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import InputError
 
 if TYPE_CHECKING:
     import pandas
+
+    from . import _costate
+
+Array: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,21 +26,21 @@ class NodeHistory:
     """The motion of a node, at the start and at the end of each step."""
 
     #: [s]
-    times: np.ndarray
+    times: Array
     #: Coordinates q ``(times, coordinates)``: place and Euler parameters of a body, the value of a coordinate.
-    coordinates: np.ndarray
+    coordinates: Array
     #: dq/dt.
-    rates: np.ndarray
+    rates: Array
     #: Place of the node's frame in the world ``(times, 3)`` [m]; without rows where it has none, as are the others.
-    positions: np.ndarray
+    positions: Array
     #: [m/s]
-    velocities: np.ndarray
+    velocities: Array
     #: [m/s2]
-    accelerations: np.ndarray
+    accelerations: Array
     #: In the world [rad/s].
-    angular_velocities: np.ndarray
+    angular_velocities: Array
     #: Axes x, y, z of the node's frame in the world ``(times, 3, 3)``, a row for each axis.
-    axes: np.ndarray
+    axes: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +48,13 @@ class JointHistory:
     """What a joint or driver does to the last of its nodes that moves, in the world, at the start and at the end of each step."""
 
     #: [s]
-    times: np.ndarray
+    times: Array
     #: ``(times, 3)`` [N]; without rows where the joint holds nothing in space.
-    forces: np.ndarray
+    forces: Array
     #: About the point of the joint [N m]; without rows where the node cannot turn.
-    moments: np.ndarray
+    moments: Array
     #: Multipliers of its equations ``(times, equations)``.
-    multipliers: np.ndarray
+    multipliers: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,29 +62,29 @@ class History:
     """What a functional measures over time: of an integral what is integrated, of a largest value what is compared."""
 
     #: [s]
-    times: np.ndarray
-    values: np.ndarray
+    times: Array
+    values: Array
     unit: str
 
 
 class Run:
     """A simulated scene. Arrays are read from the steps when they are asked for; a pickled run has all of them, but no gradients."""
 
-    def __init__(self, native: Any, name: str, variables: tuple[Any, ...]) -> None:
+    def __init__(self, native: _costate.Run | None, name: str, variables: tuple[Any, ...]) -> None:
         self._native = native
         self.name = name
         #: Design variables of the scene.
         self.variables = variables
 
     @cached_property
-    def x(self) -> np.ndarray:
+    def x(self) -> Array:
         """The design."""
-        return self._native.design()
+        return self._of_steps("this").design()
 
     @cached_property
-    def values(self) -> np.ndarray:
+    def values(self) -> Array:
         """Values of the functionals."""
-        return self._native.values()
+        return self._of_steps("this").values()
 
     @cached_property
     def functionals(self) -> list[str]:
@@ -88,60 +93,62 @@ class Run:
 
     @cached_property
     def _units(self) -> list[tuple[str, str]]:
-        return self._native.functionals()
+        return self._of_steps("this").functionals()
 
     @cached_property
-    def times(self) -> np.ndarray:
+    def times(self) -> Array:
         """The start and the ends of the steps [s]."""
-        return self._native.times()
+        return self._of_steps("this").times()
 
     @cached_property
     def nodes(self) -> list[str]:
         """Names of the nodes that move."""
-        return self._native.nodes()
+        return self._of_steps("this").nodes()
 
     @cached_property
     def joints(self) -> list[str]:
         """Names of joints and drivers."""
-        return self._native.joints()
+        return self._of_steps("this").joints()
 
     @cached_property
     def work(self) -> dict[str, int]:
         """Steps, systems solved, iterations of Newton's method, factorizations."""
-        return self._native.work()
+        return self._of_steps("this").work()
 
     @cached_property
-    def _histories(self) -> dict[tuple[str, str], Any]:
+    def _nodes(self) -> dict[str, NodeHistory]:
         return {}
 
-    def _read(self, kind: str, name: str) -> Any:
-        if (kind, name) not in self._histories:
-            native = self._of_steps(f"{kind} {name!r}")
-            if kind == "node":
-                own: Any = NodeHistory(**native.node(name))
-            elif kind == "joint":
-                own = JointHistory(**native.joint(name))
-            else:
-                own = History(*native.history(name))
-            self._histories[kind, name] = own
-        return self._histories[kind, name]
+    @cached_property
+    def _joints(self) -> dict[str, JointHistory]:
+        return {}
 
-    def _of_steps(self, what: str) -> Any:
+    @cached_property
+    def _measured(self) -> dict[str, History]:
+        return {}
+
+    def _of_steps(self, what: str) -> _costate.Run:
         if self._native is None:
             raise InputError(f"{what}: a run that was pickled has the arrays of its nodes, joints and functionals alone: run the scene again")
         return self._native
 
     def node(self, name: str) -> NodeHistory:
         """The motion of a node by its name."""
-        return self._read("node", name)
+        if name not in self._nodes:
+            self._nodes[name] = NodeHistory(**self._of_steps(f'node "{name}"').node(name))
+        return self._nodes[name]
 
     def joint(self, name: str) -> JointHistory:
         """Forces and moments of a joint or driver by its name."""
-        return self._read("joint", name)
+        if name not in self._joints:
+            self._joints[name] = JointHistory(**self._of_steps(f'joint "{name}"').joint(name))
+        return self._joints[name]
 
     def history(self, functional: str) -> History:
         """What a functional measures over time."""
-        return self._read("functional", functional)
+        if functional not in self._measured:
+            self._measured[functional] = History(*self._of_steps(f'functional "{functional}"').history(functional))
+        return self._measured[functional]
 
     def __getitem__(self, functional: str) -> float:
         """The value of a functional."""
@@ -153,15 +160,18 @@ class Run:
         """Derivatives of functionals by all design variables, by the discrete adjoint: one sweep for any number of variables."""
         wanted = self.functionals if functionals is None else [functionals] if isinstance(functionals, str) else list(functionals)
         values = np.array([self[name] for name in wanted])
-        rows = self._of_steps("a gradient").gradient([self.functionals.index(name) for name in wanted])
+        rows = self._rows([self.functionals.index(name) for name in wanted])
         units = dict(self._units)
         return Gradient(wanted, [units[name] for name in wanted], values, self.variables, self.x, rows)
 
-    def complex_step(self) -> np.ndarray:
+    def _rows(self, places: list[int]) -> Array:
+        return self._of_steps("a gradient").gradient(places)
+
+    def complex_step(self) -> Array:
         """Derivatives of all functionals by all variables by complex-step runs of the whole simulation, for checks."""
         return self._of_steps("complex steps").complex_step()
 
-    def tangent(self) -> np.ndarray:
+    def tangent(self) -> Array:
         """The same by direct differentiation, eight variables at a time."""
         return self._of_steps("tangents").tangent()
 
@@ -170,7 +180,7 @@ class Run:
         measure, with units in the heads of the columns as in ``histories.csv``."""
         import pandas
 
-        columns: dict[str, np.ndarray] = {}
+        columns: dict[str, Array] = {}
         for name in self.nodes:
             node = self.node(name)
             for rows, head in [
@@ -197,9 +207,12 @@ class Run:
     def __getstate__(self) -> dict[str, Any]:
         if self._native is not None:
             _ = self.x, self.values, self.functionals, self.times, self.nodes, self.joints, self.work
-            for kind, names in [("node", self.nodes), ("joint", self.joints), ("functional", self.functionals)]:
-                for name in names:
-                    self._read(kind, name)
+            for name in self.nodes:
+                self.node(name)
+            for name in self.joints:
+                self.joint(name)
+            for name in self.functionals:
+                self.history(name)
         return {**self.__dict__, "_native": None}
 
     def __repr__(self) -> str:
@@ -216,7 +229,7 @@ class Run:
         return f"<b>{html.escape(self.name)}</b>: {work}<table>{head}{rows}</table>"
 
 
-def _add(columns: dict[str, np.ndarray], rows: np.ndarray, head: Any) -> None:
+def _add(columns: dict[str, Array], rows: Array, head: Any) -> None:
     for place, axis in enumerate("xyz"):
         if len(rows):
             columns[head(axis)] = rows[:, place]
@@ -228,12 +241,12 @@ class Gradient:
 
     functionals: list[str]
     units: list[str]
-    values: np.ndarray
+    values: Array
     variables: tuple[Any, ...]
     #: The design.
-    x: np.ndarray
+    x: Array
     #: ``(functionals, variables)``.
-    rows: np.ndarray
+    rows: Array
 
     def __getitem__(self, names: tuple[str, str]) -> float:
         """The derivative of a functional by a variable: ``gradient["psi", "length"]``."""
@@ -245,7 +258,7 @@ class Gradient:
             )
         return float(self.rows[self.functionals.index(functional), known.index(variable)])
 
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return np.array(self.rows, dtype=dtype)
 
     def to_pandas(self) -> pandas.DataFrame:

@@ -40,7 +40,8 @@ def scene(**variables: Variable) -> Callable[[Callable[[Any, Model], Any]], Scen
 
     def record(function: Callable[[Any, Model], Any]) -> Scene:
         model = Model(function.__name__.replace("_", "-"), summary=_first_line(function.__doc__))
-        names, numbers = {}, []
+        names: dict[str, Any] = {}
+        numbers: list[Any] = []
         for name, own in variables.items():
             names[name] = model.variable(name, own.initial, own.bounds, own.unit)
             numbers.extend(np.ravel(np.array(names[name], dtype=object)))

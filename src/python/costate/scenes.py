@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _costate
 from .errors import InputError
-from .results import Gradient, Run
+from .results import Array, Gradient, Run
 
 
 class DesignVariable(NamedTuple):
@@ -40,7 +40,7 @@ class Scene:
     ``KeyboardInterrupt`` after the step in hand when Ctrl-C is pressed.
     """
 
-    def __init__(self, native: Any, made_by: tuple[Any, ...]) -> None:
+    def __init__(self, native: _costate.Scene, made_by: tuple[Any, ...]) -> None:
         self._native = native
         self._made_by = made_by
 
@@ -61,7 +61,7 @@ class Scene:
     @property
     def text(self) -> str | None:
         """The text of its file; ``None`` for a built-in scene."""
-        return self._made_by[2] if self._made_by[0] == "parsed" else None
+        return str(self._made_by[2]) if self._made_by[0] == "parsed" else None
 
     @cached_property
     def variables(self) -> tuple[DesignVariable, ...]:
@@ -74,7 +74,7 @@ class Scene:
         return tuple(Functional(*own) for own in self._native.functionals())
 
     @property
-    def initial(self) -> np.ndarray:
+    def initial(self) -> Array:
         """The initial design."""
         return np.array([own.initial for own in self.variables])
 
@@ -83,7 +83,7 @@ class Scene:
         """The circumstances in which it is run, by their names; none for most scenes."""
         return {name: Scene(own, ("scenario", self, name)) for name, own in self._native.scenarios()}
 
-    def design(self, x: Any = None) -> np.ndarray:
+    def design(self, x: Any = None) -> Array:
         """A design as an array of floats."""
         if x is None:
             return self.initial
@@ -96,7 +96,7 @@ class Scene:
             return own
         return self._vector(_reals(x, "a design"), "a design")
 
-    def _vector(self, own: np.ndarray, what: str) -> np.ndarray:
+    def _vector(self, own: Array, what: str) -> Array:
         if own.shape != (len(self.variables),):
             raise InputError(
                 f'{what} of shape {own.shape} for scene "{self.name}", which has {len(self.variables)} design variables: shape '
@@ -127,19 +127,19 @@ class Scene:
         """
         return self._run(self.design(x), end=end, steps=steps, method=method)
 
-    def _run(self, x: np.ndarray, *, keep_steps: bool = True, **options: Any) -> Run:
+    def _run(self, x: Array, *, keep_steps: bool = True, **options: Any) -> Run:
         native, stopped = self._native.run(x.tolist(), {**_OPTIONS, **options, "keep_steps": keep_steps})
         run = Run(native, self.name, self.variables)
         if stopped is not None:
-            stopped.run = run
+            stopped.run = run  # type: ignore[attr-defined]
             raise stopped
         return run
 
-    def values(self, x: Any = None) -> np.ndarray:
+    def values(self, x: Any = None) -> Array:
         """Values of all functionals at a design; no step is kept."""
         return self._run(self.design(x), keep_steps=False).values
 
-    def value_and_grad(self, x: Any = None, functionals: str | Sequence[str] | None = None) -> tuple[Any, np.ndarray]:
+    def value_and_grad(self, x: Any = None, functionals: str | Sequence[str] | None = None) -> tuple[Any, Array]:
         """Values of functionals and their derivatives by all design variables.
 
         Of one functional by its name a float and an array ``(variables,)``; of several, or of all, arrays ``(functionals,)`` and
@@ -147,7 +147,7 @@ class Scene:
         """
         places = self._places(functionals)
         run = self._run(self.design(x))
-        rows = run._native.gradient(places)
+        rows = run._rows(places)
         if isinstance(functionals, str):
             return float(run.values[places[0]]), rows[0]
         return run.values[places], rows
@@ -164,29 +164,28 @@ class Scene:
 
     def vjp(
         self, x: Any, functionals: str | Sequence[str] | None = None
-    ) -> tuple[Any, Callable[[Any], np.ndarray]]:
+    ) -> tuple[Any, Callable[[Any], Array]]:
         """Values of functionals, and a function that takes a weight for each and gives the derivative of their weighted sum by all
         design variables: one sweep backwards for the functionals whose weights are not 0, when it is called."""
         places = self._places(functionals)
         run = self._run(self.design(x))
 
-        def pull(weights: Any) -> np.ndarray:
+        def pull(weights: Any) -> Array:
             own = np.atleast_1d(_reals(weights, "weights of functionals"))
             if own.shape != (len(places),):
                 raise InputError(f"weights of shape {own.shape} for {len(places)} functionals: shape ({len(places)},) is wanted")
             counted = np.flatnonzero(own)
             if not counted.size:
                 return np.zeros(len(self.variables))
-            return own[counted] @ run._native.gradient([places[place] for place in counted])
+            return np.asarray(own[counted] @ run._rows([places[place] for place in counted]))
 
         values = run.values[places]
         return (float(values[0]) if isinstance(functionals, str) else values), pull
 
-    def _direction(self, tangent: Any) -> np.ndarray:
+    def _direction(self, tangent: Any) -> Array:
         if isinstance(tangent, Mapping):
-            return self.design(tangent) - self.initial + np.array([
-                own.initial if own.name in tangent else 0.0 for own in self.variables
-            ])
+            given = np.array([own.name in tangent for own in self.variables])
+            return np.where(given, self.design(tangent), 0.0)
         return self._vector(_reals(tangent, "a direction"), "a direction")
 
     def apply(self, inputs: Mapping[str, float]) -> dict[str, float]:
@@ -224,10 +223,11 @@ def _made_again(kind: str, *given: Any) -> Scene:
     if kind == "built_in":
         return built_in(*given)
     scene, name = given
-    return scene.scenarios[name]
+    scenarios: dict[str, Scene] = scene.scenarios
+    return scenarios[name]
 
 
-def _reals(given: Any, what: str) -> np.ndarray:
+def _reals(given: Any, what: str) -> Array:
     """Real numbers as an array of floats."""
     own = np.asarray(given)
     if own.dtype.kind not in "fiub":
@@ -273,6 +273,6 @@ def built_in_names() -> list[str]:
     return _costate.Scene.built_in_names()
 
 
-def value_and_grad(scene: Scene, functional: str | Sequence[str] | None = None) -> Callable[..., tuple[Any, np.ndarray]]:
+def value_and_grad(scene: Scene, functional: str | Sequence[str] | None = None) -> Callable[..., tuple[Any, Array]]:
     """``scene.value_and_grad`` of some functionals as a function of a design alone, as optimizers take it."""
     return lambda x=None: scene.value_and_grad(x, functional)

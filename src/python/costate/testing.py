@@ -34,12 +34,12 @@ def check_quantity(part: Quantity | type[Quantity], parameters: Any, count: int 
     _check(part, Quantity, parameters, count)
 
 
-def _check(part: Any, kind: type, parameters: Any, count: int) -> None:
-    own = part if isinstance(part, type) else type(part)
+def _check(part: Any, kind: type[Any], parameters: Any, count: int) -> None:
+    own: Any = part if isinstance(part, type) else type(part)
     if not issubclass(own, kind):
         raise InputError(f"{own.__name__} is no costate.{kind.__name__}")
-    names = list(own.parameters)
+    described, names = describe(part), list(own.parameters)
     given = [parameters[name] for name in names] if isinstance(parameters, dict) else list(np.atleast_1d(parameters))
     if len(given) != len(names):
         raise InputError(f"{own.__name__} has {len(names)} parameters, {', '.join(names)}, and {len(given)} are given")
-    _costate.check_part(describe(part), [finite(value, "a parameter") for value in given], count)
+    _costate.check_part(described, [finite(value, "a parameter") for value in given], count)
