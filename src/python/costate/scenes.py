@@ -63,6 +63,16 @@ class Scene:
         """The text of its file; ``None`` for a built-in scene."""
         return str(self._made_by[2]) if self._made_by[0] == "parsed" else None
 
+    @property
+    def end(self) -> float:
+        """Duration of a run [s]; of statics the last load factor."""
+        return self._native.settings()[0]
+
+    @property
+    def steps(self) -> int:
+        """Steps of a run; without meaning where they are chosen by their error."""
+        return self._native.settings()[1]
+
     @cached_property
     def variables(self) -> tuple[DesignVariable, ...]:
         """Design variables, in the order of a design."""

@@ -13,8 +13,9 @@ use pyo3::prelude::*;
 /// The JSON schema of scene files with parts of one's own, of which the builder is made.
 #[pyfunction]
 #[pyo3(signature = (parts = Vec::new()))]
-fn schema(parts: Vec<String>) -> PyResult<String> {
-    errors::guarded(|| Ok(costate::scenes::file::schema(&parts::own_parts(&parts)?).to_string()))
+fn schema(py: Python<'_>, parts: Vec<String>) -> PyResult<String> {
+    let made = || Ok(costate::scenes::file::schema(&parts::own_parts(&parts)?).to_string());
+    py.detach(|| errors::guarded(made))
 }
 
 #[pymodule]

@@ -142,7 +142,11 @@ impl Run {
     }
 
     /// What a functional measures over time: times, values, unit.
-    fn history<'py>(&self, py: Python<'py>, functional: &str) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, String)> {
+    fn history<'py>(
+        &self,
+        py: Python<'py>,
+        functional: &str,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, String)> {
         let own = self.read(py, |run| run.history(functional))?;
         Ok((PyArray1::from_vec(py, own.times), PyArray1::from_vec(py, own.values), own.unit.to_string()))
     }

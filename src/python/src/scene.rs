@@ -10,7 +10,6 @@ use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};
 use costate::sensitivity::Forward;
 use pyo3::prelude::*;
 use self_cell::self_cell;
-use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 /// Where a scene comes from.
@@ -95,16 +94,6 @@ impl Options {
 
 #[pymethods]
 impl Scene {
-    /// A scene file.
-    #[staticmethod]
-    fn read(py: Python<'_>, path: &str, parts: Vec<String>) -> PyResult<Self> {
-        let read = || {
-            let own = FileScene::read_with(Path::new(path), &own_parts(&parts)?).map_err(scene_error)?;
-            Ok(Scene::of(Source::File(own)))
-        };
-        py.detach(|| guarded(read))
-    }
-
     /// The text of a scene file, with a name for messages; files that it names lie beside a file of this name.
     #[staticmethod]
     fn parse(py: Python<'_>, file: &str, text: &str, parts: Vec<String>) -> PyResult<Self> {

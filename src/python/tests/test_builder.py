@@ -1,5 +1,6 @@
 """The builder that is made of the description of scene files, and scenes that are functions."""
 
+import importlib.util
 import inspect
 import pickle
 import subprocess
@@ -55,9 +56,9 @@ def test_units_stand_in_the_help():
 
 
 def test_stubs_are_made_of_the_same_description():
-    sys.path.insert(0, str(Path(__file__).parents[1]))
-    import stubs
-
+    place = importlib.util.spec_from_file_location("stubs", Path(__file__).parents[1] / "stubs.py")
+    stubs = importlib.util.module_from_spec(place)
+    place.loader.exec_module(stubs)
     assert (PACKAGE / "model.pyi").read_text(encoding="utf-8") == stubs.text(), "python stubs.py writes it"
 
 
