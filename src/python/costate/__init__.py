@@ -9,7 +9,7 @@ from . import errors, testing
 from ._costate import __version__
 from .errors import CheckError, Error, InputError, InternalError, RecordingError, RunError, SceneError
 from .model import Model
-from .numbers import floor, less, maximum, minimum, sign, where
+from .numbers import floor, less, maximum, minimum, rotation, sign, where
 from .parts import Constraint, Element, Parameter, Quantity, State, non_negative, number, positive
 from .results import Gradient, History, JointHistory, NodeHistory, Run
 from .scene_function import Variable, scene, variable
@@ -51,6 +51,7 @@ __all__ = [
     "non_negative",
     "number",
     "positive",
+    "rotation",
     "scene",
     "sign",
     "testing",

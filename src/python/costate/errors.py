@@ -5,7 +5,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-_PACKAGE = str(Path(__file__).resolve().parent)
+import numpy as np
+
+# of what lies between the code of a user and the number that it asks
+_BETWEEN = tuple(str(Path(file).parent) for file in (__file__, np.__file__))
 
 
 class Error(Exception):
@@ -39,10 +42,6 @@ class InternalError(Error, RuntimeError):
 def user_line() -> tuple[str, int]:
     """File and line of the code that called this package, whatever lies between."""
     frame = sys._getframe(1)
-    while frame.f_back is not None and _is_between(frame.f_code.co_filename):
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_BETWEEN):
         frame = frame.f_back
     return frame.f_code.co_filename, frame.f_lineno
-
-
-def _is_between(file: str) -> bool:
-    return file.startswith(_PACKAGE) or "/numpy/" in file

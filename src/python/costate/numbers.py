@@ -226,6 +226,18 @@ def floor(x: Any) -> Any:
     return _choose("floor", np.floor, x)
 
 
+def rotation(e: Any) -> Any:
+    """The matrix R(e) of Euler parameters ``e``, coordinates 3 to 6 of a body: it takes components in the body's frame to the world."""
+    a, x, y, z = e
+    return np.array(
+        [
+            [a * a + x * x - y * y - z * z, 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)],
+            [2.0 * (x * y + a * z), a * a - z * z - (x * x - y * y), 2.0 * (y * z - a * x)],
+            [2.0 * (x * z - a * y), 2.0 * (y * z + a * x), a * a + z * z - x * x - y * y],
+        ]
+    )
+
+
 class Numbers(np.ndarray):
     """An array of numbers, which also have names: ``x[0]``, ``x["length"]``, ``x.length``."""
 

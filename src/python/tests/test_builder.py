@@ -289,8 +289,7 @@ def test_formulas_of_shared_numbers_are_written_once():
 
 @pytest.mark.parametrize("name", ["five-bar", "slider-crank", "rotor", "tyre", "quarter-car"])
 def test_every_key_of_a_file_has_its_argument(name):
-    import tomllib
-
+    tomllib = pytest.importorskip("tomllib")
     known = {own.name: {key.name for form in own.forms for key in form.keys} for own in description.sections()}
     for section, entries in tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8")).items():
         if section in known:

@@ -121,6 +121,41 @@ def wire(curvature=0.8):
     return m.scene()
 
 
+class Ball(costate.Constraint):
+    """A point of the ground, on the z axis of a body."""
+
+    nodes = ["body", "body"]
+    parameters = {"height": "m"}
+
+    def g(self, q, p, t):
+        tip = np.array([0, 0, p.height], dtype=object)
+        return q[7:10] + costate.rotation(q[10:]) @ tip - q[:3] - costate.rotation(q[3:7]) @ np.array([0.0, 0, 0])
+
+
+def top(add):
+    m = costate.Model("top", gravity=[0, 0, -9.81])
+    m.settings(end=0.5, steps=100)
+    mass = m.variable("mass", 2.0, (1, 3), "kg")
+    turned = {"type": "angle", "axis": [1, 0, 0], "angle": 0.3}
+    place = np.array([0.0, -np.sin(0.3), np.cos(0.3)])
+    m.body("top", position=place, orientation=turned, mass=mass, inertia=[0.1, 0.1, 0.05], angular_velocity=80.0 * place)
+    add(m)
+    m.functional.position("x", on="top", direction=[1, 0, 0], over="terminal")
+    return m.scene()
+
+
+def test_joints_of_bodies_do_what_the_built_in_ones_do():
+    # their velocities must fit the joint: the top turns about its own axis, through the ball
+    own = top(lambda m: m.add(Ball, "ball", between=["ground", "top"], height=-1.0))
+    built_in = top(lambda m: m.joint.spherical("ball", between=["ground", "top"], point=[0, 0, 0]))
+    values, rows = own.value_and_grad()
+    others, derivatives = built_in.value_and_grad()
+    np.testing.assert_allclose(values, others, rtol=1e-10)
+    np.testing.assert_allclose(rows, derivatives, rtol=1e-9)
+    np.testing.assert_allclose(rows, own.run().complex_step(), rtol=1e-11)
+    costate.testing.check_constraint(Ball, [-1.0])
+
+
 def test_joints_and_quantities_are_used_by_name():
     run = wire().run()
     assert run.joints == ["wire"] and run.functionals == ["speed", "push"]

@@ -34,6 +34,12 @@ def test_histories_of_nodes_have_their_shapes(run):
         assert same_bits(own.positions, own.coordinates[:, :3])
 
 
+def test_axes_are_the_columns_of_the_rotation(run):
+    own = run.node("bar 2")
+    for q, axes in zip(own.coordinates, own.axes):
+        np.testing.assert_allclose(costate.rotation(q[3:]).T, axes, atol=1e-15)
+
+
 def test_histories_of_joints_and_functionals(run):
     assert run.joints[:2] == ["A", "P1"]
     own = run.joint("A")
