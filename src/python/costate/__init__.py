@@ -7,7 +7,7 @@ parts of one's own, each one formula.
 
 from . import errors, testing
 from ._costate import __version__
-from .errors import CheckError, Error, InputError, InternalError, RecordingError, RunError, SceneError
+from .errors import CheckError, Error, InputError, InternalError, RecordingError, RunError, RunWarning, SceneError
 from .model import Model
 from .numbers import floor, less, maximum, minimum, rotation, sign, where
 from .parts import Constraint, Element, Parameter, Quantity, State, non_negative, number, positive
@@ -34,6 +34,7 @@ __all__ = [
     "RecordingError",
     "Run",
     "RunError",
+    "RunWarning",
     "Scene",
     "SceneError",
     "State",

@@ -35,6 +35,10 @@ class RunError(Error, RuntimeError):
     """A run that cannot go on: where it was, what failed, and what to try."""
 
 
+class RunWarning(UserWarning):
+    """A reason to doubt a run or its gradients: steps that hardly resolve it, a leap, a jump, an unstable equilibrium."""
+
+
 class InternalError(Error, RuntimeError):
     """A mistake of the library itself: please report it."""
 

@@ -116,6 +116,11 @@ class Run:
         return self._of_steps("this").work()
 
     @cached_property
+    def doubts(self) -> list[str]:
+        """A sentence for each reason to doubt the run or its gradients, which are also given as warnings."""
+        return self._of_steps("this").doubts()
+
+    @cached_property
     def _nodes(self) -> dict[str, NodeHistory]:
         return {}
 
@@ -206,7 +211,7 @@ class Run:
 
     def __getstate__(self) -> dict[str, Any]:
         if self._native is not None:
-            _ = self.x, self.values, self.functionals, self.times, self.nodes, self.joints, self.work
+            _ = self.x, self.values, self.functionals, self.times, self.nodes, self.joints, self.work, self.doubts
             for name in self.nodes:
                 self.node(name)
             for name in self.joints:

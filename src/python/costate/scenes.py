@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _costate
-from .errors import InputError
+from .errors import InputError, RunWarning
 from .results import Array, Gradient, Run
 
 
@@ -143,6 +144,8 @@ class Scene:
         if stopped is not None:
             stopped.run = run  # type: ignore[attr-defined]
             raise stopped
+        for doubt in run.doubts:
+            warnings.warn(doubt, RunWarning, stacklevel=3)
         return run
 
     def values(self, x: Any = None) -> Array:

@@ -1,6 +1,7 @@
 //! The library for Python: scenes, runs and gradients as objects with numpy arrays, and parts whose formulas Python has recorded.
 
 mod checks;
+mod doubts;
 mod errors;
 mod interrupt;
 mod parts;

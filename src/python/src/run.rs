@@ -1,5 +1,6 @@
 //! Results of a run as numpy arrays.
 
+use crate::doubts::doubts;
 use crate::errors::{guarded, run_error};
 use crate::scene::PreparedScene;
 use costate::functionals::Sample;
@@ -85,6 +86,11 @@ impl Run {
     /// Names of joints and drivers.
     fn joints(&self) -> Vec<String> {
         self.run().prepared.model().constraints.iter().map(|own| own.name.clone()).collect()
+    }
+
+    /// A sentence for each reason to doubt the run or its gradients.
+    fn doubts(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.read(py, |run| Ok(doubts(run.prepared, &run.forward)))
     }
 
     /// Steps taken, steps given up, systems solved, Newton iterations, factorizations.

@@ -116,5 +116,19 @@ def test_arrays_belong_to_whoever_got_them(five_bar):
     assert positions[0, 0] == 7.0
 
 
+def test_what_speaks_against_a_run_is_a_warning():
+    m = costate.Model("falls")
+    m.settings(end=1.0, steps=20)
+    m.point("ball", position=[0, 0.5, 0], velocity=[0, -1, 0], mass=1.0)
+    height = {"ball": "ball"}
+    m.element("floor", nodes=height, force={"ball": ["0", "if_less(ball.position.y, 0, 5, 0)", "0"]}, breakpoints=[])
+    m.variable("unused", 1.0, (0, 2))
+    m.functional.position("height", on="ball", direction=[0, 1, 0], over="terminal")
+    scene = m.scene()
+    with pytest.warns(costate.RunWarning, match='the formula of "floor" jumps'):
+        run = scene.run()
+    assert len(run.doubts) == 1 and pickle.loads(pickle.dumps(run)).doubts == run.doubts
+
+
 def test_values_without_steps_are_those_of_a_run(five_bar):
     assert same_bits(five_bar.values(), five_bar.run().values)
