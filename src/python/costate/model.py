@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import json
+import keyword
 import re
 from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter as Argument
@@ -17,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from . import description
-from .errors import InputError, SceneError, user_line
+from .errors import InputError, user_line
 from .numbers import Formulas, Number, Numbers, argument, literal
 from .parts import Constraint, Element, Quantity, describe
 from .scenes import Scene
@@ -37,8 +38,8 @@ class Model:
         self.gravity = gravity
         self._entries: list[tuple[str, str | None, dict[str, Any], tuple[str, int]]] = []
         self._definitions: dict[str, Any] = {}
+        self._defined_at: dict[str, tuple[str, int]] = {}
         self._parts: dict[str, str] = {}
-        self._names: set[str] = set()
 
     def variable(
         self, name: str, initial: Any, bounds: Sequence[float], unit: str = "-", *, count: int | None = None
@@ -62,6 +63,7 @@ class Model:
     def define(self, name: str, value: Any) -> Any:
         """A named number or vector, which formulas know by its name."""
         self._definitions[name] = value
+        self._defined_at[name] = user_line()
         if np.ndim(np.array(value, dtype=object)) == 0:
             return argument(name)
         return Numbers([argument(f"{name}.{axis}") for axis in "xyz"], {})
@@ -84,7 +86,7 @@ class Model:
         return self._add("scenario", None, {"name": name, **changes})
 
     def _add(self, section: str, name: str | None, keys: dict[str, Any]) -> str:
-        own = {key.rstrip("_"): value for key, value in keys.items() if value is not None}
+        own = {_key(argument): value for argument, value in keys.items() if value is not None}
         self._entries.append((section, name, own, user_line()))
         return name if name is not None else str(own.get("name", ""))
 
@@ -101,10 +103,14 @@ class Model:
         # definitions lead from one to the next, whatever they are used by
         named = {**{key: _toml(value, formulas) for key, value in self._definitions.items()}}
         named |= {key: json.dumps(text) for key, text in formulas.definitions.items()}
-        if named:
-            lines += ["", "[define]", *(f"{key} = {text}" for key, text in named.items())]
-        shapes = {own.name: own.shape for own in description.sections()} | {"scenario": "listed"}
         places: dict[int, tuple[str, int]] = {}
+        if named:
+            lines += ["", "[define]"]
+            for key, text in named.items():
+                lines.append(f"{_toml_key(key)} = {text}")
+                if key in self._defined_at:
+                    places[len(lines)] = self._defined_at[key]
+        shapes = {own.name: own.shape for own in description.sections()} | {"scenario": "listed"}
         for section, name, own, place in self._entries:
             header = f"[[{section}]]" if shapes[section] == "listed" else f"[{section}]"
             if name is not None:
@@ -122,11 +128,7 @@ class Model:
         """
         lines, places = self._lines()
         text, parts = "\n".join(lines) + "\n", [self._named_part(word, own) for word, own in self._parts.items()]
-        file = f"{self.name}.toml"
-        try:
-            return Scene._parsed(file, text, parts)
-        except SceneError as error:
-            raise SceneError(_placed(str(error), file, places)) from None
+        return Scene._parsed(f"{self.name}.toml", text, parts, places)
 
     @staticmethod
     def _named_part(word: str, part: str) -> str:
@@ -154,16 +156,9 @@ class _Section:
         self._model = model
 
 
-def _placed(message: str, file: str, places: Mapping[int, tuple[str, int]]) -> str:
-    """Mistakes with the lines of Python that they come from."""
-
-    def place(found: re.Match[str]) -> str:
-        line = int(found[1])
-        if line not in places:
-            return found[0]
-        return "{}, line {}".format(*places[line])
-
-    return re.sub(rf"^{re.escape(file)}:(\d+):\d+", place, message, flags=re.MULTILINE)
+def _key(argument: str) -> str:
+    """The key that an argument is: ``from`` for ``from_``."""
+    return argument[:-1] if argument.endswith("_") and keyword.iskeyword(argument[:-1]) else argument
 
 
 def _numbers_in(value: Any) -> list[Number]:

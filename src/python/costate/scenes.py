@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import html
 import os
+import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +17,25 @@ import numpy as np
 from . import _costate
 from .errors import InputError, RunWarning
 from .results import Array, Gradient, Run
+
+
+#: Lines of the text that a builder made, and where in Python they come from.
+Places = Mapping[int, tuple[str, int]]
+
+
+@contextmanager
+def _told_in_python(file: str, places: Places) -> Iterator[None]:
+    """What is wrong in a text that a builder made is said of the lines of Python."""
+
+    def place(found: re.Match[str]) -> str:
+        return "{}, line {}".format(*places[int(found[1])]) if int(found[1]) in places else found[0]
+
+    try:
+        yield
+    except InputError as error:
+        if not places:
+            raise
+        raise type(error)(re.sub(rf"^{re.escape(file)}:(\d+):\d+", place, str(error), flags=re.MULTILINE)) from None
 
 
 class DesignVariable(NamedTuple):
@@ -41,13 +62,19 @@ class Scene:
     ``KeyboardInterrupt`` after the step in hand when Ctrl-C is pressed.
     """
 
-    def __init__(self, native: _costate.Scene, made_by: tuple[Any, ...]) -> None:
+    def __init__(self, native: _costate.Scene, made_by: tuple[Any, ...], places: Places | None = None) -> None:
         self._native = native
         self._made_by = made_by
+        self._places_in_python = places or {}
 
     @staticmethod
-    def _parsed(file: str, text: str, parts: Sequence[str]) -> Scene:
-        return Scene(_costate.Scene.parse(file, text, list(parts)), ("parsed", file, text, tuple(parts)))
+    def _parsed(file: str, text: str, parts: Sequence[str], places: Places | None = None) -> Scene:
+        with _told_in_python(file, places or {}):
+            native = _costate.Scene.parse(file, text, list(parts))
+        return Scene(native, ("parsed", file, text, tuple(parts)), places)
+
+    def _told(self) -> AbstractContextManager[None]:
+        return _told_in_python(str(self._made_by[1]), self._places_in_python)
 
     @property
     def name(self) -> str:
@@ -82,7 +109,8 @@ class Scene:
     @cached_property
     def functionals(self) -> tuple[Functional, ...]:
         """What a run gives, in the order of ``values``."""
-        return tuple(Functional(*own) for own in self._native.functionals())
+        with self._told():
+            return tuple(Functional(*own) for own in self._native.functionals())
 
     @property
     def initial(self) -> Array:
@@ -139,7 +167,8 @@ class Scene:
         return self._run(self.design(x), end=end, steps=steps, method=method)
 
     def _run(self, x: Array, *, keep_steps: bool = True, **options: Any) -> Run:
-        native, stopped = self._native.run(x.tolist(), {**_OPTIONS, **options, "keep_steps": keep_steps})
+        with self._told():
+            native, stopped = self._native.run(x.tolist(), {**_OPTIONS, **options, "keep_steps": keep_steps})
         run = Run(native, self.name, self.variables)
         if stopped is not None:
             stopped.run = run  # type: ignore[attr-defined]

@@ -96,6 +96,7 @@ def test_stubs_pass_the_strictest_check_of_types(tmp_path):
         (lambda m: m.force("f", on="bob", direction=[0, 1, 0], size={"type": "sinus"}), '"sinus"'),
         (lambda m: m.point("p", position=[0, 0, 0], mass="lenght"), '"lenght"'),
         (lambda m: m.body("b", coordinates="quaternions"), "euler_parameters"),
+        (lambda m: m.define("half", "lenght / 2"), '"lenght"'),
     ],
 )
 def test_mistakes_are_the_readers_with_lines_of_python(add, said):

@@ -221,7 +221,3 @@ def test_a_run_that_cannot_go_on_says_where():
     with pytest.raises(costate.RunError) as error:
         costate.loads(text).run()
     assert isinstance(error.value, RuntimeError) and "step" in str(error.value)
-
-
-def test_a_panic_is_an_internal_error():
-    assert issubclass(costate.InternalError, costate.Error)
