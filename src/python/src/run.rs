@@ -15,6 +15,9 @@ use std::sync::Arc;
 
 type Simulated<'p> = scenes::Run<'p>;
 
+/// An array of floats.
+type Array<'py> = Bound<'py, PyArray1<f64>>;
+
 self_cell!(
     /// A run with the scene that was run.
     pub struct RunOf {
@@ -63,12 +66,12 @@ fn matrix<'py>(py: Python<'py>, rows: &[impl AsRef<[f64]>], columns: usize) -> P
 #[pymethods]
 impl Run {
     /// The design.
-    fn design<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn design<'py>(&self, py: Python<'py>) -> Array<'py> {
         PyArray1::from_slice(py, &self.run().forward.x)
     }
 
     /// Values of the functionals.
-    fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn values<'py>(&self, py: Python<'py>) -> Array<'py> {
         PyArray1::from_slice(py, &self.run().forward.values)
     }
 
@@ -106,7 +109,7 @@ impl Run {
     }
 
     /// The start and the ends of the steps \[s\].
-    fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn times<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let times = self.read(py, |run| {
             let mut times = Vec::new();
             run.prepared.analysis().for_each_sample(&run.forward, |sample: &Sample<f64>| times.push(sample.t))?;
@@ -148,11 +151,7 @@ impl Run {
     }
 
     /// What a functional measures over time: times, values, unit.
-    fn history<'py>(
-        &self,
-        py: Python<'py>,
-        functional: &str,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, String)> {
+    fn history<'py>(&self, py: Python<'py>, functional: &str) -> PyResult<(Array<'py>, Array<'py>, String)> {
         let own = self.read(py, |run| run.history(functional))?;
         Ok((PyArray1::from_vec(py, own.times), PyArray1::from_vec(py, own.values), own.unit.to_string()))
     }

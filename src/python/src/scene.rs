@@ -14,7 +14,7 @@ use std::sync::{Arc, OnceLock};
 
 /// Where a scene comes from.
 enum Source {
-    File(FileScene),
+    File(Box<FileScene>),
     BuiltIn(&'static dyn AnyScene),
     /// One of the scenarios of another scene.
     Scenario(Arc<Source>, usize),
@@ -23,7 +23,7 @@ enum Source {
 impl Source {
     fn scene(&self) -> &dyn AnyScene {
         match self {
-            Source::File(own) => own,
+            Source::File(own) => &**own,
             Source::BuiltIn(own) => *own,
             Source::Scenario(of, place) => of.scene().scenarios().swap_remove(*place).scene,
         }
@@ -99,7 +99,7 @@ impl Scene {
     fn parse(py: Python<'_>, file: &str, text: &str, parts: Vec<String>) -> PyResult<Self> {
         let parse = || {
             let own = FileScene::parse_with(file, text, &own_parts(&parts)?).map_err(scene_error)?;
-            Ok(Scene::of(Source::File(own)))
+            Ok(Scene::of(Source::File(Box::new(own))))
         };
         py.detach(|| guarded(parse))
     }
