@@ -56,7 +56,7 @@ class State:
     q: Any
 
 
-class _Part:
+class Part:
     """What all parts have. Attributes of an instance are its options: whole numbers, words, whatever does not depend on a design."""
 
     #: Kinds of its nodes, of ``NODES``, in the order in which their coordinates stand.
@@ -71,7 +71,7 @@ class _Part:
         raise NotImplementedError
 
 
-class Element(_Part):
+class Element(Part):
     """An element: give ``residual``, or any of the others, from which it is made.
 
     Every number that a method gets is recorded; it returns a number, or a list of them.
@@ -112,7 +112,7 @@ class Element(_Part):
         return {"formulas": formulas, "strains": strains}
 
 
-class Constraint(_Part):
+class Constraint(Part):
     """A joint: ``g(q, p, t)`` gives the equations g = 0, scaled so that they are lengths or angles."""
 
     _kind = "constraint"
@@ -127,7 +127,7 @@ class Constraint(_Part):
         return {"formulas": {"g": own}, "equations": len(own["results"])}
 
 
-class Quantity(_Part):
+class Quantity(Part):
     """A number that is measured: ``value(s, p, t)``, with the attribute ``unit``."""
 
     _kind = "quantity"
@@ -179,18 +179,18 @@ def snake(name: str) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
-def describe(part: _Part | type[_Part]) -> str:
+def describe(part: Part | type[Part]) -> str:
     """A part as the library takes it: name, sentence, nodes, parameters, tapes. Each type is recorded once for its options."""
     own = part() if isinstance(part, type) else part
-    if not isinstance(own, _Part):
+    if not isinstance(own, Part):
         raise InputError(f"{part!r} is no part: derive it from costate.Element, costate.Constraint or costate.Quantity")
     key = (type(own), repr(sorted(vars(own).items())))
-    if key not in _Part._recorded:
-        _Part._recorded[key] = json.dumps(_description(own))
-    return _Part._recorded[key]
+    if key not in Part._recorded:
+        Part._recorded[key] = json.dumps(_description(own))
+    return Part._recorded[key]
 
 
-def _description(own: _Part) -> dict[str, Any]:
+def _description(own: Part) -> dict[str, Any]:
     word = type(own).__name__
     if unknown := [kind for kind in own.nodes if kind not in NODES]:
         raise InputError(f'{word} has a node "{unknown[0]}"; there are {", ".join(NODES)}')

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import _costate
 from .errors import InputError, RunWarning
+from .parts import Part, describe
 from .results import Array, Gradient, Run
 
 
@@ -284,8 +285,8 @@ def _real(given: Any, what: str) -> float:
     return float(own.reshape(()))
 
 
-def load(path: str | os.PathLike[str]) -> Scene:
-    """Reads a scene file.
+def load(path: str | os.PathLike[str], *, parts: Sequence[Part | type[Part]] = ()) -> Scene:
+    """Reads a scene file, which may use parts of one's own by their names: ``type = "duffing"`` is the class ``Duffing``.
 
     Raises ``SceneError`` with a line for each mistake, ``OSError`` where there is no such file.
     """
@@ -294,12 +295,12 @@ def load(path: str | os.PathLike[str]) -> Scene:
         text = file.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"{file}: this is no text in UTF-8: {error}") from None
-    return Scene._parsed(str(file.resolve()), text, ())
+    return Scene._parsed(str(file.resolve()), text, [describe(part) for part in parts])
 
 
-def loads(text: str, name: str = "scene.toml") -> Scene:
+def loads(text: str, name: str = "scene.toml", *, parts: Sequence[Part | type[Part]] = ()) -> Scene:
     """Reads the text of a scene file; files that it names lie beside a file of that name."""
-    return Scene._parsed(name, text, ())
+    return Scene._parsed(name, text, [describe(part) for part in parts])
 
 
 def built_in(name: str) -> Scene:

@@ -207,7 +207,7 @@ FORMULAS = [
     lambda x: (np.array([[1.0, 2.0], [3.0, 4.0]]) @ x)[1],
     lambda x: x @ x + np.dot(x, [1.0, 2.0]),
     lambda x: np.linalg.norm(np.array([x[0], x[1], 1.0], dtype=object)),
-    lambda x: np.cross(np.array([x[0], x[1], 0], dtype=object), [0, 1.0, 2.0])[2],
+    lambda x: np.cross(np.array([x[0], x[1], 0], dtype=object), np.array([0, 1.0, 2.0], dtype=object))[2],
     lambda x: np.sum(x[::-1] * [1.0, 10.0]) + x[-1] + x[:1].sum(),
     lambda x: np.float64(2.0) * x[0] + x[1] * np.float32(0.5),
     lambda x: abs(x[0] - x[1]) + np.abs(x[0]),

@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import Duffing, same_bits
+from conftest import SCENES, Duffing, same_bits
 
 import costate
 
@@ -118,6 +118,38 @@ def wire(curvature=0.8):
     m.add(Speed, "speed", on="bead", over="terminal")
     m.functional.reaction("push", joint="wire", weights=[1, 0], over="integral")
     return m.scene()
+
+
+class BodySpring(costate.Element):
+    """Between points of two bodies, given in their frames, as the spring of type line."""
+
+    nodes = ["body", "body"]
+    parameters = {"stiffness": costate.non_negative("N/m"), "rest_length": costate.non_negative("m")}
+    parameters |= {f"{axis}_{end}": "m" for end in "ab" for axis in "xyz"}
+
+    def strains(self, q, p, t):
+        a, b = q[:3] + costate.rotation(q[3:7]) @ p[2:5], q[7:10] + costate.rotation(q[10:]) @ p[5:8]
+        return [np.linalg.norm(b - a)]
+
+    def stored(self, e, p):
+        stretch = e[0] - p.rest_length
+        return stretch * stretch * p.stiffness * 0.5
+
+
+def test_a_scene_file_uses_parts_by_their_names(five_bar):
+    text = (SCENES / "five-bar.toml").read_text(encoding="utf-8")
+    for spring, end in [("A", -0.5), ("B", 0.5)]:
+        old = f'name = "spring {spring}"\ntype = "line"\nbetween = ["ground", "bar 2"]\npoints = ["{spring}", "P2"]'
+        assert old in text
+        places = f"x_a = {end}\ny_a = 0\nz_a = 0\nx_b = \"0.5 * length_2\"\ny_b = 0\nz_b = 0"
+        text = text.replace(old, f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\n{places}')
+    scene = costate.loads(text, "five-bar.toml", parts=[BodySpring])
+    values, rows = scene.value_and_grad()
+    others, derivatives = five_bar.value_and_grad()
+    np.testing.assert_allclose(values, others, rtol=1e-10)
+    np.testing.assert_allclose(rows, derivatives, rtol=1e-8)
+    np.testing.assert_allclose(rows, scene.run().complex_step(), rtol=1e-11)
+    assert same_bits(pickle.loads(pickle.dumps(scene)).values(), values)
 
 
 class Ball(costate.Constraint):
