@@ -1,4 +1,5 @@
-"""Writes ``costate/model.pyi``, the signatures of the builder, from the description of scene files: ``python stubs.py``."""
+"""Writes ``costate/model.pyi``, the signatures of the builder, from the description of scene files: ``python
+stubs.py``."""
 
 from pathlib import Path
 
@@ -40,7 +41,7 @@ class Model:
         name: str,
         **keys: Any,
     ) -> str:
-        """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names, of a quantity ``over``."""
+        """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names."""
     def scenario(self, name: str, **changes: Any) -> str:
         """Circumstances in which the scene is run: what is different there."""
     def text(self) -> str:
@@ -60,7 +61,8 @@ def method(section: description.Section, form: description.Form) -> str:
     if keys:
         arguments.append("*")
     arguments += [
-        f"{key.argument}: {key.takes}" if key.is_needed else f"{key.argument}: {key.takes} | None = None" for key in keys
+        f"{key.argument}: {key.takes}" if key.is_needed else f"{key.argument}: {key.takes} | None = None"
+        for key in keys
     ]
     lines = "".join(f"        {argument},\n" for argument in arguments)
     page = description.documentation(section, form).replace("\\", "\\\\").replace("\n", "\n        ")
@@ -79,7 +81,9 @@ def text() -> str:
             continue
         name = "_" + "".join(word.capitalize() for word in section.name.split("_"))
         model.append(f'    @property\n    def {section.name}(self) -> {name}:\n        """{section.doc}"""\n')
-        classes.append(f'\nclass {name}:\n    """{section.doc}"""\n\n' + "".join(method(section, own) for own in section.forms))
+        classes.append(
+            f'\nclass {name}:\n    """{section.doc}"""\n\n' + "".join(method(section, own) for own in section.forms)
+        )
     return "".join(model + classes)
 
 

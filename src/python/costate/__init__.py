@@ -1,8 +1,8 @@
 """Flexible multibody dynamics with exact gradients.
 
-A mechanism is a function of its design variables: ``load`` reads it from a scene file, ``Model`` and ``scene`` build it in Python.
-``Scene.run`` simulates it, ``Scene.value_and_grad`` differentiates what it measures, exactly. ``Element``, ``Constraint`` and ``Quantity`` are
-parts of one's own, each one formula.
+A mechanism is a function of its design variables: ``load`` reads it from a scene file, ``Model`` and ``scene`` build it
+in Python. ``Scene.run`` simulates it, ``Scene.value_and_grad`` differentiates what it measures, exactly. ``Element``,
+``Constraint`` and ``Quantity`` are parts of one's own, each one formula.
 """
 
 from . import errors, testing

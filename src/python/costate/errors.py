@@ -36,7 +36,8 @@ class RunError(Error, RuntimeError):
 
 
 class RunWarning(UserWarning):
-    """A reason to doubt a run or its gradients: steps that hardly resolve it, a leap, a jump, an unstable equilibrium."""
+    """A reason to doubt a run or its gradients: steps that hardly resolve it, a leap, a jump, an unstable
+    equilibrium."""
 
 
 class InternalError(Error, RuntimeError):

@@ -13,10 +13,11 @@ from .scenes import Scene
 
 
 def function(scene: Scene, functionals: str | Sequence[str] | None = None) -> Any:
-    """A function of a design, an array ``(variables,)``, that gives functionals: a number of one by its name, otherwise an array.
+    """A function of a design, an array ``(variables,)``, that gives functionals: a number of one by its name, otherwise
+    an array.
 
-    Its derivative backwards is the discrete adjoint. In double precision, ``jax.config.update("jax_enable_x64", True)``, it is exact to
-    round-off.
+    Its derivative backwards is the discrete adjoint. In double precision, ``jax.config.update("jax_enable_x64",
+    True)``, it is exact to round-off.
     """
     places = scene._places(functionals)
     is_one = isinstance(functionals, str)

@@ -1,7 +1,7 @@
 """A builder of scenes, made of the description of scene files: every section is a method, every key an argument.
 
-What it builds is the text of a scene file, so that a run gives the same bits as the command line. ``help(Model.body)`` shows the keys with
-units and meanings; ``model.py`` has no list of them.
+What it builds is the text of a scene file, so that a run gives the same bits as the command line. ``help(Model.body)``
+shows the keys with units and meanings; ``model.py`` has no list of them.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from .scenes import Scene
 class Model:
     """A scene that is being built.
 
-    Every number may be a float, a formula in a text, or a number that ``variable`` or ``define`` gave, with what Python makes of it; a
-    vector is a list of three, or an array. ``scene()`` checks all of it and gives what can be run.
+    Every number may be a float, a formula in a text, or a number that ``variable`` or ``define`` gave, with what Python
+    makes of it; a vector is a list of three, or an array. ``scene()`` checks all of it and gives what can be run.
     """
 
     def __init__(self, name: str = "model", *, gravity: Any = None, summary: str | None = None) -> None:
@@ -51,7 +51,9 @@ class Model:
         * ``unit``: for tables and charts
         """
         if not name.isidentifier():
-            raise InputError(f'a design variable "{name}" cannot be used in formulas: take a name of letters, numbers and _')
+            raise InputError(
+                f'a design variable "{name}" cannot be used in formulas: take a name of letters, numbers and _'
+            )
         if count is None and np.ndim(initial) == 1:
             count = len(initial)
         self._add("variable", name, {"initial": initial, "bounds": bounds, "unit": unit, "count": count})
@@ -69,7 +71,8 @@ class Model:
         return Numbers([argument(f"{name}.{axis}") for axis in "xyz"], {})
 
     def add(self, part: Element | Constraint | Quantity | type, name: str, **keys: Any) -> str:
-        """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names, of a quantity ``over``."""
+        """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names, of a quantity
+        ``over``."""
         own = describe(part)
         read = json.loads(own)
         word = read["name"]
@@ -82,7 +85,8 @@ class Model:
         return self._add(section, None, {"name": name, "type": word, **keys})
 
     def scenario(self, name: str, **changes: Any) -> str:
-        """Circumstances in which the scene is run: what is different there, ``settings={"end": 2}, force={"push": {"size": 5}}``."""
+        """Circumstances in which the scene is run: what is different there, ``settings={"end": 2}, force={"push":
+        {"size": 5}}``."""
         return self._add("scenario", None, {"name": name, **changes})
 
     def _add(self, section: str, name: str | None, keys: dict[str, Any]) -> str:
@@ -143,10 +147,12 @@ class Model:
         for section, name, own, _ in self._entries:
             counts.setdefault(section, []).append(name or str(own.get("name", "")))
         rows = "".join(
-            f"<tr><td>{section}</td><td>{len(names)}</td><td>{html.escape(', '.join(filter(None, names[:12])))}</td></tr>"
+            f"<tr><td>{section}</td><td>{len(names)}</td>"
+            f"<td>{html.escape(', '.join(filter(None, names[:12])))}</td></tr>"
             for section, names in counts.items()
         )
-        return f"<b>{html.escape(self.name)}</b><table><tr><th>section</th><th>entries</th><th>names</th></tr>{rows}</table>"
+        head = "<tr><th>section</th><th>entries</th><th>names</th></tr>"
+        return f"<b>{html.escape(self.name)}</b><table>{head}{rows}</table>"
 
 
 class _Section:
@@ -207,7 +213,9 @@ def _method(section: description.Section, form: description.Form) -> Callable[..
     def add(self: Any, *names: str, **keys: Any) -> str:
         model = self if isinstance(self, Model) else self._model
         if len(names) > is_named:
-            raise InputError(f"{section.name} takes {'its name' if is_named else 'nothing'} without a key, and all else by keys")
+            raise InputError(
+                f"{section.name} takes {'its name' if is_named else 'nothing'} without a key, and all else by keys"
+            )
         own: dict[str, Any] = {"type": form.name} if form.name else {}
         if section.shape == "named":
             if not names:

@@ -32,7 +32,7 @@ class Model:
         name: str,
         **keys: Any,
     ) -> str:
-        """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names, of a quantity ``over``."""
+        """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names."""
     def scenario(self, name: str, **changes: Any) -> str:
         """Circumstances in which the scene is run: what is different there."""
     def text(self) -> str:

@@ -1,6 +1,7 @@
 """Numbers of formulas: what Python does with them is recorded, and the recording is what runs.
 
-Operators, ``numpy`` functions and arrays of them work as with floats; ``where``, ``less``, ``minimum``, ``maximum`` and ``sign`` choose.
+Operators, ``numpy`` functions and arrays of them work as with floats; ``where``, ``less``, ``minimum``, ``maximum`` and
+``sign`` choose.
 """
 
 from __future__ import annotations
@@ -162,8 +163,9 @@ class Number:
 def _refuse(what: str) -> NoReturn:
     file, line = user_line()
     raise RecordingError(
-        f"{file}, line {line}: {what} that has no value yet, since the formula is recorded once for all values; choose by costate.where, "
-        "less, minimum, maximum, sign or abs, take functions of numpy instead of those of math, and arrays with dtype=object"
+        f"{file}, line {line}: {what} that has no value yet, since the formula is recorded once for all values; choose "
+        "by costate.where, less, minimum, maximum, sign or abs, take functions of numpy instead of those of math, and "
+        "arrays with dtype=object"
     )
 
 
@@ -202,7 +204,8 @@ def less(a: Any, b: Any) -> Any:
 
 
 def where(mask: Any, then: Any, otherwise: Any) -> Any:
-    """``then`` where the mask is not 0, otherwise ``otherwise``; what is not taken leaves no trace in any derivative."""
+    """``then`` where the mask is not 0, otherwise ``otherwise``; what is not taken leaves no trace in any
+    derivative."""
     return _choose("select", np.where, mask, then, otherwise)
 
 
@@ -227,7 +230,8 @@ def floor(x: Any) -> Any:
 
 
 def rotation(e: Any) -> Any:
-    """The matrix R(e) of Euler parameters ``e``, coordinates 3 to 6 of a body: it takes components in the body's frame to the world."""
+    """The matrix R(e) of Euler parameters ``e``, coordinates 3 to 6 of a body: it takes components in the body's frame
+    to the world."""
     a, x, y, z = e
     return np.array(
         [
@@ -326,7 +330,8 @@ _OPERATORS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 
 
 class Formulas:
-    """Numbers as formulas of a scene file; what several of them share, or what would lie too deep, gets a name in ``[define]``."""
+    """Numbers as formulas of a scene file; what several of them share, or what would lie too deep, gets a name in
+    ``[define]``."""
 
     def __init__(self, numbers: Iterable[Number]) -> None:
         self.definitions: dict[str, str] = {}

@@ -21,7 +21,8 @@ def _word(name: str) -> str:
 class Component(om.ExplicitComponent):
     """A transient of a scene, with exact total derivatives of its functionals by the discrete adjoint.
 
-    * inputs: the design variables, scalars by their names; outputs: functionals by theirs, letters that OpenMDAO does not allow as ``_``
+    * inputs: the design variables, scalars by their names; outputs: functionals by theirs, letters that OpenMDAO does
+      not allow as ``_``
     * ``functionals``: names of those that are wanted; all
     * a scene with scenarios is run in all of them, several at once, and its outputs are ``NAME_SCENARIO``
 

@@ -1,6 +1,8 @@
-"""Elements, joints and quantities of one's own: a class with one formula, recorded once, which then runs as the machine code of the library.
+"""Elements, joints and quantities of one's own: a class with one formula, recorded once, which then runs as the machine
+code of the library.
 
-Jacobians, adjoint products, design derivatives and complex-step checks are made of the recording, as for the library's own parts.
+Jacobians, adjoint products, design derivatives and complex-step checks are made of the recording, as for the library's
+own parts.
 """
 
 from __future__ import annotations
@@ -16,8 +18,8 @@ import numpy as np
 from .errors import InputError
 from .numbers import Number, Numbers, argument, tape
 
-#: Coordinates of each kind of node: place of a point; place and Euler parameters of a body; place and axes of a body in natural
-#: coordinates; place and slope of a node of a cable; one number.
+#: Coordinates of each kind of node: place of a point; place and Euler parameters of a body; place and axes of a body in
+#: natural coordinates; place and slope of a node of a cable; one number.
 NODES = {"point": 3, "body": 7, "natural": 12, "cable": 6, "coordinate": 1}
 
 
@@ -57,7 +59,8 @@ class State:
 
 
 class Part:
-    """What all parts have. Attributes of an instance are its options: whole numbers, words, whatever does not depend on a design."""
+    """What all parts have. Attributes of an instance are its options: whole numbers, words, whatever does not depend on
+    a design."""
 
     #: Kinds of its nodes, of ``NODES``, in the order in which their coordinates stand.
     nodes: ClassVar[Sequence[str]] = ()
@@ -89,10 +92,14 @@ class Element(Part):
         a, v, q, p, t = recorder.state_and_more()
         n, formulas, strains = len(q), {}, 0
 
-        def add(name: str, given: Sequence[Any], count: int | None, *, scalar: bool = False, with_state: bool = False) -> None:
+        def add(
+            name: str, given: Sequence[Any], count: int | None, *, scalar: bool = False, with_state: bool = False
+        ) -> None:
             if (method := getattr(self, name, None)) is not None:
                 call = [State(*given[:3]), *given[3:]] if with_state else list(given)
-                formulas[name] = recorder.record(f"{name} of {type(self).__name__}", method, call, given, 1 if scalar else count)
+                formulas[name] = recorder.record(
+                    f"{name} of {type(self).__name__}", method, call, given, 1 if scalar else count
+                )
 
         add("residual", (a, v, q, p, t), n, with_state=True)
         add("kinetic", (v, q, p), 1, scalar=True)
@@ -180,7 +187,8 @@ def snake(name: str) -> str:
 
 
 def describe(part: Part | type[Part]) -> str:
-    """A part as the library takes it: name, sentence, nodes, parameters, tapes. Each type is recorded once for its options."""
+    """A part as the library takes it: name, sentence, nodes, parameters, tapes. Each type is recorded once for its
+    options."""
     own = part() if isinstance(part, type) else part
     if not isinstance(own, Part):
         raise InputError(f"{part!r} is no part: derive it from costate.Element, costate.Constraint or costate.Quantity")
@@ -196,8 +204,14 @@ def _description(own: Part) -> dict[str, Any]:
         raise InputError(f'{word} has a node "{unknown[0]}"; there are {", ".join(NODES)}')
     if not own.nodes:
         raise InputError(f"{word} has no nodes: give it the attribute nodes, a list of {', '.join(NODES)}")
-    parameters = {name: given if isinstance(given, Parameter) else Parameter(given) for name, given in own.parameters.items()}
-    if bad := [name for name in parameters if not name.isidentifier() or name in ("name", "type", "on", "between", "over", "for")]:
+    parameters = {
+        name: given if isinstance(given, Parameter) else Parameter(given) for name, given in own.parameters.items()
+    }
+    if bad := [
+        name
+        for name in parameters
+        if not name.isidentifier() or name in ("name", "type", "on", "between", "over", "for")
+    ]:
         raise InputError(f'{word} has a parameter "{bad[0]}": take another name, of letters, numbers and _')
     recorder = _Recorder(sum(NODES[kind] for kind in own.nodes), list(parameters))
     doc = (type(own).__doc__ or word).strip().split("\n")[0].rstrip(".")

@@ -45,7 +45,8 @@ class NodeHistory:
 
 @dataclass(frozen=True, eq=False)
 class JointHistory:
-    """What a joint or driver does to the last of its nodes that moves, in the world, at the start and at the end of each step."""
+    """What a joint or driver does to the last of its nodes that moves, in the world, at the start and at the end of
+    each step."""
 
     #: [s]
     times: Array
@@ -68,7 +69,8 @@ class History:
 
 
 class Run:
-    """A simulated scene. Arrays are read from the steps when they are asked for; a pickled run has all of them, but no gradients."""
+    """A simulated scene. Arrays are read from the steps when they are asked for; a pickled run has all of them, but no
+    gradients."""
 
     def __init__(self, native: _costate.Run | None, name: str, variables: tuple[Any, ...]) -> None:
         self._native = native
@@ -134,7 +136,10 @@ class Run:
 
     def _of_steps(self, what: str) -> _costate.Run:
         if self._native is None:
-            raise InputError(f"{what}: a run that was pickled has the arrays of its nodes, joints and functionals alone: run the scene again")
+            raise InputError(
+                f"{what}: a run that was pickled has the arrays of its nodes, joints and functionals alone: run the scene "
+                "again"
+            )
         return self._native
 
     def node(self, name: str) -> NodeHistory:
@@ -158,12 +163,21 @@ class Run:
     def __getitem__(self, functional: str) -> float:
         """The value of a functional."""
         if functional not in self.functionals:
-            raise InputError(f'"{functional}" is no functional of "{self.name}"; there are {", ".join(self.functionals)}')
+            raise InputError(
+                f'"{functional}" is no functional of "{self.name}"; there are {", ".join(self.functionals)}'
+            )
         return float(self.values[self.functionals.index(functional)])
 
     def gradient(self, functionals: str | Sequence[str] | None = None) -> Gradient:
-        """Derivatives of functionals by all design variables, by the discrete adjoint: one sweep for any number of variables."""
-        wanted = self.functionals if functionals is None else [functionals] if isinstance(functionals, str) else list(functionals)
+        """Derivatives of functionals by all design variables, by the discrete adjoint: one sweep for any number of
+        variables."""
+        wanted = (
+            self.functionals
+            if functionals is None
+            else [functionals]
+            if isinstance(functionals, str)
+            else list(functionals)
+        )
         values = np.array([self[name] for name in wanted])
         rows = self._rows([self.functionals.index(name) for name in wanted])
         units = dict(self._units)
@@ -181,8 +195,8 @@ class Run:
         return self._of_steps("tangents").tangent()
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table with a row for each time [s]: places, velocities and accelerations of nodes, forces and moments of joints, what functionals
-        measure, with units in the heads of the columns as in ``histories.csv``."""
+        """A table with a row for each time [s]: places, velocities and accelerations of nodes, forces and moments of
+        joints, what functionals measure, with units in the heads of the columns as in ``histories.csv``."""
         import pandas
 
         columns: dict[str, Array] = {}
@@ -259,7 +273,8 @@ class Gradient:
         known = [own.name for own in self.variables]
         if functional not in self.functionals or variable not in known:
             raise InputError(
-                f'no derivative of "{functional}" by "{variable}"; there are {", ".join(self.functionals)} by {", ".join(known)}'
+                f'no derivative of "{functional}" by "{variable}"; there are {", ".join(self.functionals)} by '
+                f"{', '.join(known)}"
             )
         return float(self.rows[self.functionals.index(functional), known.index(variable)])
 
@@ -273,7 +288,9 @@ class Gradient:
         return pandas.DataFrame(self.rows, index=self.functionals, columns=[own.name for own in self.variables])
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{html.escape(own.name)} [{html.escape(own.unit)}]</th>" for own in self.variables[:_COLUMNS])
+        head = "".join(
+            f"<th>{html.escape(own.name)} [{html.escape(own.unit)}]</th>" for own in self.variables[:_COLUMNS]
+        )
         more = f"<th>and {len(self.variables) - _COLUMNS} more</th>" if len(self.variables) > _COLUMNS else ""
         rows = "".join(
             f"<tr><td>{html.escape(name)} [{html.escape(unit)}]</td><td>{value:.9g}</td>"

@@ -31,8 +31,9 @@ def variable(initial: float | Sequence[float], bounds: tuple[float, float], unit
 def scene(**variables: Variable) -> Callable[[Callable[[Any, Model], Any]], Scene]:
     """Makes a scene of a function ``(x, m)`` of its variables and of a builder, which is run once.
 
-    ``x`` is an array of numbers that record what becomes of them: ``x[0]``, ``x["length"]``, ``x.length``, ``np.sin(x)``, ``A @ x``,
-    slices. What exists must not depend on them; numbers may, and the map from them has exact derivatives.
+    ``x`` is an array of numbers that record what becomes of them: ``x[0]``, ``x["length"]``, ``x.length``,
+    ``np.sin(x)``, ``A @ x``, slices. What exists must not depend on them; numbers may, and the map from them has exact
+    derivatives.
     """
     for name, own in variables.items():
         if not isinstance(own, Variable):

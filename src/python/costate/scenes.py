@@ -19,7 +19,6 @@ from .errors import InputError, RunWarning
 from .parts import Part, describe
 from .results import Array, Gradient, Run
 
-
 #: Lines of the text that a builder made, and where in Python they come from.
 Places = Mapping[int, tuple[str, int]]
 
@@ -56,11 +55,12 @@ class Functional(NamedTuple):
 
 
 class Scene:
-    """A mechanism as a function of its design variables: ``load``, ``loads``, ``built_in``, ``Model`` and ``scene`` give one.
+    """A mechanism as a function of its design variables: ``load``, ``loads``, ``built_in``, ``Model`` and ``scene``
+    give one.
 
-    A design is an array in the order of ``variables``, or a table of some of them by name, the others as they are at first; without one
-    it is the initial design. Calls release the lock of the interpreter, so that several threads run at once, and end with
-    ``KeyboardInterrupt`` after the step in hand when Ctrl-C is pressed.
+    A design is an array in the order of ``variables``, or a table of some of them by name, the others as they are at
+    first; without one it is the initial design. Calls release the lock of the interpreter, so that several threads run
+    at once, and end with ``KeyboardInterrupt`` after the step in hand when Ctrl-C is pressed.
     """
 
     def __init__(self, native: _costate.Scene, made_by: tuple[Any, ...], places: Places | None = None) -> None:
@@ -139,8 +139,8 @@ class Scene:
     def _vector(self, own: Array, what: str) -> Array:
         if own.shape != (len(self.variables),):
             raise InputError(
-                f'{what} of shape {own.shape} for scene "{self.name}", which has {len(self.variables)} design variables: shape '
-                f"({len(self.variables)},) is wanted"
+                f'{what} of shape {own.shape} for scene "{self.name}", which has {len(self.variables)} design variables: '
+                f"shape ({len(self.variables)},) is wanted"
             )
         return own
 
@@ -185,8 +185,8 @@ class Scene:
     def value_and_grad(self, x: Any = None, functionals: str | Sequence[str] | None = None) -> tuple[Any, Array]:
         """Values of functionals and their derivatives by all design variables.
 
-        Of one functional by its name a float and an array ``(variables,)``; of several, or of all, arrays ``(functionals,)`` and
-        ``(functionals, variables)``.
+        Of one functional by its name a float and an array ``(variables,)``; of several, or of all, arrays
+        ``(functionals,)`` and ``(functionals, variables)``.
         """
         places = self._places(functionals)
         run = self._run(self.design(x))
@@ -205,18 +205,19 @@ class Scene:
         values, rows = self.value_and_grad(x, functionals)
         return values, rows @ direction
 
-    def vjp(
-        self, x: Any, functionals: str | Sequence[str] | None = None
-    ) -> tuple[Any, Callable[[Any], Array]]:
-        """Values of functionals, and a function that takes a weight for each and gives the derivative of their weighted sum by all
-        design variables: one sweep backwards for the functionals whose weights are not 0, when it is called."""
+    def vjp(self, x: Any, functionals: str | Sequence[str] | None = None) -> tuple[Any, Callable[[Any], Array]]:
+        """Values of functionals, and a function that takes a weight for each and gives the derivative of their weighted
+        sum by all design variables: one sweep backwards for the functionals whose weights are not 0, when it is
+        called."""
         places = self._places(functionals)
         run = self._run(self.design(x))
 
         def pull(weights: Any) -> Array:
             own = np.atleast_1d(_reals(weights, "weights of functionals"))
             if own.shape != (len(places),):
-                raise InputError(f"weights of shape {own.shape} for {len(places)} functionals: shape ({len(places)},) is wanted")
+                raise InputError(
+                    f"weights of shape {own.shape} for {len(places)} functionals: shape ({len(places)},) is wanted"
+                )
             counted = np.flatnonzero(own)
             if not counted.size:
                 return np.zeros(len(self.variables))
@@ -232,7 +233,8 @@ class Scene:
         return self._vector(_reals(tangent, "a direction"), "a direction")
 
     def apply(self, inputs: Mapping[str, float]) -> dict[str, float]:
-        """Values of functionals by their names for design variables by theirs: the entry that couplings of solvers ask for."""
+        """Values of functionals by their names for design variables by theirs: the entry that couplings of solvers ask
+        for."""
         return {own.name: float(value) for own, value in zip(self.functionals, self.values(inputs))}
 
     def vector_jacobian_product(self, inputs: Mapping[str, float], cotangents: Mapping[str, float]) -> dict[str, float]:
@@ -286,7 +288,8 @@ def _real(given: Any, what: str) -> float:
 
 
 def load(path: str | os.PathLike[str], *, parts: Sequence[Part | type[Part]] = ()) -> Scene:
-    """Reads a scene file, which may use parts of one's own by their names: ``type = "duffing"`` is the class ``Duffing``.
+    """Reads a scene file, which may use parts of one's own by their names: ``type = "duffing"`` is the class
+    ``Duffing``.
 
     Raises ``SceneError`` with a line for each mistake, ``OSError`` where there is no such file.
     """

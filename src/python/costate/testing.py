@@ -1,5 +1,5 @@
-"""Checks for parts of one's own, which the library's pass too: what is derived from the recording of a formula is held against the formula in
-other numbers and by complex steps, at random states, to 1e-12."""
+"""Checks for parts of one's own, which the library's pass too: what is derived from the recording of a formula is held
+against the formula in other numbers and by complex steps, at random states, to 1e-12."""
 
 from __future__ import annotations
 

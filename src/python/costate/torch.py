@@ -1,4 +1,5 @@
-"""Scenes in PyTorch: ``function(scene)`` takes a tensor and gives one, and ``backward`` goes through it by the adjoint."""
+"""Scenes in PyTorch: ``function(scene)`` takes a tensor and gives one, and ``backward`` goes through it by the
+adjoint."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from .scenes import Scene
 
 
 def function(scene: Scene, functionals: str | Sequence[str] | None = None) -> Callable[[torch.Tensor], torch.Tensor]:
-    """A function of a design, a tensor ``(variables,)``, that gives functionals: a scalar of one by its name, otherwise a tensor."""
+    """A function of a design, a tensor ``(variables,)``, that gives functionals: a scalar of one by its name, otherwise
+    a tensor."""
     scene._places(functionals)
 
     class Simulation(torch.autograd.Function):

@@ -35,7 +35,9 @@ def model():
 
 
 def test_what_is_built_gives_the_bits_of_the_file(pendulum):
-    assert same_bits(model().scene().value_and_grad(functionals="height")[1], pendulum.value_and_grad(functionals="height")[1][:1])
+    assert same_bits(
+        model().scene().value_and_grad(functionals="height")[1], pendulum.value_and_grad(functionals="height")[1][:1]
+    )
 
 
 @pytest.mark.parametrize(("section", "form"), METHODS, ids=lambda own: own.name or "only")
@@ -75,7 +77,15 @@ def test_stubs_pass_the_strictest_check_of_types(tmp_path):
     (tmp_path / "wrong.py").write_text("import costate\ncostate.Model().point('bob', place=[0, 0, 0])\n")
 
     def check(*files):
-        line = [sys.executable, "-m", "mypy", "--strict", "--config-file", str(Path(__file__).parents[1] / "pyproject.toml"), *files]
+        line = [
+            sys.executable,
+            "-m",
+            "mypy",
+            "--strict",
+            "--config-file",
+            str(Path(__file__).parents[1] / "pyproject.toml"),
+            *files,
+        ]
         return subprocess.run(line, capture_output=True, text=True, cwd=tmp_path)
 
     right = check("user.py")
@@ -131,13 +141,15 @@ def test_values_that_no_file_can_hold_are_refused():
 
 def test_names_of_any_letters_and_words_of_python():
     m = model()
-    m.material("st eel \"7\"", young=2e11, poisson=0.3, density=7800)
-    m.section.rectangle("bar", width=0.02, height=0.02, material="st eel \"7\"")
+    m.material('st eel "7"', young=2e11, poisson=0.3, density=7800)
+    m.section.rectangle("bar", width=0.02, height=0.02, material='st eel "7"')
     m.beam("arm", from_=[0, 0, 1], to=[1, 0, 1], elements=2, section="bar", second_axis=[0, 1, 0], clamped=["start"])
     assert m.scene().run(steps=2, end=0.01).nodes
 
 
-@pytest.mark.parametrize("value", [1e-300, -2.5e-7, 1 / 3, 1e22, -0.0, 123456789.123456789, np.float32(0.1), np.int64(3), True])
+@pytest.mark.parametrize(
+    "value", [1e-300, -2.5e-7, 1 / 3, 1e22, -0.0, 123456789.123456789, np.float32(0.1), np.int64(3), True]
+)
 def test_numbers_keep_every_bit(value):
     m = model()
     m.force("f", on="bob", direction=[1, 0, 0], size=float(value))
@@ -150,7 +162,12 @@ def test_numbers_keep_every_bit(value):
 
 def test_tables_lists_and_arrays():
     m = model()
-    m.force("f", on="bob", direction=np.array([1, 0, 0]), size={"type": "sine", "amplitude": 2, "angular_frequency": np.float64(3.5)})
+    m.force(
+        "f",
+        on="bob",
+        direction=np.array([1, 0, 0]),
+        size={"type": "sine", "amplitude": 2, "angular_frequency": np.float64(3.5)},
+    )
     m.drawing(points=np.eye(3))
     m.optimization(minimize="height", constraint=[{"functional": "height", "at_most": 3.0}])
     assert m.scene().run().values.shape == (1,)
@@ -196,7 +213,7 @@ FORMULAS = [
     lambda x: x[0] - 2 * x[1] + 1,
     lambda x: 1 - x.x * x["y"],
     lambda x: x[0] / x[1] + 2 / x[0],
-    lambda x: -x[0] ** 3 + x[1] ** -2,
+    lambda x: -(x[0] ** 3) + x[1] ** -2,
     lambda x: x[0] ** 0.5 + x[1] ** 1.5,
     lambda x: 2.0 ** x[0] + x[0] ** x[1],
     lambda x: np.sin(x).sum() + np.cos(x[0]),
@@ -295,6 +312,10 @@ def test_every_key_of_a_file_has_its_argument(name):
     for section, entries in tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8")).items():
         if section in known:
             shape = next(own.shape for own in description.sections() if own.name == section)
-            listed = {"listed": entries, "named": entries.values() if isinstance(entries, dict) else (), "once": [entries]}[shape]
+            listed = {
+                "listed": entries,
+                "named": entries.values() if isinstance(entries, dict) else (),
+                "once": [entries],
+            }[shape]
             for entry in listed:
                 assert set(entry) - {"type", "for"} <= known[section]

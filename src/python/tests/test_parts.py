@@ -61,8 +61,10 @@ class Speed(costate.Quantity):
 def duffing(spring=None):
     m = costate.Model("duffing")
     m.settings(end=10.0, steps=400)
-    x = [m.variable(name, value, (0, 10), unit) for name, value, unit in
-         [("m", 1.0, "kg"), ("k", 2.0, "N/m"), ("k3", 0.5, "N/m3"), ("q0", 1.5, "m")]]
+    x = [
+        m.variable(name, value, (0, 10), unit)
+        for name, value, unit in [("m", 1.0, "kg"), ("k", 2.0, "N/m"), ("k3", 0.5, "N/m3"), ("q0", 1.5, "m")]
+    ]
     m.coordinate("oscillator", initial=x[3])
     m.add(Duffing, "mass and spring", on="oscillator", mass=x[0], stiffness=x[1], cubic=x[2])
     if spring is not None:
@@ -75,7 +77,11 @@ def test_the_oscillator_of_the_readme_gives_its_numbers():
     value, row = duffing().value_and_grad(functionals="integral of q")
     assert f"{value:.12f}" == "-0.792871662584"
     assert [f"{entry:.12f}" for entry in row] == [
-        "2.711078308610", "-0.964325821041", "-1.564853333054", "-1.571816663759"]
+        "2.711078308610",
+        "-0.964325821041",
+        "-1.564853333054",
+        "-1.571816663759",
+    ]
 
 
 def test_a_spring_in_python_gives_the_bits_of_the_built_in_one():
@@ -141,8 +147,10 @@ def test_a_scene_file_uses_parts_by_their_names(five_bar):
     for spring, end in [("A", -0.5), ("B", 0.5)]:
         old = f'name = "spring {spring}"\ntype = "line"\nbetween = ["ground", "bar 2"]\npoints = ["{spring}", "P2"]'
         assert old in text
-        places = f"x_a = {end}\ny_a = 0\nz_a = 0\nx_b = \"0.5 * length_2\"\ny_b = 0\nz_b = 0"
-        text = text.replace(old, f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\n{places}')
+        places = f'x_a = {end}\ny_a = 0\nz_a = 0\nx_b = "0.5 * length_2"\ny_b = 0\nz_b = 0'
+        text = text.replace(
+            old, f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\n{places}'
+        )
     scene = costate.loads(text, "five-bar.toml", parts=[BodySpring])
     values, rows = scene.value_and_grad()
     others, derivatives = five_bar.value_and_grad()
@@ -169,7 +177,9 @@ def top(add):
     mass = m.variable("mass", 2.0, (1, 3), "kg")
     turned = {"type": "angle", "axis": [1, 0, 0], "angle": 0.3}
     place = np.array([0.0, -np.sin(0.3), np.cos(0.3)])
-    m.body("top", position=place, orientation=turned, mass=mass, inertia=[0.1, 0.1, 0.05], angular_velocity=80.0 * place)
+    m.body(
+        "top", position=place, orientation=turned, mass=mass, inertia=[0.1, 0.1, 0.05], angular_velocity=80.0 * place
+    )
     add(m)
     m.functional.position("x", on="top", direction=[1, 0, 0], over="terminal")
     return m.scene()
@@ -372,7 +382,9 @@ def test_nodes_must_be_of_the_kind_that_was_recorded():
     m.body("bar", mass=1.0, inertia=[1.0, 1.0, 1.0])
     m.add(Wire, "wire", on="bar", curvature=1.0)
     scene = m.scene()
-    with pytest.raises(costate.InputError, match='test_parts.py, line .*"wire" needs a point as its node 1, and "bar" is a body'):
+    with pytest.raises(
+        costate.InputError, match='test_parts.py, line .*"wire" needs a point as its node 1, and "bar" is a body'
+    ):
         scene.run()
 
 

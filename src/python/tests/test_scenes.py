@@ -160,12 +160,12 @@ def test_options_replace_the_settings(pendulum):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("mass = \"mass\"", "mass = \"mas\"", ['"mas"', "mass"]),
-        ("mass = \"mass\"", "masss = 1", ['"masss"', 'did you mean "mass"']),
+        ('mass = "mass"', 'mass = "mas"', ['"mas"', "mass"]),
+        ('mass = "mass"', "masss = 1", ['"masss"', 'did you mean "mass"']),
         ('"ground", "bob"', '"ground", "bobb"', ['"bobb"', '"bob"']),
         ("steps = 50", "steps = 0", ["steps"]),
         ("version = 1", "version = ", ["toml", "2:"]),
-        ("type = \"distance\"", "type = \"distanze\"", ['"distanze"', "distance"]),
+        ('type = "distance"', 'type = "distanze"', ['"distanze"', "distance"]),
     ],
 )
 def test_mistakes_of_a_scene_are_told_with_their_places(old, new, said):

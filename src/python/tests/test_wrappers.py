@@ -92,13 +92,20 @@ def test_openmdao_runs_scenarios_at_once(pendulum):
     for name, scenario in scene.scenarios.items():
         assert own.get_val(f"height_{name}")[0] == scenario.run()["height"]
         totals = own.compute_totals(of=[f"height_{name}"], wrt=["length"])
-        np.testing.assert_allclose(totals[f"height_{name}", "length"][0], scenario.value_and_grad(functionals="height")[1], rtol=1e-14)
+        np.testing.assert_allclose(
+            totals[f"height_{name}", "length"][0], scenario.value_and_grad(functionals="height")[1], rtol=1e-14
+        )
 
 
 def test_scipy_minimizes_with_exact_gradients(five_bar):
     optimize = pytest.importorskip("scipy.optimize")
     bounds = [own.bounds for own in five_bar.variables]
     found = optimize.minimize(
-        costate.value_and_grad(five_bar, "psi"), five_bar.initial, jac=True, bounds=bounds, method="L-BFGS-B", options={"maxiter": 3}
+        costate.value_and_grad(five_bar, "psi"),
+        five_bar.initial,
+        jac=True,
+        bounds=bounds,
+        method="L-BFGS-B",
+        options={"maxiter": 3},
     )
     assert found.fun < five_bar.run()["psi"]
