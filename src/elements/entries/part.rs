@@ -158,7 +158,7 @@ fn make_in_any<E: MadeEntry, L: ?Sized + 'static>(
         .or_else(|| make::<E, Tangents, L>(entry, given, erase))
 }
 
-/// Parts of an entry that is a type, and of one that is made while the program runs, of which `$erase` makes a formula of type `$erased`.
+/// The parts of entries whose formulas are of a kind: of one that is a type, and of one that is made while the program runs.
 macro_rules! part_of {
     ($law:path, $erased:ty) => {
         impl $crate::elements::entries::Part<$erased> {

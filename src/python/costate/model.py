@@ -60,7 +60,7 @@ class Model:
         if count is None:
             return argument(name)
         numbers = [argument(f"{name}[{place}]") for place in range(count)]
-        return Numbers(numbers, {})
+        return Numbers(numbers)
 
     def define(self, name: str, value: Any) -> Any:
         """A named number or vector, which formulas know by its name."""
@@ -68,7 +68,7 @@ class Model:
         self._defined_at[name] = user_line()
         if np.ndim(np.array(value, dtype=object)) == 0:
             return argument(name)
-        return Numbers([argument(f"{name}.{axis}") for axis in "xyz"], {})
+        return Numbers([argument(f"{name}.{axis}") for axis in "xyz"])
 
     def add(self, part: Element | Constraint | Quantity | type, name: str, **keys: Any) -> str:
         """Adds a part of one's own: its nodes by ``on`` or ``between``, its parameters by their names, of a quantity
@@ -171,7 +171,7 @@ def _numbers_in(value: Any) -> list[Number]:
     """Numbers of formulas in lists and tables."""
     if isinstance(value, Number):
         return [value]
-    if isinstance(value, np.ndarray):
+    if isinstance(value, (np.ndarray, Numbers)):
         return _numbers_in(value.tolist())
     if isinstance(value, Mapping):
         return [own for part in value.values() for own in _numbers_in(part)]
@@ -196,7 +196,7 @@ def _toml(value: Any, formulas: Formulas) -> str:
         return str(int(value))
     if isinstance(value, (float, np.floating)):
         return literal(float(value)).strip("()")
-    if isinstance(value, np.ndarray):
+    if isinstance(value, (np.ndarray, Numbers)):
         return _toml(value.tolist(), formulas)
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_toml(own, formulas) for own in value)}]"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import operator
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from numbers import Real
 from typing import Any, NoReturn
 
@@ -242,33 +242,47 @@ def rotation(e: Any) -> Any:
     )
 
 
-class Numbers(np.ndarray):
-    """An array of numbers, which also have names: ``x[0]``, ``x["length"]``, ``x.length``."""
+class Numbers(np.lib.mixins.NDArrayOperatorsMixin):
+    """An array of numbers, which also have names: ``x[0]``, ``x["length"]``, ``x.length``. Whatever else is asked of it
+    is asked of the array; a name comes first, as ``size`` of a part whose parameter that is."""
 
-    names: dict[str, Any]
+    def __init__(self, numbers: Sequence[Any], names: Mapping[str, Any] | None = None) -> None:
+        self._array = np.empty(len(numbers), dtype=object)
+        self._array[:] = numbers
+        self._names = dict(names or {})
 
-    def __new__(cls, numbers: Sequence[Number], names: dict[str, Any]) -> Numbers:
-        own = np.empty(len(numbers), dtype=object).view(cls)
-        own[:] = numbers
-        own.names = names
-        return own
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
+        return np.array(self._array, dtype=dtype)
 
-    def __array_finalize__(self, of: Any) -> None:
-        self.names = {}
+    def __array_ufunc__(self, function: np.ufunc, method: str, *given: Any, **options: Any) -> Any:
+        return getattr(function, method)(*(own._array if isinstance(own, Numbers) else own for own in given), **options)
+
+    def __len__(self) -> int:
+        return len(self._array)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._array)
 
     def __getitem__(self, key: Any) -> Any:
         if not isinstance(key, str):
-            # a part of it has no names
-            return np.asarray(self)[key]
-        if key not in self.names:
-            raise InputError(f'there is no number "{key}" here; there are {", ".join(self.names) or "none with names"}')
-        return self.names[key]
+            return self._array[key]
+        if key not in self._names:
+            raise InputError(
+                f'there is no number "{key}" here; there are {", ".join(self._names) or "none with names"}'
+            )
+        return self._names[key]
 
     def __getattr__(self, name: str) -> Any:
-        names = self.__dict__.get("names", {})
+        # what copies an object asks before there is anything
+        names, array = self.__dict__.get("_names", {}), self.__dict__.get("_array")
         if name in names:
             return names[name]
+        if hasattr(array, name) and not name.startswith("_"):
+            return getattr(array, name)
         raise AttributeError(f'there is no number "{name}" here; there are {", ".join(names) or "none with names"}')
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} numbers of a formula: {', '.join(self._names)}>"
 
 
 def in_order(results: Iterable[Number]) -> list[Number]:

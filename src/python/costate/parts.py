@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -84,43 +84,41 @@ class Element(Part):
     * ``force(v, q, p, t)``: the generalized non-conservative force, a number for each coordinate
     * ``strains(q, p, t)`` with ``stored(e, p)`` [J], ``damping(e, rate, p, t)``, ``dissipation(e, rate, p)`` [W]
     * ``mass(p)`` [kg]
+    * ``breakpoints(p)``: times at which a load jumps [s]; steps end there
     """
 
     _kind = "element"
 
     def _formulas(self, recorder: _Recorder) -> dict[str, Any]:
         a, v, q, p, t = recorder.state_and_more()
-        n, formulas, strains = len(q), {}, 0
-
-        def add(
-            name: str, given: Sequence[Any], count: int | None, *, scalar: bool = False, with_state: bool = False
-        ) -> None:
-            if (method := getattr(self, name, None)) is not None:
-                call = [State(*given[:3]), *given[3:]] if with_state else list(given)
-                formulas[name] = recorder.record(
-                    f"{name} of {type(self).__name__}", method, call, given, 1 if scalar else count
-                )
-
-        add("residual", (a, v, q, p, t), n, with_state=True)
-        add("kinetic", (v, q, p), 1, scalar=True)
-        add("potential", (q, p), 1, scalar=True)
-        add("strain_energy", (q, p), 1, scalar=True)
-        add("force", (v, q, p, t), n)
-        add("mass", (p,), 1, scalar=True)
-        add("strains", (q, p, t), None)
-        if "strains" in formulas:
-            strains = len(formulas["strains"]["results"])
-            e, rate = recorder.list("e", strains), recorder.list("rate", strains)
-            add("stored", (e, p), 1, scalar=True)
-            add("damping", (e, rate, p, t), strains)
-            add("dissipation", (e, rate, p), 1, scalar=True)
+        n = len(q)
+        known: dict[str, tuple[list[Any], int | None]] = {
+            "residual": ([State(a, v, q), p, t], n),
+            "kinetic": ([v, q, p], 1),
+            "potential": ([q, p], 1),
+            "strain_energy": ([q, p], 1),
+            "force": ([v, q, p, t], n),
+            "mass": ([p], 1),
+            "strains": ([q, p, t], None),
+            "breakpoints": ([p], None),
+        }
+        formulas = recorder.recorded(self, known)
+        strains = len(formulas["strains"]["results"]) if "strains" in formulas else 0
+        e, rate = recorder.arguments("e", strains), recorder.arguments("rate", strains)
+        of_strains = recorder.recorded(
+            self, {"stored": ([e, p], 1), "damping": ([e, rate, p, t], strains), "dissipation": ([e, rate, p], 1)}
+        )
+        if of_strains and not strains:
+            raise InputError(f"{type(self).__name__} has {', '.join(of_strains)}, but no strains(q, p, t)")
+        formulas |= of_strains
         if not formulas:
             raise InputError(f"{type(self).__name__} has no formula: give it residual, or energies and forces")
         return {"formulas": formulas, "strains": strains}
 
 
 class Constraint(Part):
-    """A joint: ``g(q, p, t)`` gives the equations g = 0, scaled so that they are lengths or angles."""
+    """A joint: ``g(q, p, t)`` gives the equations g = 0, scaled so that they are lengths or angles; ``breakpoints(p)``
+    the times [s] at which the motion that it prescribes is not smooth."""
 
     _kind = "constraint"
 
@@ -130,8 +128,8 @@ class Constraint(Part):
 
     def _formulas(self, recorder: _Recorder) -> dict[str, Any]:
         _, _, q, p, t = recorder.state_and_more()
-        own = recorder.record(f"g of {type(self).__name__}", self.g, [q, p, t], (q, p, t), None)
-        return {"formulas": {"g": own}, "equations": len(own["results"])}
+        formulas = recorder.recorded(self, {"g": ([q, p, t], None), "breakpoints": ([p], None)})
+        return {"formulas": formulas, "equations": len(formulas["g"]["results"])}
 
 
 class Quantity(Part):
@@ -147,8 +145,7 @@ class Quantity(Part):
 
     def _formulas(self, recorder: _Recorder) -> dict[str, Any]:
         a, v, q, p, t = recorder.state_and_more()
-        own = recorder.record(f"value of {type(self).__name__}", self.value, [State(a, v, q), p, t], (a, v, q, p, t), 1)
-        return {"formulas": {"value": own}, "unit": self.unit}
+        return {"formulas": recorder.recorded(self, {"value": ([State(a, v, q), p, t], 1)}), "unit": self.unit}
 
 
 class _Recorder:
@@ -158,26 +155,32 @@ class _Recorder:
         self.coordinates = coordinates
         self.parameters = parameters
 
-    def list(self, name: str, count: int) -> Any:
+    def arguments(self, name: str, count: int) -> Any:
         own = np.empty(count, dtype=object)
         own[:] = [argument(f"{name}[{place}]") for place in range(count)]
         return own
 
     def state_and_more(self) -> tuple[Any, Any, Any, Any, Number]:
         p = [argument(name) for name in self.parameters]
-        state = [self.list(name, self.coordinates) for name in "avq"]
+        state = [self.arguments(name, self.coordinates) for name in "avq"]
         return state[0], state[1], state[2], Numbers(p, dict(zip(self.parameters, p))), argument("t")
 
-    def record(
-        self, what: str, formula: Callable[..., Any], given: Sequence[Any], arguments: Sequence[Any], count: int | None
-    ) -> dict[str, Any]:
-        made = formula(*given)
+    def recorded(self, part: Part, known: Mapping[str, tuple[list[Any], int | None]]) -> dict[str, Any]:
+        """Tapes of the methods that a part has, of those that are known with what they get and how much they return."""
+        given = {name: own for name, own in known.items() if hasattr(part, name)}
+        return {name: self._tape(part, name, arguments, count) for name, (arguments, count) in given.items()}
+
+    def _tape(self, part: Part, name: str, arguments: Sequence[Any], count: int | None) -> dict[str, Any]:
+        what, made = f"{name} of {type(part).__name__}", getattr(part, name)(*arguments)
         if made is None:
             raise InputError(f"{what} returns nothing: return {'a number' if count == 1 else 'a list of numbers'}")
         results = list(np.ravel(np.array(made, dtype=object)))
         if count is not None and len(results) != count:
             raise InputError(f"{what} returns {len(results)} numbers, and {count} are wanted")
-        flat = [own for part in arguments for own in (part if isinstance(part, np.ndarray) else [part])]
+        flat: list[Number] = []
+        for own in arguments:
+            lists = [own.a, own.v, own.q] if isinstance(own, State) else [np.atleast_1d(np.array(own, dtype=object))]
+            flat.extend(number for numbers in lists for number in numbers)
         return tape(flat, results)
 
 

@@ -137,8 +137,8 @@ class Run:
     def _of_steps(self, what: str) -> _costate.Run:
         if self._native is None:
             raise InputError(
-                f"{what}: a run that was pickled has the arrays of its nodes, joints and functionals alone: run the scene "
-                "again"
+                f"{what}: a run that was pickled has the arrays of its nodes, joints and functionals alone: run the "
+                "scene again"
             )
         return self._native
 

@@ -139,8 +139,8 @@ class Scene:
     def _vector(self, own: Array, what: str) -> Array:
         if own.shape != (len(self.variables),):
             raise InputError(
-                f'{what} of shape {own.shape} for scene "{self.name}", which has {len(self.variables)} design variables: '
-                f"shape ({len(self.variables)},) is wanted"
+                f'{what} of shape {own.shape} for scene "{self.name}", which has {len(self.variables)} design '
+                f"variables: shape ({len(self.variables)},) is wanted"
             )
         return own
 

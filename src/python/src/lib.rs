@@ -1,4 +1,5 @@
-//! The library for Python: scenes, runs and gradients as objects with numpy arrays, and parts whose formulas Python has recorded.
+//! The library for Python: scenes, runs and gradients as objects with numpy arrays, and parts whose formulas Python has
+//! recorded.
 
 mod checks;
 mod doubts;

@@ -165,7 +165,8 @@ impl Scene {
     }
 }
 
-/// As [`Analysis::forward`](costate::sensitivity::Analysis::forward), with the finished steps of a run that a signal ended.
+/// As [`Analysis::forward`](costate::sensitivity::Analysis::forward), with the finished steps of a run that a signal
+/// ended.
 fn forward(prepared: &Prepared, signals: &mut Signals) -> Result<Forward, RunError> {
     let analysis = prepared.analysis();
     let (forward, stopped) = analysis.observed(&prepared.x, signals)?;

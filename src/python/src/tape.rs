@@ -90,6 +90,11 @@ impl Tape {
         }
     }
 
+    /// Number of results.
+    pub fn count(&self) -> usize {
+        self.results.len()
+    }
+
     /// The results for some arguments, one list behind the other.
     pub fn replay<S: Scalar>(&self, arguments: &[&[S]]) -> Vec<S> {
         let mut x = arguments.concat();

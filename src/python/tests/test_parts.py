@@ -244,6 +244,40 @@ def test_every_function_is_recorded_with_its_derivatives():
     costate.testing.check_element(Functions, [1.5])
 
 
+class Push(costate.Element):
+    """A load that begins at a time."""
+
+    nodes = ["coordinate"]
+    parameters = {"size": "N", "start": "s"}
+
+    def force(self, v, q, p, t):
+        return [costate.where(costate.less(t, p.start), 0.0, p.size)]
+
+    def breakpoints(self, p):
+        return [p.start]
+
+
+def test_steps_end_where_a_load_begins():
+    class Free(costate.Element):
+        """A mass."""
+
+        nodes = ["coordinate"]
+        parameters = {"mass": costate.positive("kg")}
+
+        def kinetic(self, v, q, p):
+            return 0.5 * p.mass * v[0] * v[0]
+
+    m = costate.Model("push")
+    m.settings(end=1.0, steps=7)
+    start = m.variable("start", 0.3, (0.1, 0.9), "s")
+    m.coordinate("x")
+    m.add(Free, "mass", on="x", mass=2.0)
+    m.add(Push, "push", on="x", size=3.0, start=start)
+    m.functional.coordinate("x", on="x", over="terminal")
+    value, row = m.scene().value_and_grad(functionals="x")
+    assert abs(value - 0.5 * 1.5 * 0.7**2) < 1e-13 and abs(row[0] + 1.5 * 0.7) < 1e-12
+
+
 class Power(costate.Element):
     """A spring with an exponent, which is an option."""
 
@@ -336,6 +370,7 @@ def test_formulas_that_make_no_sense_are_refused(body, said):
         ({"nodes": ["point"]}, "no formula"),
         ({"nodes": ["point"], "parameters": {"a b": "m"}}, '"a b"'),
         ({"nodes": ["point"], "parameters": {"on": "m"}}, '"on"'),
+        ({"nodes": ["point"], "stored": lambda self, e, p: 1.0}, "no strains(q, p, t)"),
     ],
 )
 def test_parts_without_what_they_need_are_refused(attributes, said):
