@@ -533,7 +533,7 @@ fn check_equation<C: AnyConstraint + 'static>(
         let reaction = physics.reaction(s.q, &mu, p, t);
         let by_rows: Vec<f64> = (0..n).map(|dof| (0..count).map(|row| mu[row] * rows[row * n + dof]).sum()).collect();
         agree("reaction", &reaction, &by_rows, 1.0)?;
-        let (of_q, of_p) = physics.reaction_gradient((s.q, p, t), &mu, &lambda);
+        let (of_q, of_p) = physics.along_rows((s.q, p, t), &mu, (&[NodeKind::Coordinates(n)], &lambda));
         let exact: Vec<f64> = (0..n).map(|dof| weighted(&mixed(0, Some(dof)))).collect();
         agree("gradient of the reaction to coordinates", &of_q, &exact, 1.0)?;
         let exact: Vec<f64> = (0..p.len()).map(|place| weighted(&mixed(1, Some(place)))).collect();

@@ -46,7 +46,7 @@ const WORDS: [&str; 12] = [
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
 const OTHERS: [(&str, &str, &str); 42] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
-    ("elements/dyn_layer.rs", "motion_derivatives reaction_gradient", "of what was recorded"),
+    ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
     ("program/formula.rs", "derived gradient", "of what was recorded"),
     ("program/derivatives.rs", "partials", "of the single operations of a recording: where all derivatives begin"),
@@ -83,12 +83,12 @@ const OTHERS: [(&str, &str, &str); 42] = [
     (
         "functionals/functional.rs",
         "share_transposed add_gradient",
-        "hands on to the programs of recordings, and to the one below",
+        "hands on to the programs of recordings, and to the reverse of a sparse system",
     ),
     (
         "functionals/reactions.rs",
-        "add_gradient length_gradient add_least_multipliers_transposed add_row_gradient",
-        "of the pseudoinverse, by the identity of Golub and Pereyra, and of the length in it: the last that are written",
+        "add_least_multipliers_transposed",
+        "the reverse of a sparse system whose entries are recorded",
     ),
     ("sensitivity/adjoint.rs", "adjoint", "the sweep back"),
     ("sensitivity/analysis.rs", "adjoint adjoint_by_parameters adjoint_of empty_gradient tangent", "begin sweeps"),

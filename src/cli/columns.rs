@@ -5,8 +5,10 @@ use crate::assembly::Node;
 use crate::elements::NodeKind;
 use crate::functionals::Sample;
 use crate::scalar::SpatialVector;
-use crate::scenes::{JointEnd, Prepared};
+use crate::scenes::{JointEnd, Prepared, unknown};
 
+/// Who has the column of the energy.
+const ENERGY: &str = "energy";
 const DIRECTIONS: [&str; 3] = ["x", "y", "z"];
 
 /// Time, coordinates, their rates, angular velocities, accelerations, energy, multipliers and loads of joints, what functionals measure.
@@ -15,6 +17,12 @@ pub struct Columns<'p> {
     /// Whether every element states its energy.
     energies: bool,
     ends: Vec<JointEnd>,
+}
+
+/// A column: whose it is, and what it is called.
+struct Column {
+    owner: String,
+    name: String,
 }
 
 impl<'p> Columns<'p> {
@@ -32,36 +40,79 @@ impl<'p> Columns<'p> {
     /// Their names: `bob.x [m]`, `bob.dx/dt [m/s]`, `bar.omega_x [rad/s]`, `bob.d2x/dt2 [m/s2]`, energy, `rod.mu1`, `rod.force_x [N]`,
     /// `hinge.moment_x [N m]`, then what functionals measure.
     pub fn names(&self) -> Vec<String> {
+        self.all().into_iter().map(|column| column.name).collect()
+    }
+
+    fn all(&self) -> Vec<Column> {
         let model = self.prepared.model();
-        let mut names = vec!["t [s]".to_string()];
+        let column = |owner: &str, name: String| Column { owner: owner.into(), name };
+        let of = |owner: &str, what: String| column(owner, format!("{owner}.{what}"));
+        let mut all = vec![column("", "t [s]".into())];
         for rate in [false, true] {
-            names.extend(
-                moving(model).flat_map(|node| (0..node.dofs.len()).map(move |index| coordinate_name(node, index, rate))),
-            );
+            for node in moving(model) {
+                all.extend((0..node.dofs.len()).map(|index| of(&node.name, coordinate_name(node, index, rate))));
+            }
         }
         for node in turning(self.prepared) {
-            names.extend(DIRECTIONS.map(|direction| format!("{}.omega_{direction} [rad/s]", node.name)));
+            all.extend(DIRECTIONS.map(|direction| of(&node.name, format!("omega_{direction} [rad/s]"))));
         }
         for node in moving(model) {
-            names.extend((0..accelerated(node)).map(|index| acceleration_name(node, index)));
+            all.extend((0..accelerated(node)).map(|index| of(&node.name, acceleration_name(node, index))));
         }
         if self.energies {
-            names.push("energy [J]".into());
+            all.push(column(ENERGY, "energy [J]".into()));
         }
         for joint in &model.constraints {
-            let (name, first) = (&joint.name, joint.equations.start);
-            names.extend(joint.equations.clone().map(|row| format!("{name}.mu{}", row - first + 1)));
+            all.extend((1..=joint.equations.len()).map(|row| of(&joint.name, format!("mu{row}"))));
         }
         for end in &self.ends {
             let name = &model.constraints[end.joint].name;
-            names.extend(DIRECTIONS.map(|direction| format!("{name}.force_{direction} [N]")));
+            all.extend(DIRECTIONS.map(|direction| of(name, format!("force_{direction} [N]"))));
             if end.turns {
-                names.extend(DIRECTIONS.map(|direction| format!("{name}.moment_{direction} [N m]")));
+                all.extend(DIRECTIONS.map(|direction| of(name, format!("moment_{direction} [N m]"))));
             }
         }
         let measured = courses(self.prepared);
-        names.extend(measured.map(|functional| format!("measured for {} [{}]", functional.name, functional.unit)));
-        names
+        all.extend(measured.map(|own| column(&own.name, format!("measured for {} [{}]", own.name, own.unit))));
+        all
+    }
+
+    /// The places of the time and of what some names stand for; of all columns if there are no names.
+    ///
+    /// # Errors
+    /// A name that has no column.
+    pub fn chosen(&self, names: &[String]) -> Result<Vec<usize>, String> {
+        let all = self.all();
+        if names.is_empty() {
+            return Ok((0..all.len()).collect());
+        }
+        let mut chosen = vec![0];
+        for name in names {
+            let owner = self.node_at_end(name).unwrap_or_else(|| name.replace(' ', ""));
+            let is_of = |column: &Column| {
+                let rest = column.owner.strip_prefix(name.as_str());
+                column.owner.replace(' ', "") == owner || rest.is_some_and(|rest| rest.starts_with(['[', ',']))
+            };
+            let before = chosen.len();
+            chosen.extend((1..all.len()).filter(|&place| is_of(&all[place])));
+            if chosen.len() == before {
+                let mut known: Vec<String> = all.into_iter().skip(1).map(|column| column.owner).collect();
+                known.dedup();
+                return Err(unknown("history", name, &known));
+            }
+        }
+        chosen.sort_unstable();
+        chosen.dedup();
+        Ok(chosen)
+    }
+
+    /// The node that `beam.start` or `beam.end` is.
+    fn node_at_end(&self, name: &str) -> Option<String> {
+        let (line, end) = name.rsplit_once('.').filter(|(_, end)| matches!(*end, "start" | "end"))?;
+        let mechanism = &self.prepared.mechanism;
+        let rings = &mechanism.outlined.iter().find(|own| own.name == line)?.rings;
+        let ring = if end == "start" { rings.first() } else { rings.last() };
+        Some(self.prepared.model().node(ring?.node).name.replace(' ', ""))
     }
 
     /// Joints whose loads have columns.
@@ -120,19 +171,19 @@ fn accelerated(node: &Node) -> usize {
     if matches!(node.kind, NodeKind::Coordinates(_)) { node.dofs.len() } else { 3 }
 }
 
+/// A coordinate or its rate, without the node.
 fn coordinate_name(node: &Node, index: usize, rate: bool) -> String {
     let (coordinate, unit, per_second) = match (node.kind, index) {
         (NodeKind::Coordinates(_), index) => (format!("q{index}"), "", ""),
         (kind, 0..3) => (kind.coordinate_name(index), " [m]", " [m/s]"),
         (kind, _) => (kind.coordinate_name(index), " [-]", " [1/s]"),
     };
-    let node = &node.name;
-    if rate { format!("{node}.d{coordinate}/dt{per_second}") } else { format!("{node}.{coordinate}{unit}") }
+    if rate { format!("d{coordinate}/dt{per_second}") } else { format!("{coordinate}{unit}") }
 }
 
 fn acceleration_name(node: &Node, index: usize) -> String {
     match node.kind {
-        NodeKind::Coordinates(_) => format!("{}.d2q{index}/dt2", node.name),
-        kind => format!("{}.d2{}/dt2 [m/s2]", node.name, kind.coordinate_name(index)),
+        NodeKind::Coordinates(_) => format!("d2q{index}/dt2"),
+        kind => format!("d2{}/dt2 [m/s2]", kind.coordinate_name(index)),
     }
 }

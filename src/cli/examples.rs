@@ -38,6 +38,7 @@ impl CommandLine<'_> {
                 (format!("optimize {better}"), "the problem that the scene states"),
                 (format!("optimize {better} --iterations 20 --json"), "with one JSON object behind the tables"),
             ],
+            "import" => vec![("import robot.urdf".into(), "writes robot.toml, held on the ground at its root link")],
             "sweep" => {
                 let own = self.scenes.iter().find(|own| own.name() == first);
                 let variable = own.and_then(|own| own.variables().into_iter().next());

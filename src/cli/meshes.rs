@@ -89,9 +89,10 @@ impl<'p> Meshes<'p> {
 
     fn mesh(&self, sample: &Sample<f64>) -> UnstructuredMesh {
         let (numbers, q) = (&self.prepared.mechanism.numbers, &sample.at.q[..]);
-        let points: Vec<[f64; 3]> = self.points.iter().map(|point| point.at(q)).collect();
-        let moved = self.points.iter().zip(&points).flat_map(|(point, now)| {
-            let start = point.at(&numbers.q);
+        // where they start: "Warp By Vector" shows them displaced, larger than they are if wanted
+        let points: Vec<[f64; 3]> = self.points.iter().map(|point| point.at(&numbers.q)).collect();
+        let moved = self.points.iter().zip(&points).flat_map(|(point, start)| {
+            let now = point.at(q);
             [0, 1, 2].map(|k| now[k] - start[k])
         });
         let turned = self.points.iter().flat_map(|point| point.rotation(&numbers.q, q));

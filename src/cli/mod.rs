@@ -43,6 +43,7 @@ mod failure;
 mod gradient;
 mod histories;
 mod history_files;
+mod import;
 mod interrupt;
 mod kept_moments;
 mod list;
@@ -104,6 +105,8 @@ enum Command {
     Check(check::CheckOptions),
     /// Write a commented scene file to start from
     New(new::NewOptions),
+    /// Make a scene file of a robot's description in URDF
+    Import(import::ImportOptions),
     /// Print the JSON schema of scene files, from which editors complete them
     Schema,
     /// List the scenes; of one scene its design variables and functionals
@@ -234,6 +237,7 @@ impl<'p> CommandLine<'p> {
             Command::Verify(options) => verify::run(options, self),
             Command::Check(options) => check::run(options, self),
             Command::New(options) => new::run(options, self),
+            Command::Import(options) => import::run(options, self),
             Command::Schema => check::schema(&self.parts),
             Command::List(options) => list::run(options, self),
             Command::Completions(options) => manual::complete(options, self),

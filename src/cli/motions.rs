@@ -2,9 +2,10 @@
 
 use super::results::{Snapshot, thinned};
 use crate::integrators::Mode;
-use crate::io::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
+use crate::io::{ColouredSurface, Facet, Frame, IoError, MotionPicture, Polyline, Trail, View};
 use crate::scenes::{Drawn, NodePoint, Prepared};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Moments of a drawn mode, in half a period.
 const MODE_MOMENTS: usize = 9;
@@ -12,8 +13,22 @@ const MODE_MOMENTS: usize = 9;
 const MODE_SHARE: f64 = 0.15;
 /// Most trails of the picture of the motion.
 const MOST_TRAILS: usize = 6;
+/// Most pictures of a film.
+const MOST_SHOTS: usize = 90;
+/// How long a film is, unless the motion itself can be watched \[s\].
+const FILM: f64 = 4.0;
+/// Motions that a film shows as fast as they are \[s\].
+const FILM_AS_LONG_AS_THE_MOTION: std::ops::RangeInclusive<f64> = 1.0..=12.0;
 /// An extent below this share of the largest is flat.
 const FLAT: f64 = 1e-3;
+
+/// When springs, dampers and links are drawn beside bodies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Links {
+    /// In the last pose: those of earlier ones would hide the bodies.
+    AtTheEnd,
+    Always,
+}
 
 /// Distance between the least and the largest of some numbers.
 pub fn extent(values: impl Iterator<Item = f64>) -> f64 {
@@ -24,7 +39,7 @@ pub fn extent(values: impl Iterator<Item = f64>) -> f64 {
 /// A mode of vibration through half a period, so large that it is seen; `None` if nothing that is drawn moves in it.
 pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<MotionPicture> {
     let angles = (0..MODE_MOMENTS).map(|k| PI * k as f64 / (MODE_MOMENTS - 1) as f64);
-    lapse(prepared, &mode_moments(prepared, q, mode, angles)?, None)
+    lapse(prepared, &mode_moments(prepared, q, mode, angles)?, None, Links::AtTheEnd)
 }
 
 /// A mode of vibration at some angles of its period, so large that it is seen; `None` if nothing that is drawn moves in it.
@@ -48,7 +63,7 @@ pub fn mode_moments(
         loads: Vec::new(),
     };
     let points = |size: f64| -> Option<Vec<[f64; 3]>> {
-        let picture = lapse(prepared, &[moved(0.0, size)], None)?;
+        let picture = lapse(prepared, &[moved(0.0, size)], None, Links::AtTheEnd)?;
         let lines = picture.frames.into_iter().flat_map(|frame| frame.lines).flat_map(|line| line.points);
         Some(lines.chain(picture.trails.into_iter().flat_map(|trail| trail.points)).chain(picture.anchors).collect())
     };
@@ -69,7 +84,27 @@ pub fn mode_moments(
 
 /// The time lapse, its last pose with shells as surfaces; `None` if nothing of the scene has a place in space.
 pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
-    lapse(prepared, moments, moments.last().and_then(|last| surface(prepared, last)))
+    lapse(prepared, moments, moments.last().and_then(|last| surface(prepared, last)), Links::AtTheEnd)
+}
+
+/// Writes the motion as a film; returns false if nothing of the scene has a place in space.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_film(prepared: &Prepared, moments: &[Snapshot], path: &Path) -> Result<bool, IoError> {
+    let (Some(first), Some(last)) = (moments.first(), moments.last()) else { return Ok(false) };
+    let span = last.t - first.t;
+    let count = moments.len().min(MOST_SHOTS);
+    let wanted = |k: usize| first.t + span * k as f64 / count as f64;
+    let mut chosen: Vec<usize> = (0..count).map(|k| moments.partition_point(|own| own.t < wanted(k))).collect();
+    chosen.push(moments.len() - 1);
+    chosen.dedup();
+    let shown: Vec<Snapshot> = chosen.into_iter().map(|place| moments[place].clone()).collect();
+    let Some(picture) = lapse(prepared, &shown, None, Links::Always) else { return Ok(false) };
+    let shots = shown.iter().enumerate().map(|(place, moment)| (place, surface(prepared, moment)));
+    let duration = if FILM_AS_LONG_AS_THE_MOTION.contains(&span) { span } else { FILM };
+    picture.write_film(shots.collect(), duration, path)?;
+    Ok(true)
 }
 
 /// The shells at a moment, coloured by their stress where that is known; `None` where there are none.
@@ -82,11 +117,16 @@ fn surface(prepared: &Prepared, moment: &Snapshot) -> Option<ColouredSurface> {
         pieces.into_iter().zip(values).map(|((corners, outlined), value)| Facet { corners, outlined, value })
     });
     let quantity = "von Mises stress [N/m2]".into();
-    (!surfaces.is_empty()).then(|| ColouredSurface { quantity, facets: facets.collect() })
+    (!surfaces.is_empty()).then(|| ColouredSurface { quantity, facets: facets.collect(), range: None })
 }
 
 /// Poses at some moments; with a surface for the last one it stands in place of the lines of shells.
-fn lapse(prepared: &Prepared, moments: &[Snapshot], surface: Option<ColouredSurface>) -> Option<MotionPicture> {
+fn lapse(
+    prepared: &Prepared,
+    moments: &[Snapshot],
+    surface: Option<ColouredSurface>,
+    shown: Links,
+) -> Option<MotionPicture> {
     let sketch = prepared.mechanism.sketch();
     if sketch.lines.is_empty() && sketch.followed.is_empty() {
         return None;
@@ -95,13 +135,18 @@ fn lapse(prepared: &Prepared, moments: &[Snapshot], surface: Option<ColouredSurf
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
         points: points.iter().map(|point| point.at(&moment.q)).collect(),
         role: usize::from(bodies && *drawn == Drawn::Link),
+        is_edge: *drawn == Drawn::Solid,
     };
     let frame = |(index, moment): (usize, &Snapshot)| {
         let is_last = index + 1 == moments.len();
-        // springs and dampers of earlier times would hide the bodies
-        let links = sketch.lines.iter().filter(|(drawn, _)| *drawn == Drawn::Link && (!bodies || is_last));
+        let has_links = !bodies || is_last || shown == Links::Always;
+        let links = sketch.lines.iter().filter(|(drawn, _)| *drawn == Drawn::Link && has_links);
         let covered = is_last && surface.is_some();
-        let others = sketch.lines.iter().filter(|(drawn, _)| *drawn == Drawn::Body || (*drawn == Drawn::Shell && !covered));
+        let others = sketch.lines.iter().filter(|(drawn, _)| match drawn {
+            Drawn::Body | Drawn::Solid => true,
+            Drawn::Shell => !covered,
+            Drawn::Link => false,
+        });
         Frame { time: moment.t, lines: links.chain(others).map(|own| line(own, moment)).collect() }
     };
     let trail = |(name, point): &(String, NodePoint)| Trail {
@@ -111,7 +156,8 @@ fn lapse(prepared: &Prepared, moments: &[Snapshot], surface: Option<ColouredSurf
     let frames: Vec<Frame> = thinned(moments).map(frame).collect();
     let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
     let title = prepared.scene.name();
-    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, surface, view: View::Isometric };
+    let anchors = sketch.anchors;
+    let mut motion = MotionPicture { title, frames, trails, anchors, surface, view: View::Isometric, only: None };
     motion.view = view(&motion);
     Some(motion)
 }

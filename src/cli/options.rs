@@ -44,6 +44,9 @@ pub struct SceneOptions {
     /// derivatives by the thickness of each shell element
     #[arg(long)]
     vtk: bool,
+    /// Write the motion as a film, too: film.png (APNG, which browsers play)
+    #[arg(long)]
+    film: bool,
     /// Write no report.html, and differentiate by nothing that only its colours show
     #[arg(long)]
     no_report: bool,
@@ -374,7 +377,7 @@ impl SceneOptions {
     /// What is written: by the options, else by the scene.
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
         let own = scene.output();
-        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes }
+        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, film: self.film || own.film, ..own }
     }
 
     /// Whether equilibria have to be stable.
@@ -392,7 +395,7 @@ impl SceneOptions {
     /// # Errors
     /// An option that asks for it; `what` has none.
     pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
-        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
+        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk), ("--film", self.film)];
         given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {
             Err(Failure::input(format!("{option}: {what} writes no histories of motions; leave it out")))
         })

@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::history_files::HistoryFiles;
 use super::kept_moments::KeptMoments;
 use super::meshes::Meshes;
-use super::motions::{extent, motion};
+use super::motions::{extent, motion, write_film};
 use crate::assembly::{Model, Node, NodeId, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::NodeKind;
@@ -13,7 +13,7 @@ use crate::functionals::{Functional, Measured, Sample, StepEnds};
 use crate::history::{Dense, Observer};
 use crate::integrators::{RunError, StartRecord, StepRecord};
 use crate::io::{Chart, Progress, Series, Style, write_file, write_panels};
-use crate::scenes::Prepared;
+use crate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
 
 /// Most points of a curve in a picture.
@@ -58,12 +58,15 @@ pub struct Results<'p> {
     histories: HistoryFiles,
     meshes: Option<Meshes<'p>>,
     columns: Columns<'p>,
+    /// Columns that are written.
+    written: Vec<usize>,
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
     is_conservative: bool,
     energy: Option<EnergyCourse>,
     measured_energy: Measured,
-    output: Output,
+    rows: Rows,
+    film: bool,
     /// Ends of steps that become known.
     ends: StepEnds<'p, f64>,
     row: Vec<f64>,
@@ -125,47 +128,45 @@ pub struct Finished {
 }
 
 /// At which times there are rows.
-enum Output {
+enum Rows {
     /// The start and the ends of steps.
-    Steps,
+    AtSteps,
     /// Multiples of `dt` and the end.
-    Multiples { dt: f64, next: u32, dense: Option<Box<Dense>> },
+    AtMultiples { dt: f64, next: u32, dense: Option<Box<Dense>> },
 }
 
 impl<'p> Results<'p> {
-    /// Begins the files in a folder; rows are those of steps, or at multiples of `output_step` [s].
+    /// Begins the files in a folder.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub fn begin(prepared: &'p Prepared<'p>, output_step: Option<f64>, folder: &Path) -> Result<Self, Failure> {
+    /// A history that the scene does not have; a file that cannot be written.
+    pub fn begin(prepared: &'p Prepared<'p>, output: &Output, folder: &Path) -> Result<Self, Failure> {
         let model = prepared.model();
         let columns = Columns::new(prepared);
         let energies = columns.have_energy();
-        let histories = HistoryFiles::create(folder, &columns.names())?;
+        let written = columns.chosen(&output.histories).map_err(Failure::input)?;
+        let names = columns.names();
+        let names: Vec<String> = written.iter().map(|&place| names[place].clone()).collect();
+        let histories = HistoryFiles::create(folder, &names)?;
         Ok(Results {
             prepared,
             folder: folder.to_path_buf(),
             histories,
-            meshes: None,
+            meshes: output.meshes.then(|| Meshes::new(prepared, folder)),
             columns,
+            written,
             dropped: Vec::new(),
             is_conservative: energies && !prepared.method.table.is_static() && model.is_conservative(),
             energy: None,
             measured_energy: Measured::energy(),
-            output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
+            rows: output.step.map_or(Rows::AtSteps, |dt| Rows::AtMultiples { dt, next: 0, dense: None }),
+            film: output.film,
             ends: StepEnds::new(&prepared.method.table),
             row: Vec::new(),
             kept: KeptMoments::default(),
             steps: 0,
             unwritten: None,
         })
-    }
-
-    /// Writes meshes, too.
-    #[must_use]
-    pub fn with_meshes(mut self) -> Self {
-        self.meshes = Some(Meshes::new(self.prepared, &self.folder));
-        self
     }
 
     /// A row of a sample at the end of a step.
@@ -195,7 +196,8 @@ impl<'p> Results<'p> {
         self.columns.add_row(&sample, energy, &mut self.row);
         // a full disk ends the files, not the simulation, whose other results may have room elsewhere
         if self.unwritten.is_none() {
-            let written = self.histories.row(&self.row);
+            let row: Vec<f64> = self.written.iter().map(|&place| self.row[place]).collect();
+            let written = self.histories.row(&row);
             let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
             let place =
                 if self.steps == 0 { "start".into() } else { format!("step {} (t = {} s)", self.steps, shortest(t)) };
@@ -216,7 +218,7 @@ impl<'p> Results<'p> {
 
     /// Rows at the multiples within the latest step; those at its end belong to the next one.
     fn add_multiples(&mut self) -> Result<(), RunError> {
-        while let Output::Multiples { dt, next, dense: Some(dense) } = &mut self.output {
+        while let Rows::AtMultiples { dt, next, dense: Some(dense) } = &mut self.rows {
             let ((start, end), t) = (dense.span(), f64::from(*next) * *dt);
             // a multiple within round-off of the end is the end
             if t >= end - 1e-9 * dt.min(end - start) {
@@ -231,7 +233,7 @@ impl<'p> Results<'p> {
 
     /// The row at the end of a run, where the last step did not bring it.
     fn add_end(&mut self) -> Result<(), RunError> {
-        if let Output::Multiples { dense: Some(dense), .. } = &self.output
+        if let Rows::AtMultiples { dense: Some(dense), .. } = &self.rows
             && self.steps > 0
         {
             let end = dense.span().1;
@@ -278,6 +280,14 @@ impl<'p> Results<'p> {
         if let Some(motion) = motion(self.prepared, &moments) {
             keep(motion.write(&folder.join("motion")).map_err(Failure::from), &picture("motion"));
         }
+        if self.film {
+            let film = folder.join("film.png");
+            match write_film(self.prepared, &moments, &film) {
+                Ok(true) => keep(Ok(()), &[film]),
+                Ok(false) => {}
+                Err(error) => keep(Err(error.into()), &[]),
+            }
+        }
         Finished { files, unwritten, charts, moments }
     }
 }
@@ -285,7 +295,7 @@ impl<'p> Results<'p> {
 impl Observer for Results<'_> {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         self.dropped.clone_from(&start.dropped);
-        if let Output::Multiples { dense, .. } = &mut self.output {
+        if let Rows::AtMultiples { dense, .. } = &mut self.rows {
             *dense = Some(Box::new(Dense::new(start)));
             return Ok(());
         }
@@ -295,7 +305,7 @@ impl Observer for Results<'_> {
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.steps += 1;
         self.dropped.clone_from(&step.dropped);
-        if let Output::Multiples { dense: Some(dense), .. } = &mut self.output {
+        if let Rows::AtMultiples { dense: Some(dense), .. } = &mut self.rows {
             dense.step(step);
             self.add_multiples()?;
             return Ok(true);
@@ -512,7 +522,7 @@ mod tests {
     }
 
     fn ran<'p>(prepared: &'p Prepared, folder: &Folder) -> Results<'p> {
-        let mut results = Results::begin(prepared, None, &folder.0).unwrap();
+        let mut results = Results::begin(prepared, &Output::default(), &folder.0).unwrap();
         let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut results).unwrap();
         assert_eq!(stopped, None);
         results

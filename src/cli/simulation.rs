@@ -84,8 +84,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];
     let progress = Progress::new("simulating", marks as u64);
     let output = options.output(prepared.scene);
-    let results = Results::begin(prepared, output.step, &folder)?;
-    let results = if output.meshes { results.with_meshes() } else { results };
+    let results = Results::begin(prepared, &output, &folder)?;
     let mut watched = Watched { results, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;

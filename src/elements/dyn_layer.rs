@@ -10,7 +10,7 @@ use crate::program::ArgumentKind::{
     Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
 };
 use crate::program::{
-    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, gradient_of,
+    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, continued, gradient_of,
 };
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
 use num_dual::Derivative;
@@ -779,18 +779,47 @@ impl ConstraintPhysics {
         work.run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t]))
     }
 
-    /// Gradient of lambda . A^T mu towards q, then towards all parameters.
-    pub fn reaction_gradient(&self, (q, p, t): (&[f64], &[f64], f64), mu: &[f64], lambda: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// Gradient of (A^T mu) . x' towards q and towards all parameters, where the coordinates x of nodes of these kinds move along such
+    /// numbers ([`NodeKind::movement`]).
+    pub(crate) fn along_rows(
+        &self,
+        (q, p, t): (&[f64], &[f64], f64),
+        mu: &[f64],
+        (kinds, along): (&[NodeKind], &[f64]),
+    ) -> (Vec<f64>, Vec<f64>) {
         let (n, m, count) = (self.0.dofs, self.0.parameters, self.0.equations);
         let first = 2 * n + m + 1;
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        let program =
-            self.formula().dense_program((ProgramKind::ReactionGradient, Codes::new()), count + n, |graph, x, outputs| {
-                let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
-                graph.reverse(&reaction, &x[first + count..], &x[n..2 * n + m])
+        let extra = count + along.len();
+        let codes: Codes = kinds
+            .iter()
+            .map(|kind| match kind {
+                NodeKind::Body => 0,
+                NodeKind::Natural => 1,
+                other => 2 + other.dofs() as u32,
+            })
+            .collect();
+        let program = self.formula().dense_program((ProgramKind::AlongRows, codes), extra, |graph, x, outputs| {
+            let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
+            let arguments = [&x[n..2 * n], &x[first + count..]].concat();
+            let movement = continued(graph, &arguments, |arguments| {
+                let (mut q, mut along) = arguments.split_at(n);
+                let of_node = |kind: &NodeKind| {
+                    let (own, rest) = (q.split_at(kind.dofs()), along.split_at(kind.forces()));
+                    (q, along) = (own.1, rest.1);
+                    kind.movement(own.0, rest.0)
+                };
+                kinds.iter().flat_map(of_node).collect()
             });
+            let work = reaction.into_iter().zip(movement).fold(graph.zero(), |sum, (force, moved)| {
+                let term = graph.mul(force, moved);
+                graph.add(sum, term)
+            });
+            let one = graph.constant(1.0);
+            graph.reverse(&[work], &[one], &x[n..2 * n + m])
+        });
         let zeros = vec![0.0; n];
-        let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).chain(lambda).copied().collect();
+        let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).chain(along).copied().collect();
         let mut outputs = vec![0.0; n + m];
         program.run(&inputs, &mut outputs, &mut ProgramWork::default());
         let of_p = outputs.split_off(n);

@@ -224,6 +224,28 @@ impl NodeKind {
         }
     }
 
+    /// How many numbers a force on it has: those of a force and a moment, or its coordinates.
+    pub(crate) fn forces(self) -> usize {
+        if self.has_axes() { 6 } else { self.dofs() }
+    }
+
+    /// How its coordinates move along [`forces`](NodeKind::forces): with a place, and with a turn about the axes of the body, or those of the
+    /// world with natural coordinates.
+    pub(crate) fn movement<S: Scalar>(self, q: &[S], along: &[S]) -> Vec<S> {
+        match self {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => along.to_vec(),
+            NodeKind::Body => {
+                let turned = Quaternion::from_slice(&q[3..]).rate_of_body_velocity(Vector3::first_three(&along[3..]));
+                along[..3].iter().copied().chain(turned).collect()
+            }
+            NodeKind::Natural => {
+                let turn = Vector3::first_three(&along[3..]);
+                let axes = columns(q).into_iter().flat_map(|axis| turn.cross(&axis).components());
+                along[..3].iter().copied().chain(axes).collect()
+            }
+        }
+    }
+
     /// Axes of the node in the world, the columns of R; those of the world for nodes without axes.
     #[inline(always)]
     pub fn axes<S: Scalar>(self, q: &[S]) -> [Vector3<S>; 3] {

@@ -8,13 +8,13 @@
 //!
 //! mu* - A y = 0,  s - A^T mu* = 0,  y - K^T w = 0,  -K s = -K F,
 //!
-//! a sparse system, and a smooth function of the state that depends on the choice K only by round-off. y = A^+ mu*, where A^+ is the
-//! pseudoinverse of A on the span of the kept rows; with -b, 0, 0, 0 on the right y = A^+ b.
+//! a sparse system, and a smooth function of the state that depends on the choice K only by round-off.
 
+use super::aggregate::derivatives;
 use crate::assembly::Model;
 use crate::elements::{FormulaWork, NodeKind, RunScalar};
 use crate::linalg::{Backend, Factorization, SparsePattern};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Tangents};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -132,7 +132,7 @@ impl Columns {
             .map(|node| {
                 (!node.fixed).then(|| {
                     let first = count;
-                    count += if node.kind.has_axes() { 6 } else { node.dofs.len() };
+                    count += node.kind.forces();
                     moments.extend(node.kind.has_axes().then_some(first + 3..first + 6));
                     first
                 })
@@ -142,7 +142,7 @@ impl Columns {
     }
 }
 
-/// The length by which moments are measured, and the parameters of which it is the root mean square.
+/// The length by which moments are measured, and the places of the parameters of which it is the root mean square.
 struct Length<S> {
     value: S,
     places: Vec<usize>,
@@ -162,11 +162,18 @@ impl<S: Scalar> Length<S> {
         let count = places.len() as f64;
         Length { value: (square / S::from(count)).sqrt(), places }
     }
+}
 
-    /// Adds the gradient by the parameters, times a factor.
-    fn add_gradient(&self, p: &[S], factor: S, bars: &mut [S]) {
-        let by = factor / (self.value * S::from(self.places.len().max(1) as f64));
-        self.places.iter().for_each(|&place| bars[place] += by * p[place]);
+impl Length<f64> {
+    /// Adds its derivatives by the parameters, times a factor.
+    fn add_derivatives(&self, p: &[f64], factor: f64, bars: &mut [f64]) {
+        let sum: f64 = self.places.iter().map(|&place| p[place] * p[place]).sum();
+        let count = self.places.len().max(1) as f64;
+        let [by_sum] = derivatives([sum], |[sum]| (sum / Tangents::from(count)).sqrt());
+        for &place in &self.places {
+            let [by_parameter] = derivatives([p[place]], |[own]| own * own);
+            bars[place] += factor * by_sum * by_parameter;
+        }
     }
 }
 
@@ -235,6 +242,8 @@ struct Shares<S> {
     mu: Vec<S>,
     /// y.
     along: Vec<S>,
+    /// s.
+    force: Vec<S>,
     /// w as weights of all equations, zero for dropped ones: y = sum of weights times rows.
     weights: Vec<S>,
 }
@@ -285,19 +294,19 @@ impl<S: RunScalar> Sharing<S> {
         std::array::from_fn(|number| {
             let (solved, mut weights) = (&solved[number], vec![S::zero(); equations]);
             self.kept.iter().zip(&solved[weight..]).for_each(|(&equation, &own)| weights[equation] = own);
-            Shares { mu: solved[..equations].to_vec(), along: solved[along..force].to_vec(), weights }
+            Shares {
+                mu: solved[..equations].to_vec(),
+                along: solved[along..force].to_vec(),
+                force: solved[force..weight].to_vec(),
+                weights,
+            }
         })
     }
 
-    /// Right-hand sides of mu* and A^+ mu*, both as forces.
+    /// The right-hand sides of mu*, as forces.
     fn of_least(&self, mu: &[S]) -> [Vec<S>; 2] {
         let force = combination(&self.rows, mu, self.columns.count);
         [vec![S::zero(); self.rows.len()], self.kept.iter().map(|&row| -product(&self.rows[row], &force)).collect()]
-    }
-
-    /// Those of A^+ b.
-    fn of_pseudoinverse(&self, b: &[S]) -> [Vec<S>; 2] {
-        [b.iter().map(|&b| -b).collect(), vec![S::zero(); self.kept.len()]]
     }
 
     /// mu*, as forces.
@@ -312,30 +321,17 @@ impl<S: RunScalar> Sharing<S> {
         self.columns.moments.iter().cloned().flatten().for_each(|column| own[column] /= self.length.value);
         own
     }
+}
 
+impl Sharing<f64> {
     /// d (alpha . A beta) / d L.
-    fn length_gradient(&self, alpha: &[S], beta: &[S]) -> S {
-        let mut of_moments = vec![S::zero(); self.columns.count];
+    fn by_length(&self, alpha: &[f64], beta: &[f64]) -> f64 {
+        let mut of_moments = vec![0.0; self.columns.count];
         self.columns.moments.iter().cloned().flatten().for_each(|column| of_moments[column] = beta[column]);
         let rows = self.rows.iter().zip(alpha).zip(&self.are_moments).filter(|(_, is_moment)| !**is_moment);
-        -rows.map(|((row, &alpha), _)| alpha * product(row, &of_moments)).sum::<S>() / self.length.value
-    }
-
-    /// What of A^T alpha is not in the span of the kept rows, for each alpha: zero on the constraints, where the dropped rows depend on them.
-    /// With e + K^T w = A^T alpha, K e = 0.
-    fn outside(&self, all: &[&[S]]) -> Vec<Vec<S>> {
-        let count = self.columns.count;
-        let mut entries: Entries<S> = (0..count).map(|column| (column, column, S::one())).collect();
-        for (number, &equation) in self.kept.iter().enumerate() {
-            for &(column, x) in &self.rows[equation] {
-                entries.push((column, count + number, x));
-                entries.push((count + number, column, x));
-            }
-        }
-        let zero = vec![S::zero(); self.kept.len()];
-        let right: Vec<Vec<S>> =
-            all.iter().map(|alpha| [combination(&self.rows, alpha, count), zero.clone()].concat()).collect();
-        solve(count + self.kept.len(), &entries, &right)
+        let turning: f64 = rows.map(|((row, &alpha), _)| alpha * product(row, &of_moments)).sum();
+        let own = self.length.value;
+        derivatives([own], |[length]| Tangents::from(turning * own) / length)[0]
     }
 }
 
@@ -366,51 +362,50 @@ pub(super) struct Bars<'b> {
     pub p: &'b mut [f64],
 }
 
-/// Adds (d mu*/d(q, mu, p))^T mu*_bar to `bars`.
+/// Adds (d mu*/d(q, mu, p))^T mu*_bar to `bars`: the reverse of the sparse system.
 ///
-/// With eta = A^+ mu*_bar = K^T kappa, zeta = A^+ mu* = K^T theta, alpha = mu - mu*, beta = mu*_bar - A eta and W = (I - Q^T Q) A^T:
+/// Its matrix is its own transpose but for the order of blocks, so that the adjoint variables (l1, l2, l3, l4) of its four equations are the
+/// solution (mu, y, s, w) with mu*_bar on the right, and
 ///
-/// d f = alpha . dA eta + beta . dA zeta + kappa . dK W alpha + theta . dK W beta + (A eta) . d mu
+/// d f = l1 . dA y + (mu* - mu) . dA l2 + w . dK l3 + l4 . dK (s - F) - (A l2) . d mu
 ///
-/// from the derivative of the pseudoinverse of A Q^T Q, whose rank is constant (Golub & Pereyra 1973). W vanishes on the constraints,
-/// where dropped rows depend on the kept ones; stages at acceleration level lie beside them. All of these are as forces: what is measured by L
-/// depends on it.
+/// All of these are as forces: what is measured by L depends on it.
 pub(super) fn add_least_multipliers_transposed(
     model: &Model,
     dropped: &[usize],
-    (p, q, mu): (&[f64], &[f64], &[f64]),
+    (p, q, solved): (&[f64], &[f64], &[f64]),
     t: f64,
     least_bar: &[f64],
     bars: Bars,
 ) {
     let sharing = Sharing::new(model, dropped, p, q, t);
-    let mu = &sharing.measured(mu, -1)[..];
-    // mu* = L times its measure, and so is its adjoint's measure
-    let least_bar = &sharing.measured(least_bar, 1)[..];
-    let moments = |one: &[f64], other: &[f64]| -> f64 {
-        let pairs = one.iter().zip(other).zip(&sharing.are_moments);
-        pairs.map(|((a, b), is_moment)| if *is_moment { a * b } else { 0.0 }).sum()
-    };
-    let [of_least, of_bar] = sharing.shares([sharing.of_least(mu), sharing.of_pseudoinverse(least_bar)]);
-    let Shares { mu: least, along: zeta, weights: theta } = of_least;
-    let Shares { along: eta, weights: kappa, .. } = of_bar;
-    let moved: Vec<f64> = sharing.rows.iter().map(|row| product(row, &eta)).collect();
-    let first: Vec<f64> = mu.iter().zip(&least).map(|(mu, least)| mu - least).collect();
-    let second: Vec<f64> = least_bar.iter().zip(&moved).map(|(bar, moved)| bar - moved).collect();
+    let mu = &sharing.measured(solved, -1)[..];
+    let right = [sharing.measured(least_bar, 1), vec![0.0; sharing.kept.len()]];
+    let [own, adjoint] = sharing.shares([sharing.of_least(mu), right]);
+    let moved: Vec<f64> = sharing.rows.iter().map(|row| -product(row, &adjoint.along)).collect();
     bars.mu.iter_mut().zip(sharing.measured(&moved, -1)).for_each(|(bar, moved)| *bar += moved);
-    let mut length_bar = (moments(least_bar, &least) - moments(&moved, mu)) / sharing.length.value;
-    let outside = sharing.outside(&[&first, &second]);
-    let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &outside[0]), (&theta, &outside[1])];
+    let moments = (0..mu.len()).filter(|&row| sharing.are_moments[row]);
+    let [mut length_bar] = derivatives([sharing.length.value], |[length]| {
+        moments.map(|row| length * (least_bar[row] * own.mu[row]) + Tangents::from(moved[row] * solved[row]) / length).sum()
+    });
+    let less = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+    let force = combination(&sharing.rows, mu, sharing.columns.count);
+    let pairs = [
+        (&adjoint.mu, &own.along),
+        (&less(&own.mu, mu), &adjoint.along),
+        (&own.weights, &adjoint.force),
+        (&adjoint.weights, &less(&own.force, &force)),
+    ];
     for (alpha, beta) in pairs {
-        length_bar += sharing.length_gradient(alpha, beta);
+        length_bar += sharing.by_length(alpha, beta);
         let (alpha, beta) = (sharing.measured(alpha, 1), sharing.unmeasured_columns(beta));
-        add_row_gradient(model, &sharing, (p, q), t, (&alpha, &beta), (bars.q, bars.p));
+        add_along_rows(model, &sharing, (p, q), t, (&alpha, &beta), (bars.q, bars.p));
     }
-    sharing.length.add_gradient(p, length_bar, bars.p);
+    sharing.length.add_derivatives(p, length_bar, bars.p);
 }
 
-/// Adds the gradient of alpha . A(q, p) beta.
-fn add_row_gradient(
+/// Adds the derivatives of alpha . A(q, p) beta.
+fn add_along_rows(
     model: &Model,
     sharing: &Sharing<f64>,
     (p, q): (&[f64], &[f64]),
@@ -419,42 +414,17 @@ fn add_row_gradient(
     (q_bar, p_bar): (&mut [f64], &mut [f64]),
 ) {
     for joint in &model.constraints {
-        let alpha = &alpha[joint.equations.clone()];
-        let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+        let nodes = || joint.nodes.iter().map(|node| (&model.nodes[node.0], sharing.columns.first[node.0]));
+        let dofs: Vec<usize> = nodes().flat_map(|(node, _)| node.dofs.clone()).collect();
         let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
-        let own_p = &p[joint.parameters.clone()];
-        let n = own.len();
-        let force = joint.physics.reaction(&own, alpha, own_p, t);
-        // beta as a movement of the coordinates: forces on bodies are (f, G f_e / 2) or (f, sum of axis x force)
-        let mut along = vec![0.0; n];
-        let mut local = 0;
-        for node in &joint.nodes {
-            let count = model.nodes[node.0].dofs.len();
-            let places = local..local + count;
-            local += count;
-            let Some(first) = sharing.columns.first[node.0] else { continue };
-            if model.nodes[node.0].kind == NodeKind::Body {
-                let e = Quaternion::from_slice(&own[places.start + 3..]);
-                let half = Vector3::first_three(&beta[first + 3..]) * 0.5;
-                along[places.start..places.start + 3].copy_from_slice(&beta[first..first + 3]);
-                along[places.start + 3..places.end].copy_from_slice(&e.g_transposed_times(half));
-                // G(e) f = -G(f) e
-                let of_e = Quaternion::from_slice(&force[places.start + 3..]).g_transposed_times(half);
-                let target = &mut q_bar[dofs[places.start] + 3..];
-                target.iter_mut().zip(of_e).for_each(|(bar, g)| *bar -= g);
-            } else if model.nodes[node.0].kind == NodeKind::Natural {
-                let turn = Vector3::first_three(&beta[first + 3..]);
-                along[places.start..places.start + 3].copy_from_slice(&beta[first..first + 3]);
-                for axis in (3..12).step_by(3).map(|axis| places.start + axis) {
-                    along[axis..axis + 3].copy_from_slice(&turn.cross(&Vector3::first_three(&own[axis..])).components());
-                    let of_axis = Vector3::first_three(&force[axis..]).cross(&turn);
-                    q_bar[dofs[axis]..].iter_mut().zip(of_axis.components()).for_each(|(bar, g)| *bar += g);
-                }
-            } else {
-                along[places].copy_from_slice(&beta[first..first + count]);
-            }
-        }
-        let (of_q, of_p) = joint.physics.reaction_gradient((&own, own_p, t), alpha, &along);
+        // what stands still moves with nothing
+        let columns = nodes().flat_map(|(node, first)| {
+            let count = node.kind.forces();
+            first.map_or_else(|| vec![0.0; count], |first| beta[first..first + count].to_vec())
+        });
+        let (columns, kinds): (Vec<f64>, Vec<NodeKind>) = (columns.collect(), nodes().map(|(node, _)| node.kind).collect());
+        let point = (&own[..], &p[joint.parameters.clone()], t);
+        let (of_q, of_p) = joint.physics.along_rows(point, &alpha[joint.equations.clone()], (&kinds, &columns));
         dofs.iter().zip(&of_q).for_each(|(&dof, own)| q_bar[dof] += own);
         p_bar[joint.parameters.clone()].iter_mut().zip(&of_p).for_each(|(bar, own)| *bar += own);
     }
@@ -477,18 +447,16 @@ mod tests {
                 kept: (0..count).map(|tie| 2 * tie).collect(),
             };
             let mu: Vec<f64> = (0..2 * count).map(|row| if row % 2 == 0 { (row as f64).sin() } else { 0.0 }).collect();
-            let [Shares { mu: least, along, weights }] = sharing.shares([sharing.of_least(&mu)]);
+            let [Shares { mu: least, along, weights, .. }] = sharing.shares([sharing.of_least(&mu)]);
             // the condition of the rows of a chain grows with its length
             for (equation, least) in least.iter().enumerate() {
                 let off = (least - 0.5 * mu[equation / 2 * 2]).abs();
                 assert!(off < 1e-14 * count as f64, "equation {equation} of {count}: {off:e}");
             }
-            // A^+ mu*, in both of its forms
-            let [again] = sharing.shares([sharing.of_pseudoinverse(&least)]);
+            // y = K^T w
             let of_weights = combination(&sharing.rows, &weights, count);
-            for ((own, other), third) in along.iter().zip(&again.along).zip(&of_weights) {
-                let size = count as f64;
-                assert!((own - other).abs() < 1e-12 * size && (own - third).abs() < 1e-12 * size, "{own} {other} {third}");
+            for (own, other) in along.iter().zip(&of_weights) {
+                assert!((own - other).abs() < 1e-12 * count as f64, "{own} {other}");
             }
             let plan = ANALYSED.with_borrow(|analysed| analysed[0].factors.plan());
             plan.work.expect("sparse").multiplications / count as f64

@@ -35,7 +35,7 @@ pub enum ProgramKind {
     /// Reaction of a constraint.
     Reaction,
     /// Derivatives of a reaction.
-    ReactionGradient,
+    AlongRows,
     /// Rows of a constraint.
     Rows,
     /// Reactions and equations of a constraint at a level.

@@ -18,6 +18,7 @@ mod shell_joining;
 mod shell_mesh;
 mod shell_parts;
 mod shells;
+mod solid_bodies;
 mod spin;
 mod surface_mesh;
 mod surface_search;
@@ -35,6 +36,7 @@ pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};
 pub use shell_parts::ShellPart;
 pub use shells::{DRILLING, MeshedShell, ShellMember};
+pub(crate) use solid_bodies::DrawnSolid;
 pub use surface_mesh::SurfaceMesh;
 pub use thin_walls::{Extrusion, Profile, ThinWalls};
 
@@ -77,6 +79,8 @@ pub struct MechanismBuilder<S> {
     pub functionals: Vec<Functional>,
     /// Lines of the picture.
     pub(crate) drawings: Vec<Drawing>,
+    /// Solids of bodies.
+    pub(crate) solids: Vec<DrawnSolid>,
     /// Nodes that beams and cables made for themselves, which nobody gave a name.
     pub(crate) nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
@@ -116,6 +120,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     numbers,
     functionals,
     drawings,
+    solids,
     nodes_of_members,
     ground,
     gravities,

@@ -1,6 +1,7 @@
 //! Scenes: mechanisms as generic functions of their design variables.
 
 mod builder;
+mod facets;
 #[cfg(feature = "files")]
 pub mod file;
 mod gmsh;
@@ -12,9 +13,11 @@ mod run;
 mod scene;
 mod signal;
 mod sketch;
+mod solid;
 mod solids;
 mod statics;
 mod surfaces;
+mod triangle_surface;
 mod unknown;
 mod violation;
 
@@ -39,8 +42,10 @@ pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 pub use scene::{AnyScene, Output, Scenario, Scene};
 pub use signal::Signal;
 pub(crate) use sketch::{Drawn, NodePoint};
+pub use solid::{Solid, SolidShape};
 pub(crate) use solids::Solids;
 pub use statics::Equilibrium;
 pub(crate) use surfaces::Surface;
+pub use triangle_surface::TriangleSurface;
 pub(crate) use unknown::unknown;
 pub use violation::Violation;

@@ -65,12 +65,16 @@ impl<'s> Scenario<'s> {
 }
 
 /// What a run writes beside its histories at the steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Output {
     /// Histories at multiples of this time instead of at the steps \[s\].
     pub step: Option<f64>,
+    /// What has columns: nodes, members with all their nodes, joints, functionals by their names, and `energy`; everything if there are none.
+    pub histories: Vec<String>,
     /// Meshes for ParaView.
     pub meshes: bool,
+    /// The motion as a film.
+    pub film: bool,
 }
 
 /// A scene with its type erased; every [`Scene`] is one, with the same names. Where both traits are in scope, take `&dyn AnyScene`.

@@ -56,6 +56,8 @@ pub enum Drawn {
     Body,
     /// A line between the elements of a shell, which its surface shows as well.
     Shell,
+    /// An edge of a solid, which its surface shows as well.
+    Solid,
     /// A part between two points: spring, damper, link.
     Link,
 }
@@ -83,6 +85,11 @@ impl MechanismBuilder<f64> {
                 [_, _, ..] => sketch.lines.push((drawing.drawn, points)),
                 _ => {}
             }
+        }
+        for solid in &self.solids {
+            let point = |place| self.node_point(solid.node, place);
+            let lines = solid.facets.few_lines().into_iter();
+            sketch.lines.extend(lines.map(|line| (Drawn::Solid, line.into_iter().filter_map(point).collect())));
         }
         let elements = self.model.elements.iter().map(|e| (&e.nodes, e.parameters.clone(), e.physics.parameter_list()));
         let joints = self.model.constraints.iter().filter(|c| !c.physics.is_driver());
@@ -237,7 +244,7 @@ mod tests {
             m.position_functional(&format!("{number}"), over, node, Vector3::new(x, 0.0, 0.0), Vector3::y());
         }
         let names: Vec<String> = m.finish().unwrap().sketch().followed.into_iter().map(|own| own.0).collect();
-        assert_eq!(names, ["end of arm", "arm, node 2", "rod", "point on rod", "point on rod (2)"]);
+        assert_eq!(names, ["end of arm", "arm[1]", "rod", "point on rod", "point on rod (2)"]);
     }
 
     #[test]

@@ -71,6 +71,8 @@ pub struct Solids<'m> {
     pub triangles: Vec<[usize; 3]>,
     /// Lines on these surfaces: outlines of sections and edges of elements.
     pub edges: Vec<[usize; 2]>,
+    /// Of each vertex the part that it belongs to, among [`Solids::parts`], where that is told by its colour.
+    part_of: Vec<Option<usize>>,
     /// Bodies and links.
     pub rods: Vec<Rod>,
     /// Point masses: a vertex, and the place among [`Solids::parts`].
@@ -95,6 +97,7 @@ impl MechanismBuilder<f64> {
             stress_places: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
+            part_of: Vec::new(),
             rods: Vec::new(),
             points: Vec::new(),
             parts: Vec::new(),
@@ -105,6 +108,7 @@ impl MechanismBuilder<f64> {
             solids.add_line(line);
         }
         solids.add_shells();
+        solids.add_bodies();
         solids.add_rods();
         solids
     }
@@ -129,7 +133,31 @@ impl Solids<'_> {
         self.vertices.push(place);
         self.elements.push(elements);
         self.stress_of.push(stress);
+        self.part_of.push(None);
         self.vertices.len() - 1
+    }
+
+    /// Of each vertex the part among [`Solids::parts`] whose colour it has, if it has one's.
+    pub fn parts_of_vertices(&self) -> &[Option<usize>] {
+        &self.part_of
+    }
+
+    /// Bodies that are described by solids.
+    fn add_bodies(&mut self) {
+        let mechanism = self.mechanism;
+        for solid in &mechanism.solids {
+            let Some(origin) = mechanism.start_of(solid.node) else { continue };
+            let elements = self.elements_between(std::slice::from_ref(&origin), Drawn::Body);
+            let (part, first) = (self.part(&origin), self.vertices.len());
+            for &vertex in &solid.facets.vertices {
+                let Some(point) = mechanism.node_point(solid.node, vertex) else { continue };
+                let vertex = self.add(Place::Node(point), elements.clone(), None);
+                self.part_of[vertex] = Some(part);
+            }
+            self.triangles.extend(solid.facets.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
+            let lines = solid.facets.lines.iter().flat_map(|line| line.windows(2));
+            self.edges.extend(lines.map(|pair| [first + pair[0], first + pair[1]]));
+        }
     }
 
     /// Rings of a beam or cable, its surface and its ends.
@@ -276,7 +304,7 @@ impl Solids<'_> {
         for (drawn, points) in &sketch.lines {
             let identities: Vec<_> = points.iter().map(NodePoint::identity).collect();
             // what has a section is there already
-            if *drawn == Drawn::Shell || lines.contains(&identities) {
+            if matches!(drawn, Drawn::Shell | Drawn::Solid) || lines.contains(&identities) {
                 continue;
             }
             let elements = self.elements_between(points, *drawn);

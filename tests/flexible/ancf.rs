@@ -299,8 +299,7 @@ fn structural_damping_takes_half_eta_omega_squared() {
     let settings = Settings { end: periods * period, steps, ..Scene::settings(&bar) };
     let prepared = Prepared::with(&bar, &[], prepared.method.clone(), settings).expect("a sound bar");
     let model = prepared.model();
-    let middle =
-        model.nodes.iter().find(|node| node.name == format!("cable, node {}", ELEMENTS / 2 + 1)).expect("it has one");
+    let middle = model.nodes.iter().find(|node| node.name == format!("cable[{}]", ELEMENTS / 2)).expect("it has one");
     let place = middle.dofs.start + 1;
     let mut last = 0.0;
     let mut watch = Watch(|step: &StepRecord<f64>| {
@@ -545,13 +544,13 @@ fn mistakes_about_cables_are_named() {
         (NoLength, &["\"second\"", "on a line of 0 m", "ends that lie apart"]),
         (DampedSmall, &["\"second\" asks for damping", "take the exact strains"]),
         (BodyAtEnd, &["\"second\" ends in \"block\"", "no node of a cable", "a joint"]),
-        (Bent, &["\"second\" meets its node \"first, node 2\"", "differs by 1.414e0", "one direction"]),
+        (Bent, &["\"second\" meets its node \"first[1]\"", "differs by 1.414e0", "one direction"]),
         (Gap, &["\"second\" meets its node", "a distance of 2.000e-1 m"]),
         (SkewHinge, &["the axis of \"hinge\" is at 45", "must be at 90"]),
         (Swapped, &["\"weld\" needs a body", "\"weld\" needs a cable's node as the second, but \"block\"", "body first"]),
         (PlaneWeld, &["\"weld\"", "take cable_hinge"]),
         (StraightCorner, &["\"corner\" joins cables at 0.000 degrees", "share a node"]),
-        (CornerWithBody, &["\"corner\" needs nodes of two cables", "\"first, node 1\" and \"block\"", "cable_weld"]),
+        (CornerWithBody, &["\"corner\" needs nodes of two cables", "\"first[0]\" and \"block\"", "cable_weld"]),
         (Share, &["\"read\" asks for 1.5 of the length of \"second\"", "0 to 1"]),
         (StressWithoutYoung, &["\"read\"", "cable_stress_functional"]),
     ];

@@ -213,7 +213,7 @@ fn groups_sets_and_weights_are_those_of_the_mesh() {
     assert_eq!((shell.node(0), shell.node(1), shell.nodes.len(), shell.elements.len()), (None, Some(root[0]), 15, 3));
     let m = m.finish().expect("sound");
     assert!(root.iter().all(|&node| m.model.node(node).fixed));
-    assert_eq!(m.model.nodes[0].name, "shell, node 1");
+    assert_eq!(m.model.nodes[0].name, "shell[1]");
     assert_eq!(m.model.elements[2].name, "shell, element 2");
     let still = vec![0.0; m.numbers.q.len()];
     let [_, _, mass] = energies(&m, &still, &m.numbers.q);

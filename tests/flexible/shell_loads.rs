@@ -61,7 +61,7 @@ fn volume(m: &MechanismBuilder<f64>, shells: &[ShellMember], q: &[f64]) -> f64 {
 }
 
 #[test]
-fn follower_pressure_in_a_closed_surface_has_no_resultant_and_the_work_p_dv() {
+fn follower_pressure_in_a_triangle_surface_has_no_resultant_and_the_work_p_dv() {
     let mut m = MechanismBuilder::default();
     let sphere = m.sphere_shell("sphere", (Vector3::new(0.3, -0.2, 0.5), RADIUS), 2, &material(0.3), 0.02);
     for face in &sphere {
@@ -229,7 +229,7 @@ fn a_sphere_under_pressure_has_the_membrane_stress_p_r_by_two_h() {
 fn arc_length_follows_a_sphere_that_is_blown_up() {
     let scene = Vessel { round: Round::Sphere, frame: LoadFrame::Body, elements: 2, pressure: 2000.0 };
     let prepared = Prepared::new(&scene).expect("sound");
-    let node = prepared.mechanism.model.nodes.iter().find(|node| node.name == "sphere, face 1, node 2, 2");
+    let node = prepared.mechanism.model.nodes.iter().find(|node| node.name == "sphere, face 1[2,2]");
     let dof = node.expect("the middle of the face").dofs.start;
     let path = prepared.path(&ArcLength::new(0.25).up_to_load(1.0)).expect("a path");
     assert!(path.points.len() > 3);

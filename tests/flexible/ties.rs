@@ -518,7 +518,7 @@ fn nodes_that_lie_on_no_face_are_refused_with_place_and_distance() {
     for (why, parts) in [
         (
             told(1e-3, 0.0, false, false),
-            ["node \"right, node 0, 0\" lies on no face at (0.401, 0, 0) m", "of \"left\", is 1.000e-3 m away"],
+            ["node \"right[0,0]\" lies on no face at (0.401, 0, 0) m", "of \"left\", is 1.000e-3 m away"],
         ),
         (told(0.0, 0.05, false, false), ["lies on no face at (0.4, 0.2", "let the other side follow"]),
         (told(0.0, 0.0, true, false), ["tie \"again\": ", "is tied by \"seam\" already"]),

@@ -18,17 +18,19 @@ const FILES: &[(&str, &str)] = &[
     ("meshes", include_str!("coverage/meshes.toml")),
     ("a start from equilibrium", include_str!("coverage/equilibrium.toml")),
     ("a start from a steady turn", include_str!("coverage/steady.toml")),
+    ("bodies of solids", include_str!("coverage/solids.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
     ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];
 
 /// What tables at these keys are called among the definitions of the schema: they are the same wherever they stand.
-const TABLES: [(&str, &str); 17] = [
+const TABLES: [(&str, &str); 18] = [
     ("arc", "arc"),
     ("constraint", "constraint"),
     ("linear", "linear"),
     ("plies", "plies"),
     ("held", "held"),
+    ("solids", "solids"),
     ("parts", "parts"),
     ("walls", "walls"),
     ("nodes", "nodes"),

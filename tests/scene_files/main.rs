@@ -13,6 +13,7 @@ mod own_parts;
 mod runge_kutta;
 mod scenarios;
 mod signals;
+mod solids;
 mod states;
 mod steady_start;
 mod tables;

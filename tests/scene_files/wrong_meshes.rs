@@ -140,7 +140,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
         "clamped = [\"left edge\"]",
         "nodes = [{ at = \"1\", node = \"strip[1]\" }]",
         "[[mesh]]",
-        &["m from its node \"strip, node 1\""],
+        &["m from its node \"strip[1]\""],
     ),
     ("clamped = [\"left edge\"]", "scale = 0", "scale", &["scale of [[mesh]] \"plate\" is 0", "greater than 0"]),
     ("\"strip.corner\"", "\"strip.crner\"", "crner", &["node set \"crner\"", "did you mean \"corner\"?"]),

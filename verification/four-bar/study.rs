@@ -110,7 +110,7 @@ fn run(name: &str, elements: [usize; 3], steps: usize) -> Result<Course, RunErro
     let p = &prepared.mechanism.numbers.p;
     let find = |name: &&str| prepared.functionals().iter().find(|functional| functional.name == *name);
     let functionals: Vec<_> = COURSES.iter().filter_map(find).collect();
-    let c = model.nodes.iter().find(|node| node.name == "CD, node 1").map_or(0, |node| node.dofs.start);
+    let c = model.nodes.iter().find(|node| node.name == "CD[0]").map_or(0, |node| node.dofs.start);
     let mut course = Course {
         values: vec![Vec::new(); COURSES.len()],
         extremes: vec![[f64::INFINITY, f64::NEG_INFINITY]; COURSES.len()],

@@ -39,7 +39,7 @@ impl Solved {
     }
     /// Coordinates of node (i, j) of the shell among all.
     pub fn node<'q>(&self, q: &'q [f64], i: usize, j: usize) -> Result<&'q [f64], String> {
-        let name = format!("shell, node {i}, {j}");
+        let name = format!("shell[{i},{j}]");
         let node = self.model.nodes.iter().find(|node| node.name == name);
         node.map(|node| &q[node.dofs.clone()]).ok_or_else(|| format!("no node is named \"{name}\""))
     }

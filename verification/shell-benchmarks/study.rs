@@ -337,7 +337,7 @@ fn hinged_roof(report: &mut Report) -> Result<(), String> {
         for elements in [4, 8] {
             let roof = Benchmark::new(Problem::HingedRoof { thickness }, [elements; 2]);
             let prepared = Prepared::new(&roof).map_err(|error| error.to_string())?;
-            let crown = prepared.model().nodes.iter().find(|node| node.name == "shell, node 0, 0");
+            let crown = prepared.model().nodes.iter().find(|node| node.name == "shell[0,0]");
             let height = crown.ok_or("no node at the crown")?.dofs.start + 2;
             let start = prepared.problem().start.q[height];
             // 24 mm down the roof has snapped through, and less than the whole load holds it there

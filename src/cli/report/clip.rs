@@ -12,6 +12,8 @@ const ROOM: usize = 5_000_000;
 const MOST_FRAMES: usize = 400;
 /// Fewest frames, whatever room they take.
 const FEWEST_FRAMES: usize = 12;
+/// The number that stands for no part.
+const NO_PART: usize = u32::MAX as usize;
 /// The whole number that stands for no stress.
 const NONE: u16 = u16::MAX;
 
@@ -64,6 +66,7 @@ impl Page {
             "rods": rods.collect::<Vec<_>>(),
             "points": solids.points,
             "parts": solids.parts,
+            "solids": whole(solids.parts_of_vertices().iter().map(|part| part.unwrap_or(NO_PART)).collect()),
             "followed": followed.collect::<Vec<_>>(),
             "anchors": solids.anchors,
         });

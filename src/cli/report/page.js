@@ -127,6 +127,7 @@
   byId("space").hidden = false;
   const { count, view } = report.space;
   const triangles = new Uint32Array(bytes(report.space.triangles));
+  const partOf = new Uint32Array(bytes(report.space.solids));
   const edges = new Uint32Array(bytes(report.space.edges));
   const clips = report.clips.map((own) => {
     const times = floats(own.times);
@@ -400,7 +401,7 @@
     if (!renderer) return;
     for (let vertex = 0; vertex < count; vertex += 1) {
       values[vertex] = valueOf(vertex, at);
-      const own = shadeOf(values[vertex], plain.solid);
+      const own = shadeOf(values[vertex], partOf[vertex] < parts.length ? ofRod(false, partOf[vertex]) : plain.solid);
       colours[3 * vertex] = own[0];
       colours[3 * vertex + 1] = own[1];
       colours[3 * vertex + 2] = own[2];

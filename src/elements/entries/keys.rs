@@ -63,6 +63,8 @@ pub enum Type {
     Flag,
     /// A text.
     Text,
+    /// A file in STL: a surface of triangles.
+    Stl,
     /// Names of anything.
     Texts,
     /// Two columns of a file, by their names or numbers.

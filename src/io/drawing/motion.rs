@@ -1,7 +1,9 @@
 //! A motion in one picture: earlier positions faint, the last one strong, the paths of points as thin lines.
 
 use super::axis::{Mark, Marks, Scale, drawable, round_step};
-use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
+use super::picture::{
+    Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width, write_film,
+};
 use super::plot::{LABEL_SIZE, MARK_SIZE, Plot, TITLE_SIZE, marks_width};
 use crate::io::file::IoError;
 use crate::io::table::number;
@@ -14,6 +16,8 @@ pub struct Polyline {
     pub points: Vec<[f64; 3]>,
     /// Which colour: bodies of the same role share one.
     pub role: usize,
+    /// An edge of a solid: thinner than a line that stands for a body, and without joints at its ends.
+    pub is_edge: bool,
 }
 
 /// The system at one time.
@@ -43,6 +47,8 @@ pub struct ColouredSurface {
     pub quantity: String,
     /// The pieces.
     pub facets: Vec<Facet>,
+    /// Least and largest value of the colours; those of the pieces.
+    pub range: Option<[f64; 2]>,
 }
 
 /// The path of a point through the whole motion.
@@ -79,8 +85,10 @@ pub struct MotionPicture {
     pub trails: Vec<Trail>,
     /// Points fixed to the ground, x, y, z \[m\].
     pub anchors: Vec<[f64; 3]>,
-    /// Surfaces of the last frame.
+    /// Surfaces of the last frame, or of the only one.
     pub surface: Option<ColouredSurface>,
+    /// The one frame that is drawn, of all for which there is room; all of them.
+    pub only: Option<usize>,
     /// From where the motion is seen.
     pub view: View,
 }
@@ -92,6 +100,26 @@ impl MotionPicture {
     /// A file that cannot be written.
     pub fn write(&self, stem: &Path) -> Result<(), IoError> {
         self.picture().write(stem)
+    }
+
+    /// Writes a film to a file in APNG, of frames one after the other with their surfaces, in the same axes and colours. It lasts some time \[s\] and
+    /// is played over and over.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_film(
+        &self,
+        shots: Vec<(usize, Option<ColouredSurface>)>,
+        duration: f64,
+        path: &Path,
+    ) -> Result<(), IoError> {
+        let ranges = shots.iter().filter_map(|(_, surface)| surface.as_ref()?.range());
+        let range = ranges.reduce(|[least, most], [a, b]| [least.min(a), most.max(b)]);
+        let shots = shots.into_iter().map(|(only, surface)| {
+            let surface = surface.map(|surface| ColouredSurface { range, ..surface });
+            MotionPicture { only: Some(only), surface, ..self.clone() }.picture()
+        });
+        write_film(shots, duration, path)
     }
 
     fn picture(&self) -> Picture {
@@ -106,7 +134,9 @@ impl MotionPicture {
     fn points(&self) -> impl Iterator<Item = &[f64; 3]> {
         let frames = self.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
         let trails = self.trails.iter().flat_map(|trail| &trail.points);
-        let surface = self.surface.iter().flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);
+        // in a film all pictures have the axes of the lines
+        let surface = self.surface.iter().filter(|_| self.only.is_none());
+        let surface = surface.flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);
         frames.chain(trails).chain(&self.anchors).chain(surface).filter(|point| shown(point))
     }
 
@@ -174,7 +204,10 @@ impl MotionPicture {
 
     /// Frames, trails, the last frame and the anchors, in this order.
     fn draw_system(&self, picture: &mut Picture, place: impl Fn([f64; 3]) -> Place) {
-        let drawn = spread(&self.frames);
+        let drawn = match self.only {
+            Some(only) => self.frames.get(only).into_iter().collect(),
+            None => spread(&self.frames),
+        };
         let (first, last) = self.times();
         let Some((final_frame, earlier)) = drawn.split_last() else {
             self.draw_trails(picture, &place);
@@ -184,7 +217,7 @@ impl MotionPicture {
             let age = if last > first { (frame.time - first) / (last - first) } else { 0.0 };
             for line in &frame.lines {
                 for piece in pieces(&line.points, &place) {
-                    picture.line(piece, 1.7, faded(role_colour(line.role), age));
+                    picture.line(piece, if line.is_edge { 1.0 } else { 1.7 }, faded(role_colour(line.role), age));
                 }
             }
         }
@@ -195,11 +228,11 @@ impl MotionPicture {
         self.draw_anchors(picture, &place);
         for line in &final_frame.lines {
             for piece in pieces(&line.points, &place) {
-                picture.line(piece, 3.4, role_colour(line.role));
+                picture.line(piece, if line.is_edge { 1.5 } else { 3.4 }, role_colour(line.role));
             }
         }
         // rings at the ends of all lines show the joints
-        for line in &final_frame.lines {
+        for line in final_frame.lines.iter().filter(|line| !line.is_edge) {
             let ends = [line.points.first(), line.points.last()];
             for &end in ends.into_iter().flatten().filter(|point| shown(point)) {
                 picture.disc(place(end), 4.2, role_colour(line.role));
@@ -259,6 +292,16 @@ impl MotionPicture {
             surface.draw_key(picture, [right, self.head_height() - 12.0]);
         }
         if self.frames.is_empty() {
+            return;
+        }
+        if let Some(only) = self.only.and_then(|only| self.frames.get(only)) {
+            picture.text(
+                [right, 27.5],
+                &format!("t = {} s", number(round_time(only.time))),
+                MARK_SIZE,
+                GREY_INK,
+                Align::Right,
+            );
             return;
         }
         let (first, last) = self.times();
@@ -366,6 +409,9 @@ fn map_colour(share: f64) -> Colour {
 impl ColouredSurface {
     /// Least and largest value; `None` where there is none.
     fn range(&self) -> Option<[f64; 2]> {
+        if self.range.is_some() {
+            return self.range;
+        }
         let values = self.facets.iter().map(|facet| facet.value).filter(|value| value.is_finite());
         let [least, most] =
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)]);
@@ -538,7 +584,7 @@ mod tests {
         };
         // seen along -x: the one at x = 2 is the nearest
         let facets = vec![square(2.0, 30.0), square(0.0, 10.0), square(1.0, f64::NAN)];
-        let surface = ColouredSurface { quantity: "stress".into(), facets };
+        let surface = ColouredSurface { quantity: "stress".into(), facets, range: None };
         let mut picture = Picture::new(100.0, 100.0);
         surface.draw(&mut picture, View::Yz, |point| flat(View::Yz, point));
         let colours: Vec<Colour> = picture
@@ -555,7 +601,7 @@ mod tests {
         assert_eq!(surface.range(), Some([10.0, 30.0]));
         // a picture has a key to the values, and one without values has none
         let with_key = |value: f64| {
-            let surface = Some(ColouredSurface { quantity: "stress".into(), facets: vec![square(0.0, value)] });
+            let surface = Some(ColouredSurface { quantity: "stress".into(), facets: vec![square(0.0, value)], range: None });
             let picture = MotionPicture { surface, frames: vec![Frame::default()], ..MotionPicture::default() }.picture();
             picture.shapes.iter().any(|shape| matches!(shape, Shape::Text { text, .. } if text.starts_with("stress")))
         };
@@ -593,7 +639,10 @@ mod tests {
                 bar(upper[16], 1.4 * (3.0 * t + 0.4).cos() - 0.5 * (6.5 * t).sin(), 1.6 * t, 0.09 * (13.0 * t).sin());
             tip.push(lower[16]);
             if step % 12 == 0 {
-                let lines = vec![Polyline { points: upper, role: 0 }, Polyline { points: lower, role: 1 }];
+                let lines = vec![
+                    Polyline { points: upper, role: 0, is_edge: false },
+                    Polyline { points: lower, role: 1, is_edge: false },
+                ];
                 motion.frames.push(Frame { time: t, lines });
             }
         }
@@ -660,7 +709,8 @@ mod tests {
         // 60 lines that swing 25 times in 5001 frames, and slowly drift
         let at = |k: usize| {
             let x = (TAU * k as f64 / 200.0).sin() + 1e-4 * k as f64;
-            let line = |j: usize| Polyline { points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]], role: 0 };
+            let line =
+                |j: usize| Polyline { points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]], role: 0, is_edge: false };
             Frame { time: k as f64, lines: (0..60).map(line).collect() }
         };
         let frames: Vec<Frame> = (0..5001).map(at).collect();
@@ -676,12 +726,16 @@ mod tests {
     fn odd_motions_still_give_a_picture() {
         let folder = Folder::new("motion-odd");
         for view in [View::Xy, View::Isometric] {
-            let broken = Polyline { points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]], role: 99 };
+            let broken = Polyline {
+                points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]],
+                role: 99,
+                is_edge: false,
+            };
             let frame = Frame { time: 0.0, lines: vec![broken] };
             let motion = MotionPicture { frames: vec![frame.clone(), frame], view, ..MotionPicture::default() };
             motion.write(&folder.0.join("one")).unwrap();
             MotionPicture { view, ..MotionPicture::default() }.write(&folder.0.join("none")).unwrap();
-            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0 };
+            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0, is_edge: false };
             let frames = vec![Frame { time: 0.0, lines: vec![line] }];
             MotionPicture { frames, view, ..MotionPicture::default() }.write(&folder.0.join("small")).unwrap();
         }

@@ -134,6 +134,8 @@ impl Picture {
         let file = std::io::BufWriter::new(std::fs::File::create(path)?);
         let mut encoder = png::Encoder::new(file, width as u32, height as u32);
         encoder.set_color(png::ColorType::Rgb);
+        // lines on paper: what filters win on photographs they lose here
+        encoder.set_filter(png::FilterType::NoFilter);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.pixels(SCALE, width, height))?;
         writer.finish()
@@ -159,6 +161,35 @@ impl Picture {
         }
         pixels
     }
+}
+
+/// Writes pictures of one size as a film in APNG that lasts some time \[s\] and is played over and over.
+pub(super) fn write_film(
+    pictures: impl ExactSizeIterator<Item = Picture>,
+    duration: f64,
+    path: &Path,
+) -> Result<(), IoError> {
+    let (count, mut pictures) = (pictures.len(), pictures.peekable());
+    let Some(first) = pictures.peek() else { return Ok(()) };
+    let [width, height] = [first.width, first.height].map(|length| length.round() as usize);
+    let aside = Aside::beside(path)?;
+    let written = || -> Result<(), png::EncodingError> {
+        let file = std::io::BufWriter::new(std::fs::File::create(&aside.part)?);
+        let mut encoder = png::Encoder::new(file, width as u32, height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        // lines on paper: what filters win on photographs they lose here
+        encoder.set_filter(png::FilterType::NoFilter);
+        encoder.set_animated(count as u32, 0)?;
+        let milliseconds = (1e3 * duration / count as f64).round().clamp(10.0, 60_000.0);
+        encoder.set_frame_delay(milliseconds as u16, 1000)?;
+        let mut writer = encoder.write_header()?;
+        for picture in pictures {
+            writer.write_image_data(&picture.pixels(1.0, width, height))?;
+        }
+        writer.finish()
+    };
+    written().map_err(|cause| IoError::new(path, cause))?;
+    aside.publish()
 }
 
 impl Shape {

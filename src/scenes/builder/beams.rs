@@ -170,13 +170,13 @@ impl<S: Scalar> MechanismBuilder<S> {
             let q: Vec<S> = point.components().into_iter().chain(rotation.0).collect();
             member.nodes.push(match end {
                 Some((_, End::Node(node))) => node,
-                _ => self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
+                _ => self.add_node_of_member(&format!("{name}[{i}]"), NodeKind::Body, fixed, &q),
             });
         }
         if !sound {
             // what the scene adds to this beam still finds its ends
             if member.nodes.is_empty() {
-                member.nodes.push(self.body(&format!("{name}, node 1"), Vector3::zeros(), rotation));
+                member.nodes.push(self.body(&format!("{name}[0]"), Vector3::zeros(), rotation));
             }
             return member;
         }

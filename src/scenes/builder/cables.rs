@@ -131,7 +131,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
                 _ => {
                     let fixed = matches!(end, Some(CableLineEnd::Clamped));
-                    self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
+                    self.add_node_of_member(&format!("{name}[{i}]"), NodeKind::Slope, fixed, &q)
                 }
             });
         }

@@ -430,7 +430,7 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
         self.clone()
     }
     fn node_name(&self, point: usize) -> String {
-        format!("node {}", self.point_number(point))
+        format!("[{}]", self.point_number(point))
     }
     fn element_name(&self, face: usize) -> String {
         let own = self.data.as_ref().and_then(|data| data.face_numbers.get(face));

@@ -122,7 +122,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return format!("is to be joined to \"{name}\", which has no nodes");
         };
         format!(
-            "is to be joined to \"{name}\", but no node of its edges stands where one of \"{name}\" does: the nearest are its {} at {} and \
+            "is to be joined to \"{name}\", but no node of its edges stands where one of \"{name}\" does: the nearest are its node {} at {} and \
              \"{}\", {distance:.3e} m apart, and up to {:.1e} m are one place; a tie follows faces between their nodes",
             mesh.node_name(point),
             shown(free.value_of(point)),

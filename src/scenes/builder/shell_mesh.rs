@@ -246,7 +246,7 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
     }
     fn node_name(&self, point: usize) -> String {
         let width = 2 * self.elements[0] + 1;
-        format!("node {}, {}", point % width, point / width)
+        format!("[{},{}]", point % width, point / width)
     }
     fn element_name(&self, face: usize) -> String {
         let parts = self.division().len();

@@ -251,7 +251,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let node = given.get(&point).copied().unwrap_or_else(|| {
                 let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
                 let fixed = clamped.contains(&point);
-                self.add_node(&format!("{name}, {}", mesh.node_name(point)), NodeKind::Body, fixed, &q)
+                self.add_node(&format!("{name}{}", mesh.node_name(point)), NodeKind::Body, fixed, &q)
             });
             shell.nodes.push(node);
             shell.of_point[point] = Some(node);
@@ -369,7 +369,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         for &(place, node) in &free.given {
             let Some(kind) = self.kind_of(name, node) else { continue };
             let own = self.model.nodes[node.0].name.clone();
-            let at = mesh.node_name(place);
+            let at = format!("node {}", mesh.node_name(place));
             if clamped.contains(&place) && !self.model.nodes[node.0].fixed {
                 self.mistakes.push(format!(
                     "\"{name}\" is clamped at its {at}, which is the node \"{own}\" that moves: clamp that one, or leave it out here"

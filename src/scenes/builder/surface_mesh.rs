@@ -16,7 +16,7 @@ pub trait SurfaceMesh<S: Scalar> {
     fn mistake(&self) -> Option<String> {
         None
     }
-    /// What the node at a point is called.
+    /// What the node at a point is called behind the name of the mesh.
     fn node_name(&self, point: usize) -> String;
     /// What the element on a face is called.
     fn element_name(&self, face: usize) -> String;

@@ -15,8 +15,8 @@ use crate::assembly::NodeId;
 use crate::elements::flexible::Material;
 use crate::elements::forces::{DAMPERS, LoadFrame};
 use crate::elements::joints::{DRIVERS, Freedom};
-use crate::scalar::{Scalar, Vector3};
-use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Torque};
+use crate::scalar::{Quaternion, Scalar, Vector3};
+use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Solid, SolidShape, Torque};
 
 pub(super) type Builder<S> = MechanismBuilder<S>;
 
@@ -151,6 +151,15 @@ fn body<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builde
         let velocity = known.vector_or(fields, "velocity", zero)?;
         m.set_velocity(node, velocity, known.vector_or(fields, "angular_velocity", zero)?);
     }
+    let solids = solids(known, fields, (position, rotation))?;
+    let is_weighed = solids.iter().any(|solid| solid.density.is_some());
+    if let Some((at, _)) = fields.get("mass").or(fields.get("inertia")).or(fields.get("mass_centre")).filter(|_| is_weighed)
+    {
+        let text =
+            format!("\"{name}\" has its mass of its solids: leave mass, mass_centre and inertia or their densities out");
+        return Err(Mistake::new(at, text));
+    }
+    m.solid_body(name, node, &solids);
     if fields.get("mass").is_some() {
         let (mass, centre) = (known.number(fields, "mass")?, known.vector_or(fields, "mass_centre", zero)?);
         m.rigid_body(name, node, mass, centre, inertia(known, fields)?);
@@ -161,6 +170,46 @@ fn body<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builde
         m.draw(node, &known.points(fields, "draw")?);
     }
     Ok(Made::Node(node))
+}
+
+/// Solids of a body that stands at a place with some axes.
+fn solids<S: Scalar>(
+    known: &Known<S>,
+    fields: &Fields,
+    (position, rotation): (Vector3<S>, Quaternion<S>),
+) -> Found<Vec<Solid<S>>> {
+    let mut solids = Vec::new();
+    for (_, value) in list(fields, "solids") {
+        let Value::Fields(own) = value else { continue };
+        let number = |key| known.number(own, key);
+        let wanted = |key: &str| own.get(key).map(|_| known.number(own, key)).transpose();
+        let line = || Found::Ok([known.vector(own, "from")?, known.vector(own, "to")?]);
+        let shape = match own.form {
+            "box" => SolidShape::Box {
+                ends: line()?,
+                second_axis: known.vector(own, "second_axis")?,
+                size: [number("width")?, number("height")?],
+            },
+            "cylinder" => SolidShape::Cylinder { ends: line()?, diameter: number("diameter")?, wall: wanted("wall")? },
+            "sphere" => SolidShape::Sphere {
+                centre: known.vector(own, "centre")?,
+                diameter: number("diameter")?,
+                wall: wanted("wall")?,
+            },
+            _ => {
+                let Some((_, Value::Surface(surface))) = own.get("file") else { continue };
+                let turned = own.get("orientation").map(|_| known.orientation(own)).transpose()?;
+                SolidShape::Surface {
+                    surface: surface.clone(),
+                    scale: known.number_or(own, "scale", 1.0)?,
+                    position: known.vector_or(own, "position", position)?,
+                    rotation: turned.unwrap_or(rotation),
+                }
+            }
+        };
+        solids.push(Solid { shape, density: wanted("density")? });
+    }
+    Ok(solids)
 }
 
 fn point<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {

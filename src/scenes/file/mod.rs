@@ -28,7 +28,7 @@ mod scene;
 mod schema;
 mod section;
 mod sections;
-
+mod stl;
 mod values;
 
 pub use own_parts::OwnParts;

@@ -11,8 +11,8 @@ use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
 use crate::elements::entries::{Form, Forms, Range};
-use crate::scenes::MeshData;
 use crate::scenes::unknown;
+use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -32,6 +32,7 @@ pub(super) enum Value {
     Group(usize, String),
     /// Numbers of a file.
     Columns(Columns),
+    Surface(Arc<TriangleSurface>),
     Weights(Vec<(String, f64)>),
     NamedNodes(Vec<NamedNode>),
     /// Formulas by names, with their places.

@@ -132,6 +132,7 @@ fn words(key: &Key) -> String {
         Type::Counts(count, least, most) => format!("{count} whole numbers or formulas of constants, {least} to {most}"),
         Type::Flag => "true or false".into(),
         Type::Text => "text".into(),
+        Type::Stl => "name of a file".into(),
         Type::Texts => "texts".into(),
         Type::Columns => "2 names or numbers of columns".into(),
         Type::Weights => "table of names with numbers".into(),

@@ -6,6 +6,7 @@ use super::own_parts::OwnParts;
 use super::raw::Raw;
 use super::reader::{Contents, Extent, Fields, Item, Value, Variable, name_space, read};
 use super::scenarios::{take_scenarios, without_problem};
+use super::sections::{WITH_MULTIPLIERS, WITH_NODES};
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
@@ -189,7 +190,13 @@ impl FileScene {
         let settings = settings(&contents, &mut mistakes);
         let problem = problem(&contents, (&variables, functionals), &mut mistakes);
         let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
-            Output { step: fixed(fields, "step"), meshes: flag(fields, "vtk", false) }
+            let histories = texts(fields, "histories");
+            Output {
+                step: fixed(fields, "step"),
+                histories,
+                meshes: flag(fields, "vtk", false),
+                film: flag(fields, "film", false),
+            }
         });
         if let Some(step) = output.step
             && settings.end / step > MOST_STEPS as f64
@@ -198,6 +205,7 @@ impl FileScene {
             let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
             mistakes.push(Mistake::new(fields.get("step").map_or(fields.at, |given| given.0), text));
         }
+        check_output(&contents, &mut mistakes);
         check_spans(&contents, settings.end, &mut mistakes);
         if mistakes.is_empty() {
             for (section, fields) in &contents.single {
@@ -265,6 +273,23 @@ fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
                  holds before it and after it"
             );
             mistakes.push(Mistake::new(at, text));
+        }
+    }
+}
+
+/// What histories are to have is the energy, or a part that has nodes, multipliers or a value, or one of its nodes.
+fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
+    let Some(fields) = single(contents, "output") else { return };
+    let has_columns = |item: &&Item| [WITH_NODES, WITH_MULTIPLIERS, &["functional"]].concat().contains(&item.section);
+    let mut known: Vec<String> = contents.items.iter().filter(has_columns).map(|item| item.name.clone()).collect();
+    known.push("energy".into());
+    for (at, value) in list(fields, "histories") {
+        let Value::Text(text) = value else { continue };
+        let is_of = |name: &String| {
+            text.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.', ',']))
+        };
+        if !known.iter().any(is_of) {
+            mistakes.push(Mistake::new(at, format!("histories of [output]: {}", unknown("part", text, &known))));
         }
     }
 }
@@ -512,7 +537,7 @@ impl Scene for FileScene {
         self.problem.clone()
     }
     fn output(&self) -> Output {
-        self.output
+        self.output.clone()
     }
     fn scenarios(&self) -> Vec<Scenario<'_>> {
         self.scenarios.iter().map(|(name, scene)| Scenario { name: name.clone(), scene }).collect()

@@ -192,7 +192,7 @@ fn of_key(key: &Key) -> Value {
             let own = json!({"anyOf": [formula(Range::Any), part("vector")]});
             json!({"type": "object", "additionalProperties": own, "minProperties": 1})
         }
-        Type::Text | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
+        Type::Text | Type::Stl | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
         Type::Texts => array(text(), 0, None),
         Type::Columns => array(json!({"anyOf": [text(), whole(1, usize::MAX >> 11)]}), 2, Some(2)),
         Type::Weights => json!({"type": "object", "additionalProperties": formula(Range::Any), "minProperties": 1}),

@@ -11,8 +11,8 @@ use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
     Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Function, Item, Items, Lists, Node, NodeSet, NodeSets,
-    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Strips, Table, Tables, Text, Texts, Vector,
-    Weights,
+    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Stl, Strips, Table, Tables, Text, Texts,
+    Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -103,6 +103,37 @@ const LINE: [Key; 8] = [
     may("clamped", Choices(&["start", "end"]), "ends that never move; none"),
     may("motion", Table(&MOTION), "rigid motion that it starts with; at rest"),
 ];
+
+const WALL_OF_ROUND: Key = may("wall", Number("m", Positive), "thickness of the wall of a hollow one; solid");
+const LINE_OF_SOLID: [Key; 2] =
+    [need("from", Vector("m"), "start of its middle line"), need("to", Vector("m"), "end of its middle line")];
+const SOLID: Forms = forms!([
+    may("density", Number("kg/m3", Positive), "density; it is drawn only"),
+]
+"box" "a bar of rectangular section" [
+    LINE_OF_SOLID[0],
+    LINE_OF_SOLID[1],
+    need("second_axis", Vector("-"), "direction that spans the plane of the width with the line"),
+    need("width", Number("m", Positive), "along the second axis"),
+    need("height", Number("m", Positive), "across it"),
+]
+"cylinder" "a round bar or tube" [
+    LINE_OF_SOLID[0],
+    LINE_OF_SOLID[1],
+    need("diameter", Number("m", Positive), "outer diameter"),
+    WALL_OF_ROUND,
+]
+"sphere" "a ball" [
+    need("centre", Vector("m"), "centre"),
+    need("diameter", Number("m", Positive), "outer diameter"),
+    WALL_OF_ROUND,
+]
+"surface" "what a closed surface of triangles holds; without a density it need not be closed" [
+    need("file", Stl, "a file in STL, text or binary, beside the scene file"),
+    may("scale", Number("m", Positive), "length of a unit of the file; 1"),
+    may("position", Vector("m"), "where its origin stands; that of the body"),
+    may("orientation", Table(&ORIENTATION), "its axes in the world; those of the body"),
+]);
 
 const ARC: Forms = one_form![
     need("centre", Vector("m"), "centre of the circle"),
@@ -412,6 +443,11 @@ pub(super) const SECTIONS: &[Section] = &[
                 "xx, yy, zz, and xy, xz, yz if they are not 0, about the mass centre in its own axes; needed with mass"
             ),
             may("coordinates", Choice(&["euler_parameters", "natural"]), "kind of its coordinates; euler_parameters"),
+            may(
+                "solids",
+                Tables(&SOLID),
+                "solids of which it consists, in the world at the start, instead of mass, mass_centre and inertia; none"
+            ),
             may("draw", Points, "corners of a line of the picture, in the world at the start; none"),
         ],
     },
@@ -851,7 +887,14 @@ pub(super) const SECTIONS: &[Section] = &[
         doc: "What a run writes where the command line does not say otherwise.",
         forms: one_form![
             may("step", Fixed("s", Positive), "histories at multiples of this time; at the steps"),
+            may(
+                "histories",
+                Texts,
+                "what has columns in them, by names: nodes (\"crank\", \"beam[4]\", \"beam.end\", \"plate[2,0]\"), members with all their \
+                 nodes, joints, functionals, and \"energy\"; everything"
+            ),
             may("vtk", Flag, "meshes for ParaView; false"),
+            may("film", Flag, "the motion as a film, film.png; false"),
         ],
     },
     Section {

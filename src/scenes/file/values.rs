@@ -152,6 +152,7 @@ impl Reader {
                     None
                 }
             },
+            Type::Stl => self.surface(raw, &what).map(Value::Surface),
             Type::Texts => match list().filter(|list| list.iter().all(|own| own.text().is_some())) {
                 Some(list) => {
                     let texts = list.iter().map(|own| (own.at, Value::Text(own.text().unwrap_or_default().into())));

@@ -1,0 +1,293 @@
+//! Robots as URDF describes them.
+//!
+//! Source: the XML specification of the Unified Robot Description Format (links, joints, inertials, visuals).
+
+use crate::scalar::{Quaternion, SpatialVector, Vector3};
+use roxmltree::{Document, Node};
+
+/// A frame in another one.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose {
+    /// Place of its origin \[m\].
+    pub place: Vector3<f64>,
+    /// Its axes.
+    pub turn: Quaternion<f64>,
+}
+
+impl Pose {
+    /// The frame itself.
+    pub fn identity() -> Self {
+        Pose { place: Vector3::zeros(), turn: Quaternion::identity() }
+    }
+    /// A frame that stands in this one, in the frame that this one stands in.
+    pub fn then(self, inner: Pose) -> Pose {
+        Pose { place: self.place + self.turn.rotate(inner.place), turn: self.turn.times(inner.turn) }
+    }
+}
+
+/// Mass \[kg\], the frame of its centre in that of the link, and its tensor there (xx, yy, zz, xy, xz, yz) [kg m2].
+pub struct Inertial {
+    pub mass: f64,
+    pub pose: Pose,
+    pub tensor: [f64; 6],
+}
+
+/// What a link looks like.
+pub enum Looks {
+    Box([f64; 3]),
+    Cylinder { radius: f64, length: f64 },
+    Sphere { radius: f64 },
+    Mesh { file: String, scale: [f64; 3] },
+}
+
+pub struct Link {
+    pub name: String,
+    pub inertial: Option<Inertial>,
+    /// Shapes with their frames in that of the link.
+    pub visuals: Vec<(Pose, Looks)>,
+}
+
+/// That a joint follows another: position = multiplier x that of the other + offset.
+pub struct Mimic {
+    pub joint: String,
+    pub multiplier: f64,
+    pub offset: f64,
+}
+
+pub struct Joint {
+    pub name: String,
+    pub kind: String,
+    pub parent: String,
+    pub child: String,
+    /// The frame of the child in that of the parent while the position of the joint is zero.
+    pub pose: Pose,
+    /// In the frame of the child.
+    pub axis: Vector3<f64>,
+    pub damping: f64,
+    pub friction: f64,
+    pub has_limits: bool,
+    pub mimic: Option<Mimic>,
+}
+
+pub struct Robot {
+    pub name: String,
+    pub links: Vec<Link>,
+    pub joints: Vec<Joint>,
+}
+
+/// Where something stands, for messages.
+fn place(node: Node) -> String {
+    format!("line {}", node.document().text_pos_at(node.range().start).row)
+}
+
+fn needed<'a>(node: Node<'a, '_>, key: &str) -> Result<&'a str, String> {
+    let tag = node.tag_name().name();
+    node.attribute(key).ok_or_else(|| format!("{}: <{tag}> has no {key}", place(node)))
+}
+
+/// Numbers of an attribute.
+fn numbers<const N: usize>(node: Node, key: &str, default: Option<[f64; N]>) -> Result<[f64; N], String> {
+    let text = match (node.attribute(key), default) {
+        (None, Some(default)) => return Ok(default),
+        _ => needed(node, key)?,
+    };
+    let all: Option<Vec<f64>> =
+        text.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    let told = || format!("{}: {key} is \"{text}\"; it must be {N} numbers", place(node));
+    all.and_then(|all| all.try_into().ok()).ok_or_else(told)
+}
+
+fn number(node: Node, key: &str, default: Option<f64>) -> Result<f64, String> {
+    Ok(numbers(node, key, default.map(|own| [own]))?[0])
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|own| own.has_tag_name(name))
+}
+
+/// The frame of `<origin xyz rpy>`: turns about the fixed x, y and z axes, in this order.
+fn pose(node: Node) -> Result<Pose, String> {
+    let Some(origin) = child(node, "origin") else { return Ok(Pose::identity()) };
+    let (xyz, rpy) = (numbers(origin, "xyz", Some([0.0; 3]))?, numbers(origin, "rpy", Some([0.0; 3]))?);
+    let about = |axis: [f64; 3], angle| Quaternion::about(Vector3::from_f64(axis), angle);
+    let [roll, pitch, yaw] = rpy;
+    let turn = about([0.0, 0.0, 1.0], yaw).times(about([0.0, 1.0, 0.0], pitch)).times(about([1.0, 0.0, 0.0], roll));
+    Ok(Pose { place: Vector3::from_f64(xyz), turn })
+}
+
+fn looks(visual: Node) -> Result<Option<Looks>, String> {
+    let Some(geometry) = child(visual, "geometry") else { return Ok(None) };
+    let Some(own) = geometry.children().find(Node::is_element) else { return Ok(None) };
+    Ok(Some(match own.tag_name().name() {
+        "box" => Looks::Box(numbers(own, "size", None)?),
+        "cylinder" => Looks::Cylinder { radius: number(own, "radius", None)?, length: number(own, "length", None)? },
+        "sphere" => Looks::Sphere { radius: number(own, "radius", None)? },
+        "mesh" => Looks::Mesh { file: needed(own, "filename")?.into(), scale: numbers(own, "scale", Some([1.0; 3]))? },
+        _ => return Ok(None),
+    }))
+}
+
+fn link(node: Node) -> Result<Link, String> {
+    let inertial = child(node, "inertial").map(|own| {
+        let of = |name: &str| child(own, name).ok_or_else(|| format!("{}: <inertial> has no <{name}>", place(own)));
+        let (mass, inertia) = (number(of("mass")?, "value", None)?, of("inertia")?);
+        let [xx, yy, zz] = ["ixx", "iyy", "izz"].map(|key| number(inertia, key, None));
+        let [xy, xz, yz] = ["ixy", "ixz", "iyz"].map(|key| number(inertia, key, Some(0.0)));
+        Ok::<_, String>(Inertial { mass, pose: pose(own)?, tensor: [xx?, yy?, zz?, xy?, xz?, yz?] })
+    });
+    let mut visuals = Vec::new();
+    for visual in node.children().filter(|own| own.has_tag_name("visual")) {
+        visuals.extend(looks(visual)?.map(|looks| pose(visual).map(|pose| (pose, looks))).transpose()?);
+    }
+    Ok(Link { name: needed(node, "name")?.into(), inertial: inertial.transpose()?, visuals })
+}
+
+fn joint(node: Node) -> Result<Joint, String> {
+    let end = |name: &str| -> Result<String, String> {
+        let own = child(node, name).ok_or_else(|| format!("{}: <joint> has no <{name}>", place(node)))?;
+        Ok(needed(own, "link")?.into())
+    };
+    let axis = child(node, "axis").map_or(Ok([1.0, 0.0, 0.0]), |own| numbers(own, "xyz", None))?;
+    let dynamics = |key: &str| child(node, "dynamics").map_or(Ok(0.0), |own| number(own, key, Some(0.0)));
+    let mimic = child(node, "mimic").map(|own| {
+        Ok::<_, String>(Mimic {
+            joint: needed(own, "joint")?.into(),
+            multiplier: number(own, "multiplier", Some(1.0))?,
+            offset: number(own, "offset", Some(0.0))?,
+        })
+    });
+    Ok(Joint {
+        name: needed(node, "name")?.into(),
+        kind: needed(node, "type")?.into(),
+        parent: end("parent")?,
+        child: end("child")?,
+        pose: pose(node)?,
+        axis: Vector3::from_f64(axis),
+        damping: dynamics("damping")?,
+        friction: dynamics("friction")?,
+        has_limits: child(node, "limit").is_some_and(|own| own.has_attribute("lower") || own.has_attribute("upper")),
+        mimic: mimic.transpose()?,
+    })
+}
+
+impl Robot {
+    /// Reads a description.
+    ///
+    /// # Errors
+    /// What is wrong, with the line where it stands.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let document = Document::parse(text).map_err(|why| format!("it is no XML: {why}"))?;
+        let root = document.root_element();
+        if !root.has_tag_name("robot") {
+            let name = root.tag_name().name();
+            return Err(format!("its root is <{name}>, and that of a URDF is <robot>; files of xacro are expanded first"));
+        }
+        let all = |name: &'static str| root.children().filter(move |own| own.has_tag_name(name));
+        let robot = Robot {
+            name: root.attribute("name").unwrap_or("robot").into(),
+            links: all("link").map(link).collect::<Result<_, _>>()?,
+            joints: all("joint").map(joint).collect::<Result<_, _>>()?,
+        };
+        robot.check()?;
+        Ok(robot)
+    }
+
+    /// Names are different and known, and joints make a tree.
+    fn check(&self) -> Result<(), String> {
+        let names: Vec<&str> = self.links.iter().map(|link| &*link.name).collect();
+        let joints: Vec<&str> = self.joints.iter().map(|joint| &*joint.name).collect();
+        for (what, names) in [("links", &names), ("joints", &joints)] {
+            if let Some(twice) = crate::design::repeated(names.iter().copied()) {
+                return Err(format!("two {what} are named \"{twice}\""));
+            }
+        }
+        for Joint { name, parent, child, mimic, .. } in &self.joints {
+            if let Some(end) = [parent, child].into_iter().find(|end| !names.contains(&end.as_str())) {
+                return Err(format!("the joint \"{name}\" is on the link \"{end}\", which is not there"));
+            }
+            if let Some(other) = mimic.as_ref().filter(|own| !joints.contains(&own.joint.as_str())) {
+                return Err(format!("the joint \"{name}\" follows the joint \"{}\", which is not there", other.joint));
+            }
+        }
+        match self.roots().len() {
+            _ if crate::design::repeated(self.joints.iter().map(|joint| &*joint.child)).is_some() => {
+                Err("a link is the child of two joints; a URDF is a tree".into())
+            }
+            0 => Err("every link is the child of a joint; a URDF is a tree with a root".into()),
+            1 if self.in_order().len() == self.links.len() => Ok(()),
+            1 => Err("joints make a ring; a URDF is a tree".into()),
+            count => {
+                let names: Vec<&str> = self.roots().iter().map(|link| &*link.name).collect();
+                Err(format!("{count} links are the child of no joint: {}; a URDF has one root", names.join(", ")))
+            }
+        }
+    }
+
+    /// Links that are the child of no joint.
+    fn roots(&self) -> Vec<&Link> {
+        self.links.iter().filter(|link| self.joints.iter().all(|joint| joint.child != link.name)).collect()
+    }
+
+    /// Links with their frames in the world while all joints are at zero, and the joints that carry them, parents first.
+    pub fn in_order(&self) -> Vec<(&Link, Pose, Option<&Joint>)> {
+        let mut all: Vec<(&Link, Pose, Option<&Joint>)> =
+            self.roots().into_iter().map(|link| (link, Pose::identity(), None)).collect();
+        let mut next = 0;
+        while next < all.len() {
+            let (link, pose, _) = all[next];
+            for joint in self.joints.iter().filter(|joint| joint.parent == link.name) {
+                let child = self.links.iter().find(|own| own.name == joint.child);
+                all.extend(child.map(|child| (child, pose.then(joint.pose), Some(joint))));
+            }
+            next += 1;
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_line() {
+        let link = |name: &str| format!("<link name=\"{name}\"/>");
+        let joint = |name: &str, parent: &str, child: &str| {
+            format!("<joint name=\"{name}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"{child}\"/></joint>")
+        };
+        let [a, b] = ["a", "b"].map(link);
+        for (body, words) in [
+            (format!("{a}{a}"), "two links are named \"a\""),
+            (format!("{a}{}", joint("j", "a", "b")), "\"b\", which is not there"),
+            (format!("{a}{b}"), "2 links are the child of no joint: a, b"),
+            (format!("{a}{b}{}{}", joint("j", "a", "b"), joint("k", "b", "a")), "every link is the child"),
+            (format!("{a}{b}{}{}", joint("j", "a", "b"), joint("k", "a", "b")), "child of two joints"),
+            (format!("{a}\n<joint name=\"j\" type=\"fixed\"/>"), "line 2: <joint> has no <parent>"),
+            ("<link/>".into(), "line 1: <link> has no name"),
+            (
+                "\n<link name=\"a\"><inertial><mass value=\"x\"/><inertia/></inertial></link>".into(),
+                "line 2: value is \"x\"",
+            ),
+            ("<link name=\"a\"><inertial><mass value=\"1\"/></inertial></link>".into(), "has no <inertia>"),
+            (String::new(), "every link"),
+        ] {
+            let why = Robot::parse(&format!("<robot name=\"r\">{body}</robot>")).err().unwrap_or_default();
+            assert!(why.contains(words), "{body}: {why}");
+        }
+        assert!(Robot::parse("<sdf/>").err().unwrap().contains("<robot>"));
+        assert!(Robot::parse("hello").err().unwrap().contains("no XML"));
+    }
+
+    #[test]
+    fn frames_follow_each_other() {
+        let text = r#"<robot name="r"><link name="a"/><link name="b"/>
+            <joint name="j" type="fixed"><parent link="a"/><child link="b"/><origin xyz="1 2 3" rpy="0.3 0 1.5707963267948966"/></joint></robot>"#;
+        let robot = Robot::parse(text).unwrap();
+        let (_, pose, _) = robot.in_order()[1];
+        assert!((pose.place - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-15);
+        // first about x, then about z
+        let [x, y] = [Vector3::x(), Vector3::y()].map(|own| pose.turn.rotate(own));
+        assert!((x - Vector3::y()).norm() < 1e-15, "{x}");
+        assert!((y - Vector3::new(-0.3_f64.cos(), 0.0, 0.3_f64.sin())).norm() < 1e-15, "{y}");
+    }
+}

@@ -1,0 +1,176 @@
+//! Robots from URDF: the same motion as by hand, and what is left out is said.
+
+use costate::scenes::{FileScene, Prepared, Settings};
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// An empty folder of its own for one test, removed when dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("costate-import-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+    fn run(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_costate")).args(arguments).current_dir(&self.0).output().unwrap()
+    }
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.0.join(name), text).unwrap();
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn said(output: &Output) -> String {
+    [&output.stdout[..], &output.stderr[..]].map(|bytes| String::from_utf8_lossy(bytes).into_owned()).concat()
+}
+
+/// An arm on a hinge about y, inclined by 0.5 rad, whose frame of inertia is turned by a quarter about y; a hand on a slide, a finger whose
+/// hinge follows that of the arm.
+const ROBOT: &str = r#"<?xml version="1.0"?>
+<robot name="arm of two">
+  <link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>
+  <link name="arm">
+    <inertial><origin xyz="0 0 -0.5" rpy="0 1.5707963267948966 0"/><mass value="2"/>
+      <inertia ixx="0.02" iyy="0.18" izz="0.17" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><origin xyz="0 0 -0.5"/><geometry><cylinder radius="0.03" length="1"/></geometry></visual>
+    <visual><geometry><mesh filename="package://parts/meshes/arm.dae"/></geometry></visual>
+  </link>
+  <link name="hand"><inertial><mass value="0.4"/><inertia ixx="0.001" iyy="0.001" izz="0.001"/></inertial>
+    <visual><geometry><sphere radius="0.05"/></geometry></visual></link>
+  <link name="finger"><inertial><mass value="0.1"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4"/></inertial>
+    <visual><geometry><mesh filename="package://parts/wedge.stl" scale="0.01 0.01 0.01"/></geometry></visual></link>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
+    <origin xyz="0 0 1" rpy="0 0.5 0"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="3" velocity="2"/><dynamics damping="0.3"/></joint>
+  <joint name="slide" type="prismatic"><parent link="arm"/><child link="hand"/><origin xyz="0 0 -1"/><axis xyz="0 0 1"/>
+    <dynamics damping="5" friction="0.1"/></joint>
+  <joint name="knuckle" type="continuous"><parent link="hand"/><child link="finger"/><axis xyz="0 1 0"/>
+    <mimic joint="shoulder" multiplier="-2"/></joint>
+</robot>
+"#;
+
+#[test]
+fn a_robot_swings_as_its_links_say() {
+    let folder = Folder::new("swing");
+    folder.write("arm.urdf", ROBOT);
+    std::fs::copy("tests/scene_files/coverage/wedge.stl", folder.0.join("wedge.stl")).unwrap();
+    let output = folder.run(&["import", "arm.urdf"]);
+    let told = said(&output);
+    assert!(output.status.success(), "{told}");
+    for words in [
+        "4 links, 3 joints",
+        "arm.dae\" is no STL",
+        "limits of the joint \"shoulder\"",
+        "dry friction of the joint \"slide\"",
+    ] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    assert!(!told.contains("wedge.stl"), "{told}");
+    let again = folder.run(&["import", "arm.urdf"]);
+    assert!(again.status.code() == Some(2) && said(&again).contains("exists already"), "{}", said(&again));
+    let scene = FileScene::read(&folder.0.join("arm.toml")).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap();
+    let run = prepared.run().unwrap();
+    // the finger turns twice as far to the other side, all the time, and the hand slides down against 5 N s/m
+    let [angle, finger] = ["shoulder angle", "knuckle angle"].map(|name| run.node(name).unwrap());
+    for (own, other) in angle.coordinates.iter().zip(&finger.coordinates) {
+        assert!((other[0] + 2.0 * own[0]).abs() < 1e-12, "{} {}", own[0], other[0]);
+    }
+    assert!(angle.coordinates.last().unwrap()[0].abs() > 0.1);
+}
+
+/// I alpha = m g d sin(0.5): about the hinge I = 0.18 + 2 x 0.5^2 kg m2, since the axis of the hinge is one of the frame of inertia.
+#[test]
+fn a_link_alone_begins_to_fall_by_its_moment_of_inertia() {
+    let folder = Folder::new("fall");
+    let body = ROBOT.split("<link name=\"hand\">").next().unwrap();
+    let shoulder = ROBOT.split("<joint name=\"slide\"").next().unwrap().split("</link>").last().unwrap();
+    folder.write("arm.urdf", &format!("{body}{shoulder}</robot>").replace("damping=\"0.3\"", "damping=\"0\""));
+    let output = folder.run(&["import", "arm.urdf", "--out", "one.toml"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let text = std::fs::read_to_string(folder.0.join("one.toml")).unwrap();
+    // the frame of inertia turned into that of the link: x and z change places
+    let inertia = text.lines().find(|line| line.starts_with("inertia")).unwrap();
+    assert!(inertia.starts_with("inertia = [0.17") && inertia.contains("0.18") && inertia.contains("0.02"), "{inertia}");
+    let scene = FileScene::read(&folder.0.join("one.toml")).unwrap();
+    let h = 1e-4;
+    let prepared = Prepared::with(&scene, &[], Prepared::default_method(), Settings::new(h, 1)).unwrap();
+    let angle = prepared.run().unwrap().node("shoulder angle").unwrap();
+    let alpha = angle.rates.last().unwrap()[0] / h;
+    // it hangs towards -x where y is its axis: gravity turns it back
+    let expected = 2.0 * 9.81 * 0.5 * 0.5_f64.sin() / (0.18 + 0.5);
+    assert!((alpha.abs() - expected).abs() < 1e-7 * expected, "{alpha} {expected}");
+    assert!(alpha < 0.0, "it falls back to hanging, {alpha}");
+}
+
+#[test]
+fn a_free_robot_falls_and_what_is_no_robot_is_told() {
+    let folder = Folder::new("free");
+    folder.write("ball.urdf", "<robot name=\"ball\"><link name=\"ball\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
+    assert!(folder.run(&["import", "ball.urdf", "--free"]).status.success());
+    let scene = FileScene::read(&folder.0.join("ball.toml")).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let ball = prepared.run().unwrap().node("ball").unwrap();
+    assert!((ball.coordinates.last().unwrap()[2] + 0.5 * 9.81).abs() < 1e-9);
+    folder.write("scene.toml.urdf", "version = 1\n");
+    folder.write("model.urdf", "<sdf version=\"1.6\"/>");
+    for (file, words) in [("none.urdf", "cannot be read"), ("scene.toml.urdf", "no XML"), ("model.urdf", "<sdf>")] {
+        let output = folder.run(&["import", file]);
+        assert!(output.status.code() == Some(2) && said(&output).contains(words), "{file}: {}", said(&output));
+    }
+    // nothing half-written
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 4);
+}
+
+#[test]
+fn histories_of_chosen_parts_are_columns_of_all_and_a_film_is_one_picture_after_the_other() {
+    let folder = Folder::new("chosen");
+    let text = include_str!("scene_files/coverage/solids.toml").replace("tests/scene_files/coverage/", "");
+    folder.write("solids.toml", &text);
+    folder.write(
+        "all.toml",
+        &text.replace("histories = [\"hammer\", \"hinge\", \"reach\", \"energy\"]", "").replace("film = true", ""),
+    );
+    std::fs::copy("tests/scene_files/coverage/wedge.stl", folder.0.join("wedge.stl")).unwrap();
+    for scene in ["solids", "all"] {
+        let output = folder.run(&["run", &format!("{scene}.toml"), "--out", scene, "--no-report"]);
+        assert!(output.status.success(), "{}", said(&output));
+    }
+    let read = |scene: &str| costate::internals::read_csv(&folder.0.join(scene).join("histories.csv")).unwrap();
+    let ((names, rows), (all_names, all_rows)) = (read("solids"), read("all"));
+    assert!(names.len() < all_names.len() && names.iter().all(|name| !name.starts_with("flywheel")), "{names:?}");
+    for wanted in [
+        "t [s]",
+        "hammer.x [m]",
+        "hammer.omega_y [rad/s]",
+        "energy [J]",
+        "hinge.mu1",
+        "hinge.force_z [N]",
+        "measured for reach [m]",
+    ] {
+        assert!(names.iter().any(|name| name == wanted), "{wanted}: {names:?}");
+    }
+    for (place, name) in names.iter().enumerate() {
+        let other = all_names.iter().position(|own| own == name).unwrap();
+        assert!(rows.iter().zip(&all_rows).all(|(own, all)| own[place] == all[other]), "{name}");
+    }
+    let film = std::fs::read(folder.0.join("solids/film.png")).unwrap();
+    let count = |word: &[u8]| film.windows(4).filter(|bytes| *bytes == word).count();
+    // one control chunk for each of the rows, which is a frame
+    assert_eq!((count(b"acTL"), count(b"fcTL")), (1, rows.len()));
+    assert!(!folder.0.join("all/film.png").exists());
+    folder.write("wrong.toml", &text.replace("\"hinge\", \"reach\"", "\"hing\""));
+    let output = folder.run(&["check", "wrong.toml"]);
+    assert!(
+        output.status.code() == Some(2) && said(&output).contains("part \"hing\" is not known; did you mean \"hinge\""),
+        "{}",
+        said(&output)
+    );
+}
