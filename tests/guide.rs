@@ -157,7 +157,7 @@ fn files_on_the_pages_exist() {
 fn names_on_the_pages_are_those_of_the_source() {
     let sources: String = ["src", "verification"]
         .iter()
-        .flat_map(|folder| files_below(folder, ".rs"))
+        .flat_map(|folder| [files_below(folder, ".rs"), files_below(folder, ".py")].concat())
         .map(|path| fs::read_to_string(root().join(path)).unwrap())
         .collect();
     let known: BTreeSet<&str> = sources.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();

@@ -57,6 +57,7 @@ fn every_folder_is_on_the_list() {
         std::fs::read_dir(source).expect("src").map(|entry| entry.expect("readable").path()).filter(|path| path.is_dir())
     {
         let name = entry.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_string();
-        assert!(ORDER.contains(&name.as_str()), "src/{name} has no place in the way of the data");
+        // the package for Python is a crate of its own
+        assert!(ORDER.contains(&name.as_str()) || name == "python", "src/{name} has no place in the way of the data");
     }
 }

@@ -44,7 +44,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 41] = [
+const OTHERS: [(&str, &str, &str); 42] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -106,6 +106,7 @@ const OTHERS: [(&str, &str, &str); 41] = [
     ("cli/optimize.rs", "gradient_by gradient_name", "names of a choice"),
     ("cli/report/sections.rs", "gradient", "writes"),
     ("testing.rs", "adjoints", "made up, for a check"),
+    ("python/src/run.rs", "gradient tangent", "hand out"),
 ];
 
 fn source() -> std::path::PathBuf {

@@ -1,4 +1,4 @@
-use crate::elements::entries::{Entry, Part, make_in_any};
+use crate::elements::entries::{Entry, Part, part_of};
 use crate::elements::{Parameter, State};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
@@ -83,12 +83,7 @@ impl<Q: Quantity> AnyQuantity for Q {
 /// A quantity of a list.
 pub type QuantityPart = Part<dyn AnyQuantity>;
 
-impl QuantityPart {
-    /// The entry of a quantity.
-    pub const fn of<Q: Entry<Law: Quantity>>() -> Self {
-        Part::new::<Q>(|given| make_in_any::<Q, dyn AnyQuantity>(given, |law| Box::new(law)))
-    }
-}
+part_of!(Quantity, dyn AnyQuantity);
 
 /// What is done with every quantity of the library that has an entry, each with its own type.
 pub trait QuantityVisitor {

@@ -14,7 +14,7 @@ macro_rules! pages {
     };
 }
 
-pages!("": getting_started programs own_parts joints beams cables shells meshes functionals time statics gradients
+pages!("": getting_started programs python own_parts joints beams cables shells meshes functionals time statics gradients
     optimization files commands limits measured glossary changelog);
 
 pub mod theory {

@@ -45,6 +45,19 @@ fn same(formulas: &str, library: &str, limit: f64) {
 const HEADER: &str = "[[element]]\nname = \"own\"\n";
 
 #[test]
+fn a_coordinate_moves_as_its_equation_says() {
+    let scene = FileScene::parse("coordinates.toml", include_str!("coverage/coordinates.toml")).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let run = prepared.run().unwrap();
+    // m x'' + c x' + k x = 0
+    let ([m, k, x, v], c, t): ([f64; 4], f64, f64) = ([1.3, 40.0, 0.3, 0.7], 0.4, 2.0);
+    let (decay, undamped) = (0.5 * c / m, k / m);
+    let rate = (undamped - decay * decay).sqrt();
+    let exact = (-decay * t).exp() * (x * (rate * t).cos() + (v + decay * x) / rate * (rate * t).sin());
+    assert!((run.forward.values[0] - exact).abs() < 1e-5, "{} for {exact}", run.forward.values[0]);
+}
+
+#[test]
 fn energies_and_loads_are_those_of_the_library() {
     same(
         &format!(

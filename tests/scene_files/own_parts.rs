@@ -1,7 +1,7 @@
 //! Joints, springs and functionals of one's own in scene files: by their entries alone.
 
 use super::runge_kutta;
-use costate::elements::entries::{BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, Type, need};
+use costate::elements::entries::{BETWEEN, Entry, Example, ExampleValue, Form, Given, Key, MadeEntry, Range, Type, need};
 use costate::elements::{Constraint, Element, Frame, NodeKind, Parameter, State};
 use costate::functionals::Quantity;
 use costate::scalar::{Scalar, SpatialVector, Vector3};
@@ -179,6 +179,34 @@ fn a_joint_by_the_name_of_a_driver_is_itself() {
     let own = OwnParts::default().joint::<NamedLikeADriver>();
     let text = text("type = \"rotation\"\ncurvature = \"k\"");
     let scene = FileScene::parse_with("own.toml", &text, &own).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    let value = prepared.analysis().forward(&[0.8]).unwrap().values;
+    assert_eq!(value, values("type = \"parabolic_wire\"\ncurvature = \"k\"", 0.8));
+}
+
+/// The wire by a name that a running program gives it.
+struct Made {
+    name: &'static str,
+}
+
+impl MadeEntry for Made {
+    type Law = Wire;
+    fn form(&self) -> Form {
+        Form { name: self.name, doc: Wire::DOC, keys: Wire::KEYS }
+    }
+    fn example(&self) -> Example {
+        Wire::EXAMPLE
+    }
+    fn make<S: Scalar>(&self, given: &mut Given<S>) -> (Wire, Vec<S>) {
+        Wire::make(given)
+    }
+}
+
+#[test]
+fn a_joint_that_is_made_while_a_program_runs_is_that_of_its_type() {
+    let made: &'static Made = Box::leak(Box::new(Made { name: "wire of the day" }));
+    let text = text("type = \"wire of the day\"\ncurvature = \"k\"");
+    let scene = FileScene::parse_with("own.toml", &text, &OwnParts::default().joint_by(made)).unwrap();
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let value = prepared.analysis().forward(&[0.8]).unwrap().values;
     assert_eq!(value, values("type = \"parabolic_wire\"\ncurvature = \"k\"", 0.8));

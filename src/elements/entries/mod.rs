@@ -21,6 +21,6 @@ pub(crate) use keys::forms;
 pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
 };
-pub use part::{Entry, JointPart, JointVisitor, Law, Made, Part, SpringPart, SpringVisitor, forms_of};
-pub(crate) use part::{entries, make_in_any};
+pub use part::{Entry, JointPart, JointVisitor, Law, Made, MadeEntry, Part, SpringPart, SpringVisitor, forms_of};
+pub(crate) use part::{entries, part_of};
 pub use placed::Placed;

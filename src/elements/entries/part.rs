@@ -6,6 +6,7 @@ use crate::program::Recorded;
 use crate::scalar::{Complex64, Quaternion, Scalar, Tangents, Vector3};
 use std::any::{Any, type_name};
 use std::fmt::{Debug, Formatter};
+use std::marker::PhantomData;
 
 /// A part with all that is said of it beside its formula: a joint or driver, a spring or damper, a quantity that is measured.
 pub trait Entry: 'static {
@@ -22,6 +23,34 @@ pub trait Entry: 'static {
 
     /// The formula and its parameters, from the nodes where they stand and the values of the keys.
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self::Law, Vec<S>);
+}
+
+/// An entry that is made while the program runs, as for a part that another language describes.
+pub trait MadeEntry: Send + Sync + 'static {
+    /// Its formula.
+    type Law: 'static;
+    /// Name, sentence and keys.
+    fn form(&self) -> Form;
+    /// Its nodes, and values of its keys where there is an example.
+    fn example(&self) -> Example;
+    /// The formula and its parameters, as [`Entry::make`] gives them.
+    fn make<S: Scalar>(&self, given: &mut Given<S>) -> (Self::Law, Vec<S>);
+}
+
+/// What a type says of itself.
+struct OfType<E>(PhantomData<fn() -> E>);
+
+impl<E: Entry> MadeEntry for OfType<E> {
+    type Law = E::Law;
+    fn form(&self) -> Form {
+        Form { name: E::NAME, doc: E::DOC, keys: E::KEYS }
+    }
+    fn example(&self) -> Example {
+        E::EXAMPLE
+    }
+    fn make<S: Scalar>(&self, given: &mut Given<S>) -> (E::Law, Vec<S>) {
+        E::make(given)
+    }
 }
 
 /// A joint with its type erased, to be held exactly or softly.
@@ -74,14 +103,18 @@ macro_rules! entries {
 }
 pub(crate) use entries;
 
+/// What an entry makes of what is given, in one of the scalars in which mechanisms are built.
+type Maker = fn(&dyn Any, &mut dyn Any) -> Option<Box<dyn Any>>;
+
 /// An entry with its type erased, which makes formulas of type `L`.
 pub struct Part<L: ?Sized> {
     /// Name, sentence and keys.
     pub form: Form,
     /// Nodes and values of the example.
     pub example: Example,
-    make: fn(&mut dyn Any) -> Option<Box<dyn Any>>,
-    erased: std::marker::PhantomData<fn() -> Box<L>>,
+    entry: &'static (dyn Any + Send + Sync),
+    make: Maker,
+    erased: PhantomData<fn() -> Box<L>>,
 }
 
 /// A joint or driver of a list.
@@ -104,40 +137,64 @@ impl<L: ?Sized> Debug for Part<L> {
 }
 
 /// In one of the scalars in which mechanisms are built.
-fn make<E: Entry, S: Scalar, L: ?Sized + 'static>(given: &mut dyn Any, erase: fn(E::Law) -> Box<L>) -> Option<Box<dyn Any>> {
-    let (law, p) = E::make(given.downcast_mut::<Given<S>>()?);
+fn make<E: MadeEntry, S: Scalar, L: ?Sized + 'static>(
+    entry: &E,
+    given: &mut dyn Any,
+    erase: fn(E::Law) -> Box<L>,
+) -> Option<Box<dyn Any>> {
+    let (law, p) = entry.make(given.downcast_mut::<Given<S>>()?);
     Some(Box::new((erase(law), p)))
 }
 
 /// In any of them.
-pub(crate) fn make_in_any<E: Entry, L: ?Sized + 'static>(
+fn make_in_any<E: MadeEntry, L: ?Sized + 'static>(
+    entry: &E,
     given: &mut dyn Any,
     erase: fn(E::Law) -> Box<L>,
 ) -> Option<Box<dyn Any>> {
-    make::<E, f64, L>(given, erase)
-        .or_else(|| make::<E, Recorded, L>(given, erase))
-        .or_else(|| make::<E, Complex64, L>(given, erase))
-        .or_else(|| make::<E, Tangents, L>(given, erase))
+    make::<E, f64, L>(entry, given, erase)
+        .or_else(|| make::<E, Recorded, L>(entry, given, erase))
+        .or_else(|| make::<E, Complex64, L>(entry, given, erase))
+        .or_else(|| make::<E, Tangents, L>(entry, given, erase))
 }
 
-impl JointPart {
-    /// The entry of a joint.
-    pub const fn of<J: Entry<Law: Constraint>>() -> Self {
-        Part::new::<J>(|given| make_in_any::<J, dyn Law>(given, |law| Box::new(law)))
-    }
+/// The parts of entries whose formulas are of a kind: of one that is a type, and of one that is made while the program runs.
+macro_rules! part_of {
+    ($law:path, $erased:ty) => {
+        impl $crate::elements::entries::Part<$erased> {
+            /// The part of an entry.
+            pub const fn of<E: $crate::elements::entries::Entry<Law: $law>>() -> Self {
+                Self::of_type::<E>(|_, given| Self::made_of_type::<E>(given, |law| Box::new(law)))
+            }
+            /// The part of an entry that is made while the program runs; of a list of types it is [`Self::of`].
+            pub fn by<E: $crate::elements::entries::MadeEntry<Law: $law>>(entry: &'static E) -> Self {
+                Self::of_entry(entry, |entry, given| Self::made_by::<E>(entry, given, |law| Box::new(law)))
+            }
+        }
+    };
 }
+pub(crate) use part_of;
 
-impl SpringPart {
-    /// The entry of a spring or damper.
-    pub const fn of<E: Entry<Law: Element>>() -> Self {
-        Part::new::<E>(|given| make_in_any::<E, dyn AnyElement>(given, |law| Box::new(law)))
-    }
-}
+part_of!(Constraint, dyn Law);
+part_of!(Element, dyn AnyElement);
 
 impl<L: ?Sized + 'static> Part<L> {
-    pub(crate) const fn new<E: Entry>(make: fn(&mut dyn Any) -> Option<Box<dyn Any>>) -> Self {
+    pub(crate) const fn of_type<E: Entry>(make: Maker) -> Self {
         let form = Form { name: E::NAME, doc: E::DOC, keys: E::KEYS };
-        Part { form, example: E::EXAMPLE, make, erased: std::marker::PhantomData }
+        Part { form, example: E::EXAMPLE, entry: &(), make, erased: PhantomData }
+    }
+    pub(crate) fn of_entry<E: MadeEntry>(entry: &'static E, make: Maker) -> Self {
+        Part { form: entry.form(), example: entry.example(), entry, make, erased: PhantomData }
+    }
+    pub(crate) fn made_of_type<E: Entry>(given: &mut dyn Any, erase: fn(E::Law) -> Box<L>) -> Option<Box<dyn Any>> {
+        make_in_any(&OfType::<E>(PhantomData), given, erase)
+    }
+    pub(crate) fn made_by<E: MadeEntry>(
+        entry: &dyn Any,
+        given: &mut dyn Any,
+        erase: fn(E::Law) -> Box<L>,
+    ) -> Option<Box<dyn Any>> {
+        make_in_any(entry.downcast_ref::<E>()?, given, erase)
     }
 
     /// The formula and its parameters.
@@ -145,7 +202,7 @@ impl<L: ?Sized + 'static> Part<L> {
     /// # Errors
     /// A scalar in which no mechanism is built.
     pub fn make<S: Scalar>(&self, given: &mut Given<S>) -> Result<Made<L, S>, String> {
-        let made = (self.make)(given).and_then(|made| made.downcast::<Made<L, S>>().ok());
+        let made = (self.make)(self.entry, given).and_then(|made| made.downcast::<Made<L, S>>().ok());
         let refused = || format!("a {} is not made in numbers of type {}", self.form.name, type_name::<S>());
         made.map(|made| *made).ok_or_else(refused)
     }

@@ -46,8 +46,12 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             Ok(Made::Sphere(m.sphere_shell(name, place, count(fields, "elements"), &material, thickness)))
         }
         "group" => group(known, name, fields),
+        "coordinate" => {
+            let [initial, rate] = ["initial", "rate"].map(|key| known.number_or(fields, key, 0.0));
+            Ok(Made::Node(m.coordinates(name, &[initial?], &[rate?])))
+        }
         "joint_angle" => {
-            let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
+            let (nodes, axis) = (known.different_nodes(fields, m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
         "state" => formula_parts::state(known, name, fields, m),

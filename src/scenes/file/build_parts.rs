@@ -1,7 +1,7 @@
 //! Joints, drivers, springs, dampers and quantities, by their entries.
 
 use super::build::{Builder, place};
-use super::known::{Found, Known, Made, count, list, over, text};
+use super::known::{Found, Known, Made, count, over, text};
 use super::mistake::Mistake;
 use super::reader::Fields;
 use crate::assembly::NodeId;
@@ -65,7 +65,7 @@ pub(super) fn joint<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let (nodes, values) = (different_nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, &part.form, m)?);
     let made = match rates(known, fields)? {
         Some([stiffness, damping]) => {
             m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
@@ -86,7 +86,7 @@ pub(super) fn spring<S: Scalar>(
     let Some(part) = part else {
         return Err(Mistake::new(fields.at, format!("nothing builds a spring of type {}", fields.form)));
     };
-    let (nodes, values) = (different_nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, &part.form, m)?);
     let made = m.spring_part(part, name, &nodes, values).map(|_| Made::Nothing);
     located(made, name, fields, m)
 }
@@ -99,22 +99,10 @@ pub(super) fn measure<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let nodes = match fields.get("between") {
-        Some(_) => known.nodes::<2>(fields, "between", m)?.to_vec(),
-        None => vec![known.node(fields, "on", m)?],
-    };
+    let nodes = known.nodes_of_part(fields, m)?;
     let values = values(known, fields, &part.form, m)?;
     let made = m.quantity_part(part, name, over(fields), &nodes, values).map(|()| Made::Nothing);
     located(made, name, fields, m)
-}
-
-/// The node of the key `on`, or all nodes of the key `between`, which are different.
-fn different_nodes<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Found<Vec<NodeId>> {
-    match list(fields, "between").count() {
-        0 => known.node(fields, "on", m).map(|node| vec![node]),
-        3 => known.different_nodes::<3>(fields, "between", m).map(Vec::from),
-        _ => known.different_nodes::<2>(fields, "between", m).map(Vec::from),
-    }
 }
 
 /// Stiffnesses and dampings of a soft joint.
@@ -140,7 +128,7 @@ pub(super) fn rolling<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, 
     if let Some((at, _)) = fields.get("stiffness").or(fields.get("damping")) {
         return Err(Mistake::new(at, "what rolls cannot be soft: leave this out"));
     }
-    let nodes: [NodeId; 2] = known.different_nodes(fields, "between", m)?;
+    let nodes: [NodeId; 2] = known.different_nodes(fields, m)?;
     let contact = format!("contact of {name}");
     let vector = |key| known.vector(fields, key);
     let (centre, radius) = (place(known, fields, "centre", nodes[1], m)?, known.number(fields, "radius")?);

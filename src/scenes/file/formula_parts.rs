@@ -33,7 +33,7 @@ const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true
 pub(super) fn of_section(section: &str) -> &'static [OfNode] {
     match section {
         "point" | "cable" => OF_POINT,
-        "joint_angle" => OF_COORDINATE,
+        "coordinate" | "joint_angle" => OF_COORDINATE,
         // by the names of its values
         "state" => &[],
         _ => OF_BODY,

@@ -251,27 +251,34 @@ impl<S: Scalar> Known<'_, S> {
         fields.get(key).map_or_else(|| missing(fields, key), |given| self.one_node(given, m))
     }
 
-    pub fn nodes<const N: usize>(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<[NodeId; N]> {
-        let nodes: Vec<NodeId> = list(fields, key).map(|given| self.one_node(given, m)).collect::<Found<_>>()?;
-        nodes.try_into().or_else(|_| missing(fields, key))
+    fn list_of_nodes(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+        list(fields, key).map(|given| self.one_node(given, m)).collect()
+    }
+
+    /// What the keys `between`, or else `on`, name.
+    pub fn nodes_of_part(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+        match fields.get("between") {
+            Some(_) => self.list_of_nodes(fields, "between", m),
+            None => self.node(fields, "on", m).map(|node| vec![node]),
+        }
     }
 
     /// The same for what connects nodes, which are all different.
-    pub fn different_nodes<const N: usize>(
-        &self,
-        fields: &Fields,
-        key: &str,
-        m: &mut MechanismBuilder<S>,
-    ) -> Found<[NodeId; N]> {
-        let nodes = self.nodes(fields, key, m)?;
+    pub fn different_nodes_of_part(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+        let nodes = self.nodes_of_part(fields, m)?;
         let is_twice = |place: usize| nodes[..place].contains(&nodes[place]);
-        match (0..N).any(is_twice) {
+        match (0..nodes.len()).any(is_twice) {
             true => Err(Mistake::new(
-                fields.get(key).map_or(fields.at, |own| own.0),
-                format!("two of {key} are the same node; give different ones"),
+                fields.get("between").map_or(fields.at, |own| own.0),
+                "two of between are the same node; give different ones",
             )),
             false => Ok(nodes),
         }
+    }
+
+    /// Two nodes that are different.
+    pub fn different_nodes(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<[NodeId; 2]> {
+        self.different_nodes_of_part(fields, m)?.try_into().or_else(|_| missing(fields, "between"))
     }
 
     /// What another entry became.

@@ -1,7 +1,7 @@
 use super::reader::all_forms;
 use super::sections::SECTIONS;
 use crate::design::repeated;
-use crate::elements::entries::{Entry, Form, JointPart, Kind, Part, SpringPart};
+use crate::elements::entries::{Entry, Form, JointPart, Kind, MadeEntry, Part, SpringPart};
 use crate::elements::forces::SPRINGS;
 use crate::elements::joints::JOINTS;
 use crate::elements::{Constraint, Element};
@@ -36,6 +36,27 @@ impl OwnParts {
     #[must_use]
     pub fn functional<Q: Entry<Law: Quantity>>(mut self) -> Self {
         self.functionals.push(QuantityPart::of::<Q>());
+        self
+    }
+
+    /// With a joint whose entry is made while the program runs.
+    #[must_use]
+    pub fn joint_by<J: MadeEntry<Law: Constraint>>(mut self, entry: &'static J) -> Self {
+        self.joints.push(JointPart::by(entry));
+        self
+    }
+
+    /// The same with a spring or any other element.
+    #[must_use]
+    pub fn spring_by<E: MadeEntry<Law: Element>>(mut self, entry: &'static E) -> Self {
+        self.springs.push(SpringPart::by(entry));
+        self
+    }
+
+    /// The same with a quantity.
+    #[must_use]
+    pub fn functional_by<Q: MadeEntry<Law: Quantity>>(mut self, entry: &'static Q) -> Self {
+        self.functionals.push(QuantityPart::by(entry));
         self
     }
 

@@ -199,7 +199,7 @@ const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end
 
 /// Sections whose entries are nodes or have nodes.
 pub(super) const WITH_NODES: &[&str] =
-    &["body", "point", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
+    &["body", "point", "coordinate", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.
@@ -637,6 +637,16 @@ pub(super) const SECTIONS: &[Section] = &[
             need("of", Item(&["shell"]), "name of a shell"),
             may("first", Counts(2, 0, 1000), "first and last element along the first direction, from 0; all"),
             may("second", Counts(2, 0, 1000), "first and last element along the second direction, from 0; all"),
+        ],
+    },
+    Section {
+        name: "coordinate",
+        shape: Shape::Listed,
+        doc: "A number that moves, with the meaning that springs and parts of one's own on it give it; one of them must have inertia.",
+        forms: one_form![
+            NAME,
+            may("initial", Number("", Any), "value at the start; 0"),
+            may("rate", Number("1/s", Any), "its rate there; 0"),
         ],
     },
     Section {

@@ -1,0 +1,62 @@
+"""Flexible multibody dynamics with exact gradients.
+
+A mechanism is a function of its design variables: ``load`` reads it from a scene file, ``Model`` and ``scene`` build it
+in Python. ``Scene.run`` simulates it, ``Scene.value_and_grad`` differentiates what it measures, exactly. ``Element``,
+``Constraint`` and ``Quantity`` are parts of one's own, each one formula.
+"""
+
+from . import errors, testing
+from ._costate import __version__
+from .errors import CheckError, Error, InputError, InternalError, RecordingError, RunError, RunWarning, SceneError
+from .model import Model
+from .numbers import floor, less, maximum, minimum, rotation, sign, where
+from .parts import Constraint, Element, Parameter, Quantity, State, non_negative, number, positive
+from .results import Gradient, History, JointHistory, NodeHistory, Run
+from .scene_function import Variable, scene, variable
+from .scenes import DesignVariable, Functional, Scene, built_in, built_in_names, load, loads, value_and_grad
+
+__all__ = [
+    "CheckError",
+    "Constraint",
+    "DesignVariable",
+    "Element",
+    "Error",
+    "Functional",
+    "Gradient",
+    "History",
+    "InputError",
+    "InternalError",
+    "JointHistory",
+    "Model",
+    "NodeHistory",
+    "Parameter",
+    "Quantity",
+    "RecordingError",
+    "Run",
+    "RunError",
+    "RunWarning",
+    "Scene",
+    "SceneError",
+    "State",
+    "Variable",
+    "__version__",
+    "built_in",
+    "built_in_names",
+    "errors",
+    "floor",
+    "less",
+    "load",
+    "loads",
+    "maximum",
+    "minimum",
+    "non_negative",
+    "number",
+    "positive",
+    "rotation",
+    "scene",
+    "sign",
+    "testing",
+    "value_and_grad",
+    "variable",
+    "where",
+]

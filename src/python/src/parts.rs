@@ -1,0 +1,321 @@
+//! Elements, joints and quantities that Python describes: their keys, and tapes of their formulas.
+
+use crate::errors::scene_error;
+use crate::tape::Tape;
+use costate::elements::entries::{Example, Form, Given, Key, MadeEntry, Range, Type, need};
+use costate::prelude::*;
+use costate::scenes::file::OwnParts;
+use pyo3::PyResult;
+use serde::Deserialize;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A part as `costate.parts` describes it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Description {
+    pub kind: Kind,
+    name: String,
+    doc: String,
+    nodes: Vec<String>,
+    parameters: Vec<Number>,
+    /// Number of equations of a joint.
+    #[serde(default)]
+    equations: usize,
+    /// Number of strains of an element.
+    #[serde(default)]
+    strains: usize,
+    /// Unit of a quantity.
+    #[serde(default)]
+    unit: String,
+    #[serde(default)]
+    formulas: HashMap<String, Tape>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    Element,
+    Constraint,
+    Quantity,
+}
+
+/// A parameter.
+#[derive(Clone, Debug, Deserialize)]
+struct Number {
+    name: String,
+    unit: String,
+    doc: String,
+    range: Allowed,
+    #[serde(default)]
+    is_size: bool,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Allowed {
+    Any,
+    Positive,
+    AtLeastZero,
+}
+
+/// A part that is ready for scene files: its texts stay for the life of the program, each description once.
+pub struct Part {
+    description: Description,
+    kinds: &'static [NodeKind],
+    parameters: Vec<Parameter>,
+    form: Form,
+    unit: &'static str,
+}
+
+/// An element, joint or quantity of a scene, and the entry that makes it.
+#[derive(Clone)]
+pub struct Law(pub Arc<Part>);
+
+/// A text that stays.
+fn kept(text: &str) -> &'static str {
+    Box::leak(text.into())
+}
+
+fn node_kind(word: &str) -> Result<NodeKind, String> {
+    match word {
+        "point" => Ok(NodeKind::Point),
+        "body" => Ok(NodeKind::Body),
+        "natural" => Ok(NodeKind::Natural),
+        "cable" => Ok(NodeKind::Slope),
+        "coordinate" => Ok(NodeKind::Coordinates(1)),
+        _ => {
+            Err(format!("there are no nodes \"{word}\"; take \"point\", \"body\", \"natural\", \"cable\" or \"coordinate\""))
+        }
+    }
+}
+
+impl Description {
+    fn made(self) -> Result<Part, String> {
+        let kinds = self.nodes.iter().map(|word| node_kind(word)).collect::<Result<Vec<_>, _>>()?;
+        self.check(kinds.iter().map(|kind| kind.dofs()).sum())?;
+        let parameter = |own: &Number| {
+            let (name, unit) = (kept(&own.name), kept(&own.unit));
+            let parameter = match own.range {
+                Allowed::Any => Parameter::new(name, unit),
+                Allowed::Positive => Parameter::positive(name, unit),
+                Allowed::AtLeastZero => Parameter::non_negative(name, unit),
+            };
+            if own.is_size { parameter.as_size() } else { parameter }
+        };
+        let nodes = match kinds.len() {
+            1 => need("on", Type::Node, "node"),
+            count => need("between", Type::Nodes(count), "its nodes"),
+        };
+        let key = |own: &Number| {
+            let range = match own.range {
+                Allowed::Any => Range::Any,
+                Allowed::Positive => Range::Positive,
+                Allowed::AtLeastZero => Range::AtLeastZero,
+            };
+            need(kept(&own.name), Type::Number(kept(&own.unit), range), kept(&own.doc))
+        };
+        let keys: Vec<Key> = [nodes].into_iter().chain(self.parameters.iter().map(key)).collect();
+        let form = Form { name: kept(&self.name), doc: kept(&self.doc), keys: Box::leak(keys.into()) };
+        let parameters = self.parameters.iter().map(parameter).collect();
+        let unit = kept(&self.unit);
+        Ok(Part { kinds: Box::leak(kinds.into()), parameters, form, unit, description: self })
+    }
+
+    /// Whether every formula has the arguments and results that its name says.
+    fn check(&self, n: usize) -> Result<(), String> {
+        let (m, strains) = (self.parameters.len(), self.strains);
+        for (name, tape) in &self.formulas {
+            let (arguments, results) = match (self.kind, name.as_str()) {
+                (Kind::Element, "residual") => (3 * n + m + 1, n),
+                (Kind::Element, "kinetic") => (2 * n + m, 1),
+                (Kind::Element, "potential" | "strain_energy") => (n + m, 1),
+                (Kind::Element, "force") => (2 * n + m + 1, n),
+                (Kind::Element, "strains") => (n + m + 1, strains),
+                (Kind::Element, "stored") => (strains + m, 1),
+                (Kind::Element, "damping") => (2 * strains + m + 1, strains),
+                (Kind::Element, "dissipation") => (2 * strains + m, 1),
+                (Kind::Element, "mass") => (m, 1),
+                (Kind::Element | Kind::Constraint, "breakpoints") => (m, tape.count()),
+                (Kind::Constraint, "g") => (n + m + 1, self.equations),
+                (Kind::Quantity, "value") => (3 * n + m + 1, 1),
+                _ => return Err(format!("\"{}\" has no formula {name}", self.name)),
+            };
+            tape.check(arguments, results).map_err(|why| format!("{name} of \"{}\": {why}", self.name))?;
+        }
+        Ok(())
+    }
+}
+
+impl Part {
+    /// Replays a formula, if there is one.
+    fn replay<S: Scalar>(&self, name: &str, arguments: &[&[S]]) -> Option<Vec<S>> {
+        Some(self.description.formulas.get(name)?.replay(arguments))
+    }
+
+    fn number<S: Scalar>(&self, name: &str, arguments: &[&[S]]) -> S {
+        self.replay(name, arguments).map_or_else(S::zero, |results| results[0])
+    }
+
+    fn write<S: Scalar>(&self, name: &str, arguments: &[&[S]], into: &mut [S]) {
+        if let Some(results) = self.replay(name, arguments) {
+            into.copy_from_slice(&results);
+        }
+    }
+
+    /// Values of the parameters; nodes must be of the kinds that the formulas were recorded for.
+    fn numbers<S: Scalar>(&self, given: &mut Given<S>) -> Vec<S> {
+        for (place, kind) in self.kinds.iter().enumerate() {
+            let own = given.node(place).kind;
+            if own != *kind {
+                let text = format!(
+                    "\"{}\" needs {} as its node {}, and \"{}\" is {}",
+                    given.owner(),
+                    kind.words(),
+                    place + 1,
+                    given.name(place),
+                    own.words()
+                );
+                given.wrong(text);
+            }
+        }
+        self.form.keys[1..].iter().map(|key| given.number(key.name)).collect()
+    }
+
+    /// Kinds of its nodes.
+    pub fn kinds(&self) -> &[NodeKind] {
+        self.kinds
+    }
+
+    /// What it is.
+    pub fn kind(&self) -> Kind {
+        self.description.kind
+    }
+}
+
+impl Element for Law {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.kinds.to_vec()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters.clone()
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        match self.0.replay("residual", &[s.a, s.v, s.q, p, &[t]]) {
+            Some(results) => r.copy_from_slice(&results),
+            None => S::from_energies(),
+        }
+    }
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
+        self.0.number("kinetic", &[v, q, p])
+    }
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        self.0.number("potential", &[q, p])
+    }
+    fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        self.0.number("strain_energy", &[q, p])
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
+        self.0.write("force", &[v, q, p, &[t]], force);
+    }
+    fn strain_count(&self) -> usize {
+        self.0.description.strains
+    }
+    fn strains<S: Scalar>(&self, q: &[S], p: &[S], t: S, e: &mut [S]) {
+        self.0.write("strains", &[q, p, &[t]], e);
+    }
+    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        self.0.number("stored", &[e, p])
+    }
+    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], t: S, s: &mut [S]) {
+        self.0.write("damping", &[e, rate, p, &[t]], s);
+    }
+    fn dissipation<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S]) -> S {
+        self.0.number("dissipation", &[e, rate, p])
+    }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        self.0.number("mass", &[p])
+    }
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
+        self.0.replay("breakpoints", &[p]).unwrap_or_default()
+    }
+}
+
+impl Constraint for Law {
+    // of this instance there are as many as it says
+    const EQUATIONS: usize = 0;
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.kinds.to_vec()
+    }
+    fn equations(&self) -> usize {
+        self.0.description.equations
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters.clone()
+    }
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
+        self.0.write("g", &[q, p, &[t]], g);
+    }
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
+        self.0.replay("breakpoints", &[p]).unwrap_or_default()
+    }
+}
+
+impl Quantity for Law {
+    fn dofs(&self) -> usize {
+        self.0.kinds.iter().map(|kind| kind.dofs()).sum()
+    }
+    fn unit(&self) -> &'static str {
+        self.0.unit
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters.clone()
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
+        self.0.number("value", &[s.a, s.v, s.q, p, &[t]])
+    }
+}
+
+impl MadeEntry for Law {
+    type Law = Self;
+    fn form(&self) -> Form {
+        self.0.form
+    }
+    fn example(&self) -> Example {
+        (self.0.kinds, &[])
+    }
+    fn make<S: Scalar>(&self, given: &mut Given<S>) -> (Self, Vec<S>) {
+        (self.clone(), self.0.numbers(given))
+    }
+}
+
+/// The part of a description in JSON.
+///
+/// # Errors
+/// A description that `costate.parts` cannot have made.
+pub fn part(text: &str) -> PyResult<&'static Law> {
+    static PARTS: Mutex<Option<HashMap<String, &'static Law>>> = Mutex::new(None);
+    let mut parts = PARTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let parts = parts.get_or_insert_default();
+    if let Some(own) = parts.get(text) {
+        return Ok(own);
+    }
+    let description: Description = serde_json::from_str(text).map_err(|why| scene_error(format!("a part: {why}")))?;
+    let own: &'static Law = Box::leak(Box::new(Law(Arc::new(description.made().map_err(scene_error)?))));
+    parts.insert(text.into(), own);
+    Ok(own)
+}
+
+/// Parts for the reader of scene files.
+///
+/// # Errors
+/// As [`part`].
+pub fn own_parts(texts: &[String]) -> PyResult<OwnParts> {
+    texts.iter().try_fold(OwnParts::default(), |parts, text| {
+        let own = part(text)?;
+        Ok(match own.0.kind() {
+            Kind::Element => parts.spring_by(own),
+            Kind::Constraint => parts.joint_by(own),
+            Kind::Quantity => parts.functional_by(own),
+        })
+    })
+}

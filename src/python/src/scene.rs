@@ -1,0 +1,181 @@
+//! Scenes: from files, from texts, built in.
+
+use crate::errors::{guarded, run_error, scene_error};
+use crate::interrupt::Signals;
+use crate::parts::own_parts;
+use crate::run::{Run, RunOf};
+use costate::history::Keep;
+use costate::prelude::RunError;
+use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};
+use costate::sensitivity::Forward;
+use pyo3::prelude::*;
+use self_cell::self_cell;
+use std::sync::{Arc, OnceLock};
+
+/// Where a scene comes from.
+enum Source {
+    File(Box<FileScene>),
+    BuiltIn(&'static dyn AnyScene),
+    /// One of the scenarios of another scene.
+    Scenario(Arc<Source>, usize),
+}
+
+impl Source {
+    fn scene(&self) -> &dyn AnyScene {
+        match self {
+            Source::File(own) => &**own,
+            Source::BuiltIn(own) => *own,
+            Source::Scenario(of, place) => of.scene().scenarios().swap_remove(*place).scene,
+        }
+    }
+}
+
+fn built_ins() -> &'static [Box<dyn AnyScene>] {
+    static ALL: OnceLock<&'static [Box<dyn AnyScene>]> = OnceLock::new();
+    ALL.get_or_init(|| Box::leak(built_in::all().into()))
+}
+
+self_cell!(
+    /// A scene at a design, ready to run, with what it is made of.
+    pub struct PreparedScene {
+        owner: Arc<Source>,
+        #[covariant]
+        dependent: Prepared,
+    }
+);
+
+/// What a call says of how a scene is run, where the scene does not.
+#[derive(Clone, Debug, Default, FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Options {
+    end: Option<f64>,
+    steps: Option<usize>,
+    method: Option<String>,
+    keep_steps: bool,
+}
+
+/// A scene: a mechanism as a function of its design variables.
+#[pyclass(frozen, module = "costate._costate")]
+pub struct Scene {
+    source: Arc<Source>,
+}
+
+/// Name, initial value, bounds, unit.
+type Variable = (String, f64, (f64, f64), String);
+
+impl Scene {
+    fn of(source: Source) -> Self {
+        Scene { source: Arc::new(source) }
+    }
+
+    /// Ready to run at a design, its own without one.
+    fn prepared(&self, x: Option<Vec<f64>>, options: &Options) -> Result<PreparedScene, RunError> {
+        PreparedScene::try_new(self.source.clone(), |source| {
+            let scene = source.scene();
+            let x = x.unwrap_or_else(|| scene.variables().iter().map(|variable| variable.initial).collect());
+            let settings = options.apply(scene.settings());
+            let mut prepared = Prepared::with(scene, &x, Prepared::method_of(&settings)?, settings)?;
+            if !options.keep_steps {
+                prepared.keep = Keep::Nothing;
+            }
+            Ok(prepared)
+        })
+    }
+}
+
+impl Options {
+    fn apply(&self, mut settings: Settings) -> Settings {
+        settings.end = self.end.unwrap_or(settings.end);
+        settings.steps = self.steps.unwrap_or(settings.steps);
+        settings.method = self.method.clone().or(settings.method);
+        settings
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// The text of a scene file, with a name for messages; files that it names lie beside a file of this name.
+    #[staticmethod]
+    fn parse(py: Python<'_>, file: &str, text: &str, parts: Vec<String>) -> PyResult<Self> {
+        let parse = || {
+            let own = FileScene::parse_with(file, text, &own_parts(&parts)?).map_err(scene_error)?;
+            Ok(Scene::of(Source::File(Box::new(own))))
+        };
+        py.detach(|| guarded(parse))
+    }
+
+    /// A scene of the library by its name.
+    #[staticmethod]
+    fn built_in(name: &str) -> Option<Self> {
+        let own = built_ins().iter().find(|scene| scene.name() == name)?;
+        Some(Scene::of(Source::BuiltIn(&**own)))
+    }
+
+    /// Names of the scenes of the library.
+    #[staticmethod]
+    fn built_in_names() -> Vec<String> {
+        built_ins().iter().map(|scene| scene.name()).collect()
+    }
+
+    fn name(&self) -> String {
+        self.source.scene().name()
+    }
+
+    fn summary(&self) -> String {
+        self.source.scene().summary()
+    }
+
+    fn variables(&self) -> Vec<Variable> {
+        let variables = self.source.scene().variables();
+        variables.into_iter().map(|own| (own.name, own.initial, (own.lower, own.upper), own.unit.to_string())).collect()
+    }
+
+    /// Duration \[s\] and steps.
+    fn settings(&self) -> (f64, usize) {
+        let settings = self.source.scene().settings();
+        (settings.end, settings.steps)
+    }
+
+    /// Names of the functionals with their units.
+    fn functionals(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
+        let list = || {
+            let prepared = self.prepared(None, &Options::default()).map_err(run_error)?;
+            let functionals = prepared.borrow_dependent().functionals().iter();
+            Ok(functionals.map(|own| (own.name.clone(), own.unit.to_string())).collect())
+        };
+        py.detach(|| guarded(list))
+    }
+
+    /// The circumstances in which it is run, by their names.
+    fn scenarios(&self) -> Vec<(String, Scene)> {
+        let names = self.source.scene().scenarios().into_iter().map(|own| own.name).enumerate();
+        names.map(|(place, name)| (name, Scene::of(Source::Scenario(self.source.clone(), place)))).collect()
+    }
+
+    /// Simulates it at a design, its own without one, and says what ended the run where that was a signal.
+    fn run(&self, py: Python<'_>, x: Option<Vec<f64>>, options: Options) -> PyResult<(Run, Option<Py<PyAny>>)> {
+        let simulate = || {
+            let prepared = Arc::new(self.prepared(x, &options).map_err(run_error)?);
+            let mut signals = Signals::new();
+            let forward = forward(prepared.borrow_dependent(), &mut signals).map_err(run_error)?;
+            Ok((Run::of(RunOf::of(prepared, forward)), signals.caught))
+        };
+        let (run, caught) = py.detach(|| guarded(simulate))?;
+        Ok((run, caught.map(|error| error.into_value(py).into_any())))
+    }
+}
+
+/// As [`Analysis::forward`](costate::sensitivity::Analysis::forward), with the finished steps of a run that a signal
+/// ended.
+fn forward(prepared: &Prepared, signals: &mut Signals) -> Result<Forward, RunError> {
+    let analysis = prepared.analysis();
+    let (forward, stopped) = analysis.observed(&prepared.x, signals)?;
+    match stopped {
+        // a run that is short of its end has values of a part of it
+        _ if signals.caught.is_some() => return Ok(forward),
+        Some(error) => return Err(error),
+        None => {}
+    }
+    analysis.check_values(&forward)?;
+    Ok(forward)
+}

@@ -1,0 +1,441 @@
+"""Parts in Python: the same bits as parts of the library, all derivatives, and what is said of wrong ones."""
+
+import pickle
+
+import numpy as np
+import pytest
+from conftest import SCENES, Duffing, same_bits
+
+import costate
+
+
+class CoordinateSpring(costate.Element):
+    """On a coordinate, as the spring of type angle."""
+
+    nodes = ["coordinate"]
+    parameters = {"stiffness": costate.non_negative("N/m"), "damping": costate.non_negative("N s/m"), "rest": "m"}
+
+    def strain_energy(self, q, p):
+        stretch = q[0] - p.rest
+        return p.stiffness * stretch * stretch * 0.5
+
+    def force(self, v, q, p, t):
+        return [0.0 - p.damping * v[0]]
+
+
+class LineSpring(costate.Element):
+    """Between two points, as the spring of type line."""
+
+    nodes = ["point", "point"]
+    parameters = {"stiffness": costate.non_negative("N/m"), "rest_length": costate.non_negative("m")}
+
+    def strains(self, q, p, t):
+        line = q[3:] - q[:3]
+        return [np.sqrt(line[0] * line[0] + line[1] * line[1] + line[2] * line[2])]
+
+    def stored(self, e, p):
+        stretch = e[0] - p.rest_length
+        return stretch * stretch * p.stiffness * 0.5
+
+
+class Wire(costate.Constraint):
+    """A bead on a parabolic wire, z = k x^2 / 2."""
+
+    nodes = ["point"]
+    parameters = {"curvature": "1/m"}
+
+    def g(self, q, p, t):
+        return [q[2] - p.curvature * q[0] ** 2 * 0.5, q[1]]
+
+
+class Speed(costate.Quantity):
+    """Square of the speed of a point."""
+
+    nodes = ["point"]
+    unit = "m2/s2"
+
+    def value(self, s, p, t):
+        return s.v @ s.v
+
+
+def duffing(spring=None):
+    m = costate.Model("duffing")
+    m.settings(end=10.0, steps=400)
+    x = [
+        m.variable(name, value, (0, 10), unit)
+        for name, value, unit in [("m", 1.0, "kg"), ("k", 2.0, "N/m"), ("k3", 0.5, "N/m3"), ("q0", 1.5, "m")]
+    ]
+    m.coordinate("oscillator", initial=x[3])
+    m.add(Duffing, "mass and spring", on="oscillator", mass=x[0], stiffness=x[1], cubic=x[2])
+    if spring is not None:
+        spring(m)
+    m.functional.coordinate("integral of q", on="oscillator", over="integral")
+    return m.scene()
+
+
+def test_the_oscillator_of_the_readme_gives_its_numbers():
+    value, row = duffing().value_and_grad(functionals="integral of q")
+    assert f"{value:.12f}" == "-0.792871662584"
+    assert [f"{entry:.12f}" for entry in row] == [
+        "2.711078308610",
+        "-0.964325821041",
+        "-1.564853333054",
+        "-1.571816663759",
+    ]
+
+
+def test_a_spring_in_python_gives_the_bits_of_the_built_in_one():
+    keys = {"on": "oscillator", "stiffness": 3.0, "damping": 0.2}
+    own = duffing(lambda m: m.add(CoordinateSpring, "spring", rest=0.1, **keys))
+    built_in = duffing(lambda m: m.spring.angle("spring", rest_angle=0.1, **keys))
+    values, rows = own.value_and_grad()
+    others, derivatives = built_in.value_and_grad()
+    assert same_bits(values, others) and same_bits(rows, derivatives)
+
+
+def chain(add):
+    m = costate.Model("chain", gravity=[0, -9.81, 0])
+    m.settings(end=0.5, steps=50)
+    k = m.variable("k", 400.0, (1, 1e4), "N/m")
+    for i in range(5):
+        m.point(f"p{i}", position=[0.1 * (i + 1), 0, 0], mass=0.1)
+    m.point("end", position=[0, 0, 0], mass=1.0)
+    m.spring.line("held", between=["ground", "end"], points=[[0, 1, 0], [0, 0, 0]], stiffness=1e3)
+    for i, (a, b) in enumerate(zip(["end", "p0", "p1", "p2", "p3"], ["p0", "p1", "p2", "p3", "p4"])):
+        add(m, f"spring {i}", between=[a, b], stiffness=k * (i + 1), rest_length=0.09)
+    m.functional.position("tip", on="p4", direction=[0, 1, 0], over="terminal")
+    return m.scene()
+
+
+def test_springs_with_strains_do_too():
+    own = chain(lambda m, name, **keys: m.add(LineSpring, name, **keys))
+    built_in = chain(lambda m, name, **keys: m.spring.line(name, **keys))
+    values, rows = own.value_and_grad()
+    others, derivatives = built_in.value_and_grad()
+    assert same_bits(values, others) and same_bits(rows, derivatives)
+
+
+def wire(curvature=0.8):
+    m = costate.Model("wire", gravity=[0, 0, -9.81])
+    m.settings(end=1.0, steps=100)
+    k = m.variable("curvature", curvature, (0.1, 5), "1/m")
+    m.point("bead", position=[0.5, 0, 0.125 * k], mass=1.0)
+    m.add(Wire, "wire", on="bead", curvature=k)
+    m.add(Speed, "speed", on="bead", over="terminal")
+    m.functional.reaction("push", joint="wire", weights=[1, 0], over="integral")
+    return m.scene()
+
+
+class BodySpring(costate.Element):
+    """Between points of two bodies, given in their frames, as the spring of type line."""
+
+    nodes = ["body", "body"]
+    parameters = {"stiffness": costate.non_negative("N/m"), "rest_length": costate.non_negative("m")}
+    parameters |= {f"{axis}_{end}": "m" for end in "ab" for axis in "xyz"}
+
+    def strains(self, q, p, t):
+        a, b = q[:3] + costate.rotation(q[3:7]) @ p[2:5], q[7:10] + costate.rotation(q[10:]) @ p[5:8]
+        return [np.linalg.norm(b - a)]
+
+    def stored(self, e, p):
+        stretch = e[0] - p.rest_length
+        return stretch * stretch * p.stiffness * 0.5
+
+
+def test_a_scene_file_uses_parts_by_their_names(five_bar):
+    text = (SCENES / "five-bar.toml").read_text(encoding="utf-8")
+    for spring, end in [("A", -0.5), ("B", 0.5)]:
+        old = f'name = "spring {spring}"\ntype = "line"\nbetween = ["ground", "bar 2"]\npoints = ["{spring}", "P2"]'
+        assert old in text
+        places = f'x_a = {end}\ny_a = 0\nz_a = 0\nx_b = "0.5 * length_2"\ny_b = 0\nz_b = 0'
+        text = text.replace(
+            old, f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\n{places}'
+        )
+    scene = costate.loads(text, "five-bar.toml", parts=[BodySpring])
+    values, rows = scene.value_and_grad()
+    others, derivatives = five_bar.value_and_grad()
+    np.testing.assert_allclose(values, others, rtol=1e-10)
+    np.testing.assert_allclose(rows, derivatives, rtol=1e-8)
+    np.testing.assert_allclose(rows, scene.run().complex_step(), rtol=1e-11)
+    assert same_bits(pickle.loads(pickle.dumps(scene)).values(), values)
+
+
+class Ball(costate.Constraint):
+    """A point of the ground, on the z axis of a body."""
+
+    nodes = ["body", "body"]
+    parameters = {"height": "m"}
+
+    def g(self, q, p, t):
+        tip = np.array([0, 0, p.height], dtype=object)
+        return q[7:10] + costate.rotation(q[10:]) @ tip - q[:3] - costate.rotation(q[3:7]) @ np.array([0.0, 0, 0])
+
+
+def top(add):
+    m = costate.Model("top", gravity=[0, 0, -9.81])
+    m.settings(end=0.5, steps=100)
+    mass = m.variable("mass", 2.0, (1, 3), "kg")
+    turned = {"type": "angle", "axis": [1, 0, 0], "angle": 0.3}
+    place = np.array([0.0, -np.sin(0.3), np.cos(0.3)])
+    m.body(
+        "top", position=place, orientation=turned, mass=mass, inertia=[0.1, 0.1, 0.05], angular_velocity=80.0 * place
+    )
+    add(m)
+    m.functional.position("x", on="top", direction=[1, 0, 0], over="terminal")
+    return m.scene()
+
+
+def test_joints_of_bodies_do_what_the_built_in_ones_do():
+    # their velocities must fit the joint: the top turns about its own axis, through the ball
+    own = top(lambda m: m.add(Ball, "ball", between=["ground", "top"], height=-1.0))
+    built_in = top(lambda m: m.joint.spherical("ball", between=["ground", "top"], point=[0, 0, 0]))
+    values, rows = own.value_and_grad()
+    others, derivatives = built_in.value_and_grad()
+    np.testing.assert_allclose(values, others, rtol=1e-10)
+    np.testing.assert_allclose(rows, derivatives, rtol=1e-9)
+    np.testing.assert_allclose(rows, own.run().complex_step(), rtol=1e-11)
+    costate.testing.check_constraint(Ball, [-1.0])
+
+
+def test_joints_and_quantities_are_used_by_name():
+    run = wire().run()
+    assert run.joints == ["wire"] and run.functionals == ["speed", "push"]
+    bead = run.node("bead")
+    assert np.abs(bead.positions[:, 2] - 0.4 * bead.positions[:, 0] ** 2).max() < 1e-9
+    # the energy of the fall
+    fall = 9.81 * (bead.positions[0, 2] - bead.positions[-1, 2])
+    assert abs(run["speed"] - 2.0 * fall) < 1e-6
+    assert run.history("speed").unit == "m2/s2"
+    rows, check = run.gradient().rows, run.complex_step()
+    np.testing.assert_allclose(rows, check, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("check", "part", "parameters"),
+    [
+        (costate.testing.check_element, Duffing, [1.0, 2.0, 0.5]),
+        (costate.testing.check_element, Duffing, {"cubic": 0.5, "mass": 1.0, "stiffness": 2.0}),
+        (costate.testing.check_element, CoordinateSpring, [1.0, 2.0, 0.5]),
+        (costate.testing.check_element, LineSpring, [3.0, 0.5]),
+        (costate.testing.check_constraint, Wire, [1.2]),
+        (costate.testing.check_quantity, Speed, []),
+    ],
+)
+def test_parts_pass_the_checks_of_the_library(check, part, parameters):
+    check(part, parameters)
+
+
+class Functions(costate.Element):
+    """Every function that a formula may have."""
+
+    nodes = ["coordinate", "coordinate"]
+    parameters = {"mass": costate.positive("kg")}
+
+    def residual(self, s, p, t):
+        x, y = s.q[0] * 0.3, s.q[1] * 0.2
+        sum_ = np.sin(x) + np.cos(y) + np.tan(x) + np.arcsin(y) + np.arccos(x) + np.arctan(y) + np.sinh(x) + np.cosh(y)
+        sum_ = sum_ + np.tanh(x) + np.exp(y) + np.log(2.0 + x) + np.sqrt(2.0 + y) + np.arctan2(x, 2.0 + y) + abs(x)
+        sum_ += x**3 + (2.0 + y) ** 0.5 + 2.0**x + (2.0 + x) ** y + np.hypot(x, 1.0) + x**-2.0 * 1e-3 + np.square(y)
+        chosen = costate.where(costate.less(x, y), x * x, y) + costate.minimum(x, 0.1) + costate.maximum(y, x)
+        return [p.mass * s.a[0] + sum_, p.mass * s.a[1] - (-y) * chosen + (x < y) * x + costate.sign(x) * y + t]
+
+
+def test_every_function_is_recorded_with_its_derivatives():
+    costate.testing.check_element(Functions, [1.5])
+
+
+class Push(costate.Element):
+    """A load that begins at a time."""
+
+    nodes = ["coordinate"]
+    parameters = {"size": "N", "start": "s"}
+
+    def force(self, v, q, p, t):
+        return [costate.where(costate.less(t, p.start), 0.0, p.size)]
+
+    def breakpoints(self, p):
+        return [p.start]
+
+
+def test_steps_end_where_a_load_begins():
+    class Free(costate.Element):
+        """A mass."""
+
+        nodes = ["coordinate"]
+        parameters = {"mass": costate.positive("kg")}
+
+        def kinetic(self, v, q, p):
+            return 0.5 * p.mass * v[0] * v[0]
+
+    m = costate.Model("push")
+    m.settings(end=1.0, steps=7)
+    start = m.variable("start", 0.3, (0.1, 0.9), "s")
+    m.coordinate("x")
+    m.add(Free, "mass", on="x", mass=2.0)
+    m.add(Push, "push", on="x", size=3.0, start=start)
+    m.functional.coordinate("x", on="x", over="terminal")
+    value, row = m.scene().value_and_grad(functionals="x")
+    assert abs(value - 0.5 * 1.5 * 0.7**2) < 1e-13 and abs(row[0] + 1.5 * 0.7) < 1e-12
+
+
+class Power(costate.Element):
+    """A spring with an exponent, which is an option."""
+
+    nodes = ["coordinate"]
+    parameters = {"stiffness": "N/m"}
+
+    def __init__(self, exponent=2):
+        self.exponent = exponent
+
+    def potential(self, q, p):
+        return p.stiffness * q[0] ** self.exponent
+
+
+def test_options_make_parts_of_their_own():
+    def both(m):
+        m.add(Power(2), "two", on="oscillator", stiffness=0.1)
+        m.add(Power(exponent=4), "four", on="oscillator", stiffness=0.2)
+        m.add(Power, "two again", on="oscillator", stiffness=0.3)
+
+    scene = duffing(both)
+    assert scene.text.count('type = "power"') == 2 and scene.text.count('type = "power_2"') == 1
+    run = scene.run()
+    np.testing.assert_allclose(run.gradient().rows, run.complex_step(), rtol=1e-11)
+    again = pickle.loads(pickle.dumps(scene))
+    assert same_bits(again.values(), run.values)
+
+
+def branching(body):
+    class Branching(costate.Element):
+        nodes = ["coordinate"]
+        parameters = {"k": "N/m"}
+
+        def residual(self, s, p, t):
+            return body(s, p, t)
+
+    return Branching
+
+
+def of_numpy_array(s, p, t):
+    results = np.zeros(1)
+    results[0] = s.q[0]
+    return results
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        lambda s, p, t: [s.q[0] if s.q[0] > 0 else -s.q[0]],
+        lambda s, p, t: [float(s.q[0])],
+        lambda s, p, t: [__import__("math").sin(s.q[0])],
+        lambda s, p, t: [s.q[0] == 1.0],
+        lambda s, p, t: [s.q[0] != 1.0],
+        lambda s, p, t: [int(s.q[0])],
+        lambda s, p, t: list(range(p.k)),
+        lambda s, p, t: [max(s.q[0], p.k)],
+        lambda s, p, t: [np.maximum(s.q[0], p.k)],
+        of_numpy_array,
+    ],
+)
+def test_a_branch_on_a_value_names_its_line(body):
+    with pytest.raises(costate.RecordingError) as error:
+        costate.testing.check_element(branching(body), [1.0])
+    line = body.__code__.co_firstlineno
+    assert any(f"test_parts.py, line {own}:" in str(error.value) for own in (line, line + 2)), error.value
+    assert isinstance(error.value, TypeError)
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (lambda s, p, t: [1.0, 2.0], "returns 2 numbers, and 1 are wanted"),
+        (lambda s, p, t: None, "returns nothing"),
+        (lambda s, p, t: [], "returns 0 numbers"),
+        (lambda s, p, t: [s.q[0] * float("inf")], "inf"),
+        (lambda s, p, t: [costate.Model().variable("L", 1.0, (0, 2)) * s.q[0]], "L is a number of something else"),
+        (lambda s, p, t: [p["kk"]], '"kk"'),
+    ],
+)
+def test_formulas_that_make_no_sense_are_refused(body, said):
+    with pytest.raises(costate.InputError) as error:
+        costate.testing.check_element(branching(body), [1.0])
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "said"),
+    [
+        ({}, "no nodes"),
+        ({"nodes": ["corner"]}, '"corner"'),
+        ({"nodes": ["point"]}, "no formula"),
+        ({"nodes": ["point"], "parameters": {"a b": "m"}}, '"a b"'),
+        ({"nodes": ["point"], "parameters": {"on": "m"}}, '"on"'),
+        ({"nodes": ["point"], "stored": lambda self, e, p: 1.0}, "no strains(q, p, t)"),
+    ],
+)
+def test_parts_without_what_they_need_are_refused(attributes, said):
+    own = type("Own", (costate.Element,), attributes)
+    with pytest.raises(costate.InputError) as error:
+        costate.testing.check_element(own, [])
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [([1.0], "3 parameters"), ([1.0, 2.0, 3.0, 4.0], "4 are given")],
+)
+def test_checks_want_all_parameters(parameters, said):
+    with pytest.raises(costate.InputError, match=said):
+        costate.testing.check_element(Duffing, parameters)
+
+
+def test_checks_want_a_part_of_their_kind():
+    with pytest.raises(costate.InputError, match="Duffing is no costate.Constraint"):
+        costate.testing.check_constraint(Duffing, [1.0, 2.0, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"on": "oscillator", "mass": -1.0, "stiffness": 1.0, "cubic": 1.0}, ["mass", "greater than 0", "-1"]),
+        ({"on": "oscillator", "stiffness": 1.0, "cubic": 1.0}, ["mass"]),
+        ({"on": "oscilator", "mass": 1.0, "stiffness": 1.0, "cubic": 1.0}, ['"oscilator"', "oscillator"]),
+        ({"on": "oscillator", "mass": 1.0, "stiffness": 1.0, "cubic": 1.0, "quintic": 1.0}, ['"quintic"']),
+        ({"between": ["oscillator", "ground"], "mass": 1.0, "stiffness": 1.0, "cubic": 1.0}, ["between"]),
+    ],
+)
+def test_keys_of_parts_are_checked_by_the_reader(keys, said):
+    with pytest.raises(costate.SceneError) as error:
+        duffing(lambda m: m.add(Duffing, "other", **keys))
+    assert "test_parts.py, line" in str(error.value)
+    assert all(word in str(error.value) for word in said), error.value
+
+
+def test_nodes_must_be_of_the_kind_that_was_recorded():
+    m = costate.Model("wrong")
+    m.settings(end=1.0, steps=10)
+    m.body("bar", mass=1.0, inertia=[1.0, 1.0, 1.0])
+    m.add(Wire, "wire", on="bar", curvature=1.0)
+    scene = m.scene()
+    with pytest.raises(
+        costate.InputError, match='test_parts.py, line .*"wire" needs a point as its node 1, and "bar" is a body'
+    ):
+        scene.run()
+
+
+def test_parts_may_have_many_nodes():
+    class Mean(costate.Quantity):
+        """Mean of four coordinates."""
+
+        nodes = ["coordinate"] * 4
+
+        def value(self, s, p, t):
+            return s.q.sum() / 4.0
+
+    m = costate.Model("four")
+    m.settings(end=1.0, steps=10)
+    names = [m.coordinate(f"c{i}", initial=float(i)) for i in range(4)]
+    for name in names:
+        m.add(Duffing, f"spring of {name}", on=name, mass=1.0, stiffness=0.0, cubic=0.0)
+    m.add(Mean, "mean", between=names, over="terminal")
+    assert m.scene().run()["mean"] == 1.5

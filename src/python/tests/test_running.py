@@ -1,0 +1,186 @@
+"""Threads, Ctrl-C, memory, time of a call."""
+
+import gc
+import os
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import same_bits
+
+import costate
+
+LONG = """
+import os, signal, sys, threading, time
+import costate
+scene = costate.built_in("five-bar")
+threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+start = time.time()
+try:
+    scene.run(steps=2_000_000, end=5.0)
+except KeyboardInterrupt as error:
+    steps = error.run.work["steps"]
+    positions = error.run.node("bar 2").positions
+    assert 10 < steps < 1_000_000 and len(positions) == steps + 1, (steps, positions.shape)
+    assert time.time() - start < 30.0
+    print("ended after", steps > 0)
+# the interpreter goes on
+print(scene.run(steps=10, end=0.1).values.shape)
+"""
+
+
+def test_an_interrupt_ends_a_run_with_its_finished_steps():
+    done = subprocess.run([sys.executable, "-c", LONG], capture_output=True, text=True, timeout=120)
+    assert done.stdout.split("\n")[:2] == ["ended after True", "(1,)"], done.stderr
+
+
+def test_a_handler_of_ones_own_ends_a_run_too(five_bar):
+    class Enough(Exception):
+        pass
+
+    def handler(_number, _frame):
+        raise Enough
+
+    before = signal.signal(signal.SIGALRM, handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        with pytest.raises(Enough) as error:
+            five_bar.run(steps=2_000_000)
+        assert error.value.run.work["steps"] > 0
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_two_threads_give_the_bits_of_one(five_bar):
+    designs = [{"k1": 80.0 + 5.0 * i} for i in range(6)]
+    alone = [five_bar.value_and_grad(x) for x in designs]
+    together = [None] * len(designs)
+
+    def work(first):
+        for place in range(first, len(designs), 2):
+            together[place] = five_bar.value_and_grad(designs[place])
+
+    threads = [threading.Thread(target=work, args=(first,)) for first in range(2)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    for (value, row), (other, derivatives) in zip(alone, together):
+        assert same_bits(value, other) and same_bits(row, derivatives)
+
+
+def test_other_threads_go_on_while_a_scene_runs(five_bar):
+    counted, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.time()
+    five_bar.run(steps=3000)
+    seconds = time.time() - start
+    stop.set()
+    thread.join()
+    assert counted[0] > 50.0 * min(seconds, 2.0)
+
+
+def test_ten_thousand_calls_take_no_memory(pendulum):
+    def calls(count):
+        for i in range(count):
+            x = [1.0 + 1e-5 * i, 2.0]
+            run = pendulum._run(pendulum.design(x), steps=3, end=0.05)
+            run.gradient()
+            run.node("bob")
+        gc.collect()
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    calls(500)
+    before = calls(500)
+    after = calls(9000)
+    assert after - before < 2_000, f"{after - before} KiB more"
+
+
+def test_scenes_built_again_and_again_take_no_memory():
+    from test_parts import duffing
+
+    def calls(count):
+        for _ in range(count):
+            duffing()
+        gc.collect()
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    calls(200)
+    before = calls(50)
+    assert calls(1000) - before < 2_000
+
+
+def test_a_call_costs_less_than_a_millisecond(five_bar):
+    """Beside what the library itself takes for building, running and differentiating a scene."""
+    native, x = five_bar._native, five_bar.initial.tolist()
+    options = {"end": 0.01, "steps": 1, "method": None, "keep_steps": True}
+
+    def bare():
+        run, _ = native.run(x, options)
+        return run.gradient([0])
+
+    def whole():
+        return five_bar.run(steps=1, end=0.01).gradient().rows
+
+    assert same_bits(bare(), whole())
+    least = {bare: np.inf, whole: np.inf}
+    for _ in range(100):
+        for work in least:
+            start = time.perf_counter()
+            work()
+            least[work] = min(least[work], time.perf_counter() - start)
+    overhead = least[whole] - least[bare]
+    print(f"{1e6 * overhead:.0f} microseconds")
+    assert overhead < 1e-3
+
+
+def test_a_run_that_fails_in_a_thread_raises_there(pendulum):
+    caught = []
+
+    def work():
+        try:
+            pendulum.run([1.0, 20.0])
+        except costate.InputError as error:
+            caught.append(str(error))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert "mass" in caught[0]
+
+
+def test_a_process_that_was_forked_runs_scenes():
+    code = (
+        "import multiprocessing as mp, costate\n"
+        "if __name__ == '__main__':\n"
+        "    scene = costate.built_in('pendulum')\n"
+        "    with mp.get_context('spawn').Pool(2) as pool:\n"
+        "        runs = pool.map(scene.values, [None, None])\n"
+        "    print((runs[0] == scene.values()).all())\n"
+    )
+    file = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"costate-pool-{os.getpid()}.py")
+    with open(file, "w") as out:
+        out.write(code)
+    try:
+        done = subprocess.run([sys.executable, file], capture_output=True, text=True, timeout=120)
+    finally:
+        os.remove(file)
+    assert done.stdout.strip() == "True", done.stderr
+
+
+def test_values_of_random_designs_are_those_of_tables_by_name(pendulum):
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        x = random.uniform(0.5, 2.0, 2)
+        assert same_bits(pendulum.values(x), pendulum.values(dict(zip(["length", "mass"], x))))
