@@ -64,11 +64,24 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             None if fields.form == "formula" => formula_parts::joint(known, name, fields, m),
             None => rolling(known, name, fields, m),
         },
+        "rigid_interface" | "hold" | "spin" | "tie" | "drawing" => on_nodes(known, item, m),
+        "spring" => spring(known, known.own.spring_named(fields.form), name, fields, m),
+        "damper" => spring(known, named(DAMPERS, fields.form), name, fields, m),
+        "element" => formula_parts::element(known, name, fields, m),
+        "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
+        "functional" => functional(known, name, fields, m),
+        other => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
+    }
+}
+
+/// What holds, turns, ties or draws nodes.
+fn on_nodes<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let (name, fields) = (item.name.as_str(), &item.fields);
+    match item.section {
         "rigid_interface" => {
             let body = known.node(fields, "body", m)?;
             let nodes = node_sets(known, fields, m)?;
             m.rigid_interface(name, body, &nodes);
-            Ok(Made::Nothing)
         }
         "hold" => {
             let chosen = |(_, own): (usize, &Value)| match own {
@@ -77,31 +90,22 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             };
             let directions: Vec<Freedom> = list(fields, "directions").filter_map(chosen).collect();
             node_sets(known, fields, m)?.into_iter().for_each(|node| m.hold(node, &directions));
-            Ok(Made::Nothing)
         }
         "spin" => {
             let nodes: Vec<NodeId> = list(fields, "parts").flat_map(|(_, part)| nodes_of(known, part)).collect();
             let [point, axis] = [known.vector_or(fields, "point", Vector3::zeros())?, known.vector(fields, "axis")?];
             m.spin(&nodes, point, axis, known.number(fields, "rate")?);
-            Ok(Made::Nothing)
         }
         "tie" => {
             let nodes = node_sets(known, fields, m)?;
             m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
-            Ok(Made::Nothing)
         }
-        "spring" => spring(known, known.own.spring_named(fields.form), name, fields, m),
-        "damper" => spring(known, named(DAMPERS, fields.form), name, fields, m),
-        "element" => formula_parts::element(known, name, fields, m),
-        "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
-        "drawing" => {
+        _ => {
             let node = if fields.get("on").is_some() { known.node(fields, "on", m)? } else { m.ground() };
             m.draw(node, &known.points(fields, "points")?);
-            Ok(Made::Nothing)
         }
-        "functional" => functional(known, name, fields, m),
-        other => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
     }
+    Ok(Made::Nothing)
 }
 
 /// All nodes of the key `nodes`.

@@ -22,14 +22,24 @@ pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
     if let Some(part) = known.own.quantity_named(fields.form) {
         return measure(known, part, name, fields, m);
     }
-    let over = over(fields);
-    let vector = |key| known.vector(fields, key);
-    let share = fixed(fields, "share").unwrap_or(0.0);
     match fields.form {
         "formula" => return formula_parts::functional(known, name, fields, m),
-        "reaction" => m.reaction_functional(name, over, known.joint(fields)?, &known.series(fields, "weights")?),
-        "reaction_norm" => m.reaction_norm_functional(name, over, known.joint(fields)?),
-        "joint_load" => {
+        "energy" => m.energy_functional(name, over(fields)),
+        "reaction" | "reaction_norm" | "joint_load" => of_joint(known, name, fields, m)?,
+        "section_force" | "section_strain" | "fibre_stress" => of_beam(known, name, fields, m)?,
+        "cable_strain" | "cable_curvature" | "cable_stress" | "largest_cable_stress" => of_cable(known, name, fields, m)?,
+        _ => of_group(known, name, fields, m)?,
+    }
+    Ok(Made::Nothing)
+}
+
+/// Of a joint: its multipliers, or what it does to a node.
+fn of_joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<()> {
+    let (joint, over) = (known.joint(fields)?, over(fields));
+    match fields.form {
+        "reaction" => m.reaction_functional(name, over, joint, &known.series(fields, "weights")?),
+        "reaction_norm" => m.reaction_norm_functional(name, over, joint),
+        _ => {
             let node = known.node(fields, "on", m)?;
             let point = place(known, fields, "point", node, m)?;
             let kind = match text(fields, "load") {
@@ -43,79 +53,80 @@ pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
                 return Err(Mistake::new(at, "frame has no effect on the size of a load: leave it out"));
             }
             let direction = match kind {
-                LoadKind::Force | LoadKind::Moment => vector("direction")?,
+                LoadKind::Force | LoadKind::Moment => known.vector(fields, "direction")?,
                 _ => Vector3::from_f64([1.0, 0.0, 0.0]),
             };
-            let of = (known.joint(fields)?, node);
-            m.joint_load_functional(name, over, of, (kind, frame(fields, LoadFrame::World)), direction, point);
+            m.joint_load_functional(name, over, (joint, node), (kind, frame(fields, LoadFrame::World)), direction, point);
         }
-        "energy" => m.energy_functional(name, over),
+    }
+    Ok(())
+}
+
+/// Of elements: the group of the key `of`, or everything where that may be left out.
+fn of_group<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<()> {
+    let over = over(fields);
+    let group = || known.group(fields, "of");
+    match fields.form {
         "mass" if fields.get("of").is_none() => m.mass_functional(name, over),
-        "mass" => m.group_mass_functional(name, over, &known.group(fields, "of")?),
-        "strain_energy" => m.strain_energy_functional(name, over, &known.group(fields, "of")?),
+        "mass" => m.group_mass_functional(name, over, &group()?),
+        "strain_energy" => m.strain_energy_functional(name, over, &group()?),
         "inertia_moment" => {
-            let group = if fields.get("of").is_some() { known.group(fields, "of")? } else { m.all_elements() };
+            let group = if fields.get("of").is_some() { group()? } else { m.all_elements() };
             let point = known.vector_or(fields, "point", Vector3::zeros())?;
-            m.inertia_moment_functional(name, over, &group, point, vector("axis")?);
+            m.inertia_moment_functional(name, over, &group, point, known.vector(fields, "axis")?);
         }
-        "von_mises" => {
-            let yield_stress = known.number(fields, "yield_stress")?;
-            m.von_mises_functional(name, over, &known.group(fields, "of")?, yield_stress);
-        }
-        "section_forces" => m.section_forces_functional(name, over, &known.group(fields, "of")?, component(fields)),
-        "tsai_wu" => {
+        "von_mises" => m.von_mises_functional(name, over, &group()?, known.number(fields, "yield_stress")?),
+        "section_forces" => m.section_forces_functional(name, over, &group()?, component(fields)),
+        _ => {
             let Made::Laminate(laminate, strengths) = known.made(fields, "laminate")? else {
                 return Err(Mistake::new(fields.at, "laminate must name a laminate"));
             };
-            m.tsai_wu_functional(name, over, &known.group(fields, "of")?, laminate, strengths);
-        }
-        "section_force" | "section_strain" | "fibre_stress" => {
-            let Made::Beam(beam) = known.made(fields, "beam")? else {
-                return Err(Mistake::new(fields.at, "beam must name a beam"));
-            };
-            match fields.form {
-                "section_force" => {
-                    m.section_functional(name, over, beam, share, SectionMeasure::Force(component(fields)));
-                }
-                "section_strain" => {
-                    m.section_functional(name, over, beam, share, SectionMeasure::Strain(component(fields)));
-                }
-                _ => {
-                    let (young, fibre) = (known.number(fields, "young")?, known.numbers(fields, "fibre")?);
-                    m.fibre_stress_functional(name, over, (beam, share), young, fibre);
-                }
-            }
-        }
-        form => {
-            let Made::Cable(cable) = known.made(fields, "cable")? else {
-                return Err(Mistake::new(fields.at, "cable must name a cable"));
-            };
-            let distance = known.number_or(fields, "distance", 0.0)?;
-            match form {
-                "cable_strain" => m.cable_strain_functional(name, over, cable, share, CableMeasure::Strain),
-                "cable_curvature" => m.cable_strain_functional(name, over, cable, share, CableMeasure::Curvature),
-                "cable_stress" => {
-                    m.cable_stress_functional(name, over, (cable, share), known.number(fields, "young")?, distance);
-                }
-                _ => {
-                    let aggregate = match over {
-                        Over::Aggregate { aggregate, times: Times::Run }
-                            if aggregate.kind == (AggregateKind::SmoothMaximum { normalized: true }) =>
-                        {
-                            aggregate
-                        }
-                        _ => {
-                            let at = fields.get("over").map_or(fields.at, |own| own.0);
-                            let text =
-                                "over of a largest_cable_stress must be { aggregate = \"smooth_maximum\", sharpness = .. }";
-                            return Err(Mistake::new(at, text));
-                        }
-                    };
-                    let young = known.number(fields, "young")?;
-                    m.largest_cable_stress_functional(name, cable, young, distance, aggregate.sharpness);
-                }
-            }
+            m.tsai_wu_functional(name, over, &group()?, laminate, strengths);
         }
     }
-    Ok(Made::Nothing)
+    Ok(())
+}
+
+/// Of a section of a beam.
+fn of_beam<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<()> {
+    let Made::Beam(beam) = known.made(fields, "beam")? else {
+        return Err(Mistake::new(fields.at, "beam must name a beam"));
+    };
+    let (over, share) = (over(fields), fixed(fields, "share").unwrap_or(0.0));
+    match fields.form {
+        "section_force" => m.section_functional(name, over, beam, share, SectionMeasure::Force(component(fields))),
+        "section_strain" => m.section_functional(name, over, beam, share, SectionMeasure::Strain(component(fields))),
+        _ => {
+            let (young, fibre) = (known.number(fields, "young")?, known.numbers(fields, "fibre")?);
+            m.fibre_stress_functional(name, over, (beam, share), young, fibre);
+        }
+    }
+    Ok(())
+}
+
+/// Of a section of a cable, or of all of them.
+fn of_cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<()> {
+    let Made::Cable(cable) = known.made(fields, "cable")? else {
+        return Err(Mistake::new(fields.at, "cable must name a cable"));
+    };
+    let (over, share) = (over(fields), fixed(fields, "share").unwrap_or(0.0));
+    let (young, distance) = (|| known.number(fields, "young"), known.number_or(fields, "distance", 0.0)?);
+    match fields.form {
+        "cable_strain" => m.cable_strain_functional(name, over, cable, share, CableMeasure::Strain),
+        "cable_curvature" => m.cable_strain_functional(name, over, cable, share, CableMeasure::Curvature),
+        "cable_stress" => m.cable_stress_functional(name, over, (cable, share), young()?, distance),
+        _ => match over {
+            Over::Aggregate { aggregate, times: Times::Run }
+                if aggregate.kind == (AggregateKind::SmoothMaximum { normalized: true }) =>
+            {
+                m.largest_cable_stress_functional(name, cable, young()?, distance, aggregate.sharpness);
+            }
+            _ => {
+                let at = fields.get("over").map_or(fields.at, |own| own.0);
+                let text = "over of a largest_cable_stress must be { aggregate = \"smooth_maximum\", sharpness = .. }";
+                return Err(Mistake::new(at, text));
+            }
+        },
+    }
+    Ok(())
 }
