@@ -86,6 +86,7 @@ class Model:
         mass_centre: Vector | None = None,
         inertia: Sequence[Scalar] | None = None,
         coordinates: Literal['euler_parameters', 'natural'] | None = None,
+        solids: Sequence[Table] | None = None,
         draw: Sequence[Vector] | None = None,
     ) -> str:
         """A rigid body: a frame in space, with or without mass. The body named ground is there already; it never moves.
@@ -99,6 +100,7 @@ class Model:
         * ``mass_centre`` (vector, optional): in its own axes from its origin; the origin [m]
         * ``inertia`` (list of number or formula, optional): xx, yy, zz, and xy, xz, yz if they are not 0, about the mass centre in its own axes; needed with mass [kg m2]
         * ``coordinates`` ("euler_parameters" or "natural", optional): kind of its coordinates; euler_parameters
+        * ``solids`` (list of table solids of type box, cylinder, sphere, surface, optional): solids of which it consists, in the world at the start, instead of mass, mass_centre and inertia; none
         * ``draw`` (list of vector, optional): corners of a line of the picture, in the world at the start; none [m]
         """
     def point(
@@ -485,12 +487,16 @@ class Model:
         self,
         *,
         step: Scalar | None = None,
+        histories: Sequence[str] | None = None,
         vtk: bool | None = None,
+        film: bool | None = None,
     ) -> str:
         """What a run writes where the command line does not say otherwise.
 
         * ``step`` (number or formula, optional): histories at multiples of this time; at the steps [s]
+        * ``histories`` (list of text, optional): what has columns in them, by names: nodes ("crank", "beam[4]", "beam.end", "plate[2,0]"), members with all their nodes, joints, functionals, and "energy"; everything
         * ``vtk`` (True or False, optional): meshes for ParaView; false
+        * ``film`` (True or False, optional): the motion as a film, film.png; false
         """
     def optimization(
         self,
