@@ -135,7 +135,8 @@ fn lapse(
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
         points: points.iter().map(|point| point.at(&moment.q)).collect(),
         role: usize::from(bodies && *drawn == Drawn::Link),
-        is_edge: *drawn == Drawn::Solid,
+        // where surfaces are drawn in every pose, lines of shells are edges of these
+        is_edge: *drawn == Drawn::Solid || (*drawn == Drawn::Shell && shown == Links::Always),
     };
     let frame = |(index, moment): (usize, &Snapshot)| {
         let is_last = index + 1 == moments.len();
