@@ -166,7 +166,7 @@ impl<S: Scalar> Length<S> {
 
 impl Length<f64> {
     /// Adds its derivatives by the parameters, times a factor.
-    fn add_derivatives(&self, p: &[f64], factor: f64, bars: &mut [f64]) {
+    fn add_by_parameters(&self, p: &[f64], factor: f64, bars: &mut [f64]) {
         let sum: f64 = self.places.iter().map(|&place| p[place] * p[place]).sum();
         let count = self.places.len().max(1) as f64;
         let [by_sum] = derivatives([sum], |[sum]| (sum / Tangents::from(count)).sqrt());
@@ -401,7 +401,7 @@ pub(super) fn add_least_multipliers_transposed(
         let (alpha, beta) = (sharing.measured(alpha, 1), sharing.unmeasured_columns(beta));
         add_along_rows(model, &sharing, (p, q), t, (&alpha, &beta), (bars.q, bars.p));
     }
-    sharing.length.add_derivatives(p, length_bar, bars.p);
+    sharing.length.add_by_parameters(p, length_bar, bars.p);
 }
 
 /// Adds the derivatives of alpha . A(q, p) beta.

@@ -187,7 +187,7 @@ fn what_a_mesh_is_given_and_does_not_take_is_an_error() {
     for part in [
         "\"few\" has 5 nodes on an edge that is given 3",
         "\"held\" is clamped at its node [0,0], which is the node \"plate[4,0]\" that moves",
-        "\"twice\" is given two nodes for its node 0, 0",
+        "\"twice\" is given two nodes for its node [0,0]",
     ] {
         assert!(why.contains(part), "{part}: {why}");
     }
