@@ -96,7 +96,7 @@ const RISE: f64 = 0.1;
 
 /// Puts the nodes of a cable on a parabola: damping acts along the direction of the curvature, which a straight cable has none of.
 fn bow<S: Scalar>(m: &mut MechanismBuilder<S>, name: &str) {
-    let own = format!("{name}, node");
+    let own = format!("{name}[");
     let nodes = m.model.nodes.iter().filter(|node| node.name.starts_with(&own));
     let places: Vec<usize> = nodes.map(|node| node.dofs.start).collect();
     let point = |place: usize| Vector3::first_three(&m.numbers.q[place..]);
