@@ -1,9 +1,8 @@
 //! The columns of the histories: what stands in them, and their names.
 
-use super::results::{courses, moving};
-use crate::assembly::Node;
+use crate::assembly::{Model, Node};
 use crate::elements::NodeKind;
-use crate::functionals::Sample;
+use crate::functionals::{Functional, Measured, Sample};
 use crate::scalar::SpatialVector;
 use crate::scenes::{JointEnd, Prepared, unknown};
 
@@ -186,4 +185,19 @@ fn acceleration_name(node: &Node, index: usize) -> String {
         NodeKind::Coordinates(_) => format!("d2q{index}/dt2"),
         kind => format!("d2{}/dt2 [m/s2]", kind.coordinate_name(index)),
     }
+}
+
+/// Nodes that can move.
+pub fn moving(model: &Model) -> impl Iterator<Item = &Node> {
+    model.nodes.iter().filter(|node| !node.fixed)
+}
+
+/// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
+pub fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
+    let has = |functional: &&Functional| match &functional.measured {
+        Measured::Energy(_) => false,
+        Measured::Group(group) => group.is_moving(prepared.model()),
+        _ => true,
+    };
+    prepared.functionals().iter().filter(has)
 }

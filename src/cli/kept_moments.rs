@@ -1,6 +1,6 @@
 //! So many moments of a run as pictures can show.
 
-use super::results::{MOST_POINTS, Snapshot};
+use super::snapshot::{MOST_POINTS, Snapshot};
 use crate::history::Observer;
 use crate::integrators::{RunError, StartRecord, StepRecord};
 

@@ -63,6 +63,7 @@ mod response;
 mod results;
 mod run;
 mod simulation;
+mod snapshot;
 mod stability;
 mod study;
 mod sweep;

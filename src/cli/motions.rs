@@ -1,6 +1,6 @@
 //! Pictures of a mechanism in space: the time lapse of a motion, and modes of vibration.
 
-use super::results::{Snapshot, thinned};
+use super::snapshot::{Snapshot, thinned};
 use crate::integrators::Mode;
 use crate::io::{ColouredSurface, Facet, Frame, IoError, MotionPicture, Polyline, Trail, View};
 use crate::scenes::{Drawn, NodePoint, Prepared};

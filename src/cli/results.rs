@@ -1,42 +1,26 @@
 //! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg, fields.pvd with its .vtu files.
 
-use super::columns::Columns;
+use super::columns::{Columns, courses, moving};
 use super::failure::Failure;
 use super::history_files::HistoryFiles;
 use super::kept_moments::KeptMoments;
 use super::meshes::Meshes;
 use super::motions::{extent, motion, write_film};
-use crate::assembly::{Model, Node, NodeId, VectorsAvq};
+use super::snapshot::{Snapshot, thinned};
+use crate::assembly::{Node, NodeId, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::NodeKind;
-use crate::functionals::{Functional, Measured, Sample, StepEnds};
+use crate::functionals::{Measured, Sample, StepEnds};
 use crate::history::{Dense, Observer};
 use crate::integrators::{RunError, StartRecord, StepRecord};
 use crate::io::{Chart, Progress, Series, Style, write_file, write_panels};
 use crate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
 
-/// Most points of a curve in a picture.
-pub const MOST_POINTS: usize = 4000;
 /// A joint whose load is below this share of the largest, a moment being a force by the size of the mechanism, carries none.
 const NO_LOAD: f64 = 1e-9;
 /// Most curves of one chart.
 const MOST_CURVES: usize = 7;
-
-/// The state at one time, as pictures show it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Snapshot {
-    /// Time \[s\].
-    pub t: f64,
-    /// Coordinates.
-    pub q: Vec<f64>,
-    /// `None` if an element does not state its energy [J].
-    pub energy: Option<f64>,
-    /// What functionals measure, in their order.
-    pub measured: Vec<f64>,
-    /// Sizes of forces [N] and moments [N m] of joints.
-    pub loads: Vec<[f64; 2]>,
-}
 
 /// Makes sure that the folder can take files, before anything is computed.
 ///
@@ -316,26 +300,6 @@ impl Observer for Results<'_> {
     }
 }
 
-pub fn moving(model: &Model) -> impl Iterator<Item = &Node> {
-    model.nodes.iter().filter(|node| !node.fixed)
-}
-
-/// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
-pub fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
-    let has = |functional: &&Functional| match &functional.measured {
-        Measured::Energy(_) => false,
-        Measured::Group(group) => group.is_moving(prepared.model()),
-        _ => true,
-    };
-    prepared.functionals().iter().filter(has)
-}
-
-/// Every so many moments that a curve has no more points than a picture can show; the last one included.
-pub fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)> {
-    let stride = moments.len().div_ceil(MOST_POINTS).max(1);
-    moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())
-}
-
 /// Of many nodes those that say something by their name: what functionals measure, then what the scene made itself; all of them where
 /// there are none of these.
 fn telling<'p>(prepared: &'p Prepared, all: Vec<&'p Node>) -> Vec<&'p Node> {
@@ -477,6 +441,7 @@ fn charts_of_quantities(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart>
 mod tests {
     use super::*;
     use crate::cli::history_files::HISTORIES;
+    use crate::cli::snapshot::MOST_POINTS;
     use crate::design::DesignVariable;
     use crate::elements::{Element, Parameter, State};
     use crate::io::View;

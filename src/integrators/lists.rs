@@ -8,6 +8,8 @@ use crate::elements::RunScalar;
 use crate::linalg::{Kernel, dispatch};
 use crate::scalar::larger;
 
+/// Most lists that pass together.
+pub(super) const MOST_LISTS: usize = 8;
 /// Numbers that stay in registers while all lists pass.
 const BLOCK: usize = 8;
 
@@ -71,7 +73,7 @@ impl<S: RunScalar> Kernel for Exchange<'_, '_, S> {
     fn run<const FUSED: bool>(self) {
         let Exchange { differences, left, measured } = self;
         let (scales, largest) = measured.unzip();
-        let mut most = [[0.0_f64; BLOCK]; super::prediction::MOST];
+        let mut most = [[0.0_f64; BLOCK]; MOST_LISTS];
         let (blocks, last) = left.as_chunks_mut::<BLOCK>();
         let first_left = blocks.len() * BLOCK;
         for (place, left) in blocks.iter_mut().enumerate() {

@@ -1,11 +1,11 @@
-use super::lists::{add_lists, exchange, largest_scaled};
+use super::lists::{MOST_LISTS, add_lists, exchange, largest_scaled};
 use crate::assembly::{Unknowns, clone_fields};
 use crate::elements::RunScalar;
 use smallvec::SmallVec;
 
 /// Most earlier steps from which a solution is extrapolated: each further one adds a digit or so where the fastest modes turn by a tenth of a
 /// radian in a step, and doubles what round-off does to the guess.
-pub(crate) const MOST: usize = 8;
+pub(crate) const MOST: usize = MOST_LISTS;
 
 /// First guesses for the systems of a step: the increments of the unknowns from system to system, extrapolated over time.
 ///
