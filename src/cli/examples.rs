@@ -1,9 +1,19 @@
 //! Examples below the help of each command, with the names of the program and of its scenes.
 
 use super::CommandLine;
+use crate::design::DesignVariable;
 
 /// Lines of a command: what stands behind the name of the program, and what it does.
 type Examples = Vec<(String, &'static str)>;
+
+/// Sweeps of a scene over one of its variables, and over all.
+fn sweeps(scene: &str, variable: Option<&DesignVariable>) -> Examples {
+    let range = variable.map_or_else(|| "length=1:2".into(), |own| format!("{}={}:{}", own.name, own.lower, own.upper));
+    vec![
+        (format!("sweep {scene} --vary \"{range}:5\""), "five values of one variable"),
+        (format!("sweep {scene} --samples 64 --sampling sobol"), "64 designs within the bounds of all variables"),
+    ]
+}
 
 impl CommandLine<'_> {
     /// A scene with some property, else the first one, else a file.
@@ -40,17 +50,7 @@ impl CommandLine<'_> {
                 "amplitude and phase of the functionals of a scene file over the rate of a force",
             )],
             "import" => vec![("import robot.urdf".into(), "writes robot.toml, held on the ground at its root link")],
-            "sweep" => {
-                let range =
-                    variable.map_or_else(|| "length=1:2".into(), |own| format!("{}={}:{}", own.name, own.lower, own.upper));
-                vec![
-                    (format!("sweep {first} --vary \"{range}:5\""), "five values of one variable"),
-                    (
-                        format!("sweep {first} --samples 64 --sampling sobol"),
-                        "64 designs within the bounds of all variables",
-                    ),
-                ]
-            }
+            "sweep" => sweeps(&first, variable.as_ref()),
             "modes" => {
                 let still = self.example_scene(|scene| scene.settings().method.as_deref() == Some("static"));
                 vec![
