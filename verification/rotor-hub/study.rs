@@ -178,6 +178,8 @@ fn rigid_hub(lifts: [f64; 3], turns: usize) -> Result<String, String> {
     };
     let text = cut(HUB, "[[shell]]", "# ---------------------------------------------------------------- joints")?;
     let text = cut(&text, "[[functional]]", "[[scenario]]")?;
+    let text =
+        cut(&text, "[output]", "# ---------------------------------------------------------------- what does not turn")?;
     let (text, _) = text.split_once("[[scenario]]").ok_or("no scenario")?;
     let [one, two, three] = lifts;
     Ok(text
