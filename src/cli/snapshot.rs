@@ -1,0 +1,24 @@
+//! States at single times, as pictures and curves show them.
+
+/// Most points of a curve in a picture.
+pub const MOST_POINTS: usize = 4000;
+/// The state at one time, as pictures show it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Time \[s\].
+    pub t: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// `None` if an element does not state its energy [J].
+    pub energy: Option<f64>,
+    /// What functionals measure, in their order.
+    pub measured: Vec<f64>,
+    /// Sizes of forces [N] and moments [N m] of joints.
+    pub loads: Vec<[f64; 2]>,
+}
+
+/// Every so many moments that a curve has no more points than a picture can show; the last one included.
+pub fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)> {
+    let stride = moments.len().div_ceil(MOST_POINTS).max(1);
+    moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())
+}
