@@ -109,3 +109,25 @@ fn what_has_no_response_is_told() {
     assert!(why.contains("at 0 rad/s the response is not determined"), "{why}");
     assert!((prepared.frequency_response("force", &[2.0]).unwrap()[0][0][0] + 1.0 / 8.0).abs() < 1e-13);
 }
+
+/// At rest the response is the derivative of the equilibrium by the variable, of which the adjoint knows nothing of vibrations.
+#[test]
+fn at_rate_zero_the_response_is_the_gradient_of_the_equilibrium() {
+    let scene = FileScene::read("examples/scenes/princeton-beam.toml".as_ref()).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap();
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).unwrap();
+    let gradient = analysis.adjoint(&prepared.x, &forward).unwrap();
+    for (place, variable) in prepared.variables.iter().enumerate().filter(|(_, own)| own.name.starts_with("load")) {
+        let response = prepared.frequency_response(&variable.name, &[0.0]).unwrap();
+        for (row, [re, im]) in gradient.rows.iter().zip(&response[0]) {
+            // stretching is so much stiffer than bending that a rounding of the state is 1e-10 of its bending
+            assert!(
+                (row[place] - re).abs() < 3e-9 * re.abs() && *im == 0.0,
+                "by {}: {} {re} {im}",
+                variable.name,
+                row[place]
+            );
+        }
+    }
+}
