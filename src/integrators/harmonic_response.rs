@@ -20,6 +20,8 @@ use std::sync::Arc;
 const PLACE: &str = "frequency response";
 /// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 1;
+/// What a solution may leave of its equations, by their largest terms.
+const LEFT: f64 = 1e-10;
 
 /// An equilibrium, and how it vibrates.
 pub(crate) struct Response {
@@ -100,27 +102,39 @@ impl Doubled {
             values[*below] += omega * value;
             values[*above] -= omega * value;
         }
-        self.factors.start_afresh(false);
-        self.factors.factor(&values).map_err(|_| {
+        let undetermined = || {
             RunError::Input(format!(
                 "{PLACE}: at {omega} rad/s the response is not determined: that is the rate of a mode without damping, or something moves freely; \
                  take another rate, or give it damping or a spring"
             ))
-        })?;
+        };
+        self.factors.start_afresh(false);
+        self.factors.factor(&values).map_err(|_| undetermined())?;
         let whole = [rhs, &vec![0.0; self.size]].concat();
         let (mut x, mut left) = (vec![0.0; whole.len()], whole.clone());
         for _ in 0..=REFINEMENTS {
             self.factors.solve(&mut left);
             x.iter_mut().zip(&left).for_each(|(x, own)| *x += own);
             left.copy_from_slice(&whole);
-            for (column, x) in x.iter().enumerate() {
-                for place in self.pattern.column_starts[column]..self.pattern.column_starts[column + 1] {
-                    left[self.pattern.rows[place] as usize] -= values[place] * x;
-                }
-            }
+            self.add_products(&values, &x, |row, term| left[row] -= term);
+        }
+        let mut sizes: Vec<f64> = whole.iter().map(|own| own.abs()).collect();
+        self.add_products(&values, &x, |row, term| sizes[row] += term.abs());
+        let largest = sizes.into_iter().fold(0.0, f64::max);
+        if !left.iter().all(|left| left.abs() <= LEFT * largest) {
+            return Err(undetermined());
         }
         let im = x.split_off(self.size);
         Ok([x, im])
+    }
+
+    /// Hands out the terms of a product with their rows.
+    fn add_products(&self, values: &[f64], x: &[f64], mut add: impl FnMut(usize, f64)) {
+        for (column, x) in x.iter().enumerate() {
+            let places = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
+            let entries = self.pattern.rows[places.clone()].iter().zip(&values[places]);
+            entries.for_each(|(&row, value)| add(row as usize, value * x));
+        }
     }
 }
 
