@@ -35,6 +35,7 @@
 //! io            plots, pictures, tables, files
 //! cli           the command line of any scenes (feature `cli`)
 //! guide         how to use all of this, and what it computes: text alone
+//! python        the package for Python: a crate of its own, which uses this one
 //! ```
 
 // much of what the command line draws on is used by nothing else

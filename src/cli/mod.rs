@@ -65,6 +65,7 @@ mod run;
 mod simulation;
 mod snapshot;
 mod stability;
+mod still;
 mod study;
 mod sweep;
 mod verify;

@@ -3,12 +3,12 @@ use super::campbell::Branches;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::{mode_moments, mode_picture, motion};
-use super::options::{changed_design, located, only_scenario};
 use super::rates::Rates;
 use super::report::{Clip, Page};
 use super::simulation::{long_number, names};
 use super::snapshot::Snapshot;
-use crate::integrators::{Mode, STATIC_TABLE};
+use super::still::StillOptions;
+use crate::integrators::{Mode, RunError};
 use crate::io::{Cell, Table, number as number_of, write_file};
 use crate::scenes::Prepared;
 use clap::Args;
@@ -19,32 +19,17 @@ use std::path::{Path, PathBuf};
 /// Options of `costate modes`.
 #[derive(Args)]
 pub struct ModesOptions {
-    /// Name of a scene (see `list`), or path of a scene file (.toml)
-    scene: String,
+    #[command(flatten)]
+    still: StillOptions,
     /// Number of modes: those whose omega^2 are nearest to zero
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = mode_count, allow_negative_numbers = true)]
     count: usize,
-    /// About the equilibrium after the scene's load steps instead of its start; scenes of equilibria do so anyway
-    #[arg(long = "static")]
-    statics: bool,
     /// With dampers, states of first order and what else depends on velocities: complex modes; about a steady turn they are that anyway
     #[arg(long)]
     damped: bool,
     /// Modes over the rate of a steady turn [rad/s], followed by their shapes: campbell.csv, .png and .svg
     #[arg(long, value_name = "FIRST:LAST:NUMBER", allow_hyphen_values = true)]
     speed: Option<Rates>,
-    /// Folder for the pictures [default: out/SCENE]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// One of the scenarios of the scene
-    #[arg(long, value_name = "NAME")]
-    scenario: Option<String>,
-    /// Change a design variable; may be given once for each
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
-    /// Print one JSON object with all figures on the last line of stdout
-    #[arg(long)]
-    json: bool,
 }
 
 /// Most modes that are drawn.
@@ -63,19 +48,12 @@ fn mode_count(text: &str) -> Result<usize, String> {
 
 /// `costate modes`: frequencies and shapes of small vibrations.
 pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure> {
-    let found = program.find_scene(&options.scene)?;
-    let scene = only_scenario(&*found, options.scenario.as_deref())?;
-    let x = changed_design(&scene.variables(), &options.set)?;
-    let settings = scene.settings();
-    let settings = if options.statics { settings.with_method(STATIC_TABLE) } else { settings };
-    let method = Prepared::method_of(&settings)?;
-    let named = |error| {
-        let failure = Failure::from(error);
-        let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
-        located(scene, &options.scene, Failure { message, ..failure })
-    };
-    let mut prepared = Prepared::with(scene, &x, method, settings.clone()).map_err(named)?;
-    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
+    options.still.with_scene(program, |prepared, named| modes(options, prepared, named))
+}
+
+fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError) -> Failure) -> Result<(), Failure> {
+    let scene = prepared.scene;
+    let folder = options.still.folder(scene);
     let spins = prepared.spin_rate().is_some();
     let kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
     let (q, modes) = match kind {
@@ -84,7 +62,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     };
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.name(), scene.summary()));
-    say_about(&prepared, kind, settings.end);
+    say_about(&prepared, kind, scene.settings().end);
     say_modes(&prepared, (&q, kind), &modes);
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
@@ -120,7 +98,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
         "files": names(&files),
     });
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
-    say_json(options.json, &object);
+    say_json(options.still.json, &object);
     Ok(())
 }
 

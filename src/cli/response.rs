@@ -3,10 +3,11 @@
 use super::CommandLine;
 use super::console::{json_number, say, say_json};
 use super::failure::Failure;
-use super::options::{changed_design, located, only_scenario};
 use super::rates::Rates;
 use super::simulation::names;
-use crate::integrators::STATIC_TABLE;
+use super::still::StillOptions;
+use crate::functionals::Functional;
+use crate::integrators::RunError;
 use crate::io::{Cell, Chart, Series, Style, Table, number, write_csv, write_file, write_panels};
 use crate::scenes::Prepared;
 use clap::Args;
@@ -17,29 +18,14 @@ use std::path::{Path, PathBuf};
 /// Options of `costate response`.
 #[derive(Args)]
 pub struct ResponseOptions {
-    /// Name of a scene (see `list`), or path of a scene file (.toml)
-    scene: String,
+    #[command(flatten)]
+    still: StillOptions,
     /// Design variable that varies harmonically by a little: the size of a force, the displacement of a driver
     #[arg(long, value_name = "VARIABLE")]
     by: String,
     /// Rates [rad/s]: first, last, how many; with :log in equal steps of the logarithm
     #[arg(long, value_name = "FIRST:LAST:NUMBER[:log]")]
     rates: Rates,
-    /// About the equilibrium after the scene's load steps instead of its start; scenes of equilibria do so anyway
-    #[arg(long = "static")]
-    statics: bool,
-    /// Folder for the results [default: out/SCENE]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// One of the scenarios of the scene
-    #[arg(long, value_name = "NAME")]
-    scenario: Option<String>,
-    /// Change a design variable; may be given once for each
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
-    /// Print one JSON object with all figures on the last line of stdout
-    #[arg(long)]
-    json: bool,
 }
 
 /// What one functional answers.
@@ -69,19 +55,16 @@ impl Answer {
 
 /// Runs the command.
 pub fn run(options: &ResponseOptions, program: &CommandLine) -> Result<(), Failure> {
-    let found = program.find_scene(&options.scene)?;
-    let scene = only_scenario(&*found, options.scenario.as_deref())?;
-    let x = changed_design(&scene.variables(), &options.set)?;
-    let settings = scene.settings();
-    let settings = if options.statics { settings.with_method(STATIC_TABLE) } else { settings };
-    let method = Prepared::method_of(&settings)?;
-    let named = |error| located(scene, &options.scene, Failure::from(error));
-    let prepared = Prepared::with(scene, &x, method, settings).map_err(named)?;
+    options.still.with_scene(program, |prepared, named| respond(options, &prepared, named))
+}
+
+fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunError) -> Failure) -> Result<(), Failure> {
+    let scene = prepared.scene;
     let variable = prepared.variable(&options.by)?;
     let unit = &prepared.variables[variable].unit;
     let rates = &options.rates.list;
     let amplitudes = prepared.frequency_response(&options.by, rates).map_err(named)?;
-    let answer = |(place, functional): (usize, &crate::functionals::Functional)| Answer {
+    let answer = |(place, functional): (usize, &Functional)| Answer {
         name: functional.name.clone(),
         unit: format!("{} by {}", functional.unit, if unit.is_empty() { "-" } else { unit }),
         parts: amplitudes.iter().map(|row| row[place]).collect(),
@@ -97,7 +80,7 @@ pub fn run(options: &ResponseOptions, program: &CommandLine) -> Result<(), Failu
         table.row([own.name.clone(), own.unit.clone()].into_iter().chain(numbers.map(number)).map(Cell::from));
     }
     say(format_args!("{table}\n"));
-    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
+    let folder = options.still.folder(scene);
     let mut files =
         write(&answers, (rates, options.rates.are_logarithmic), &format!("{}: by {}", scene.name(), options.by), &folder)?;
     let summary = folder.join("response.json");
@@ -116,7 +99,7 @@ pub fn run(options: &ResponseOptions, program: &CommandLine) -> Result<(), Failu
         "files": names(&files),
     });
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
-    say_json(options.json, &object);
+    say_json(options.still.json, &object);
     Ok(())
 }
 
