@@ -260,6 +260,19 @@ mod tests {
         same(mass_properties(&halves).unwrap(), properties(bar([from, to])), 1e-14);
     }
 
+    /// I = sum of m (|x|^2 1 - x x^T) + 2/5 m r^2 1: balls at (1, 2, 0) and opposite have the product -2 m 1 2 in it.
+    #[test]
+    fn products_of_inertia_have_the_sign_of_the_tensor() {
+        let ball = |sign: f64| {
+            let centre = Vector3::new(sign, 2.0 * sign, 0.0);
+            Solid { shape: SolidShape::Sphere { centre, diameter: 0.2, wall: None }, density: Some(DENSITY) }
+        };
+        let (mass, centre, inertia) = mass_properties(&[ball(1.0), ball(-1.0)]).unwrap();
+        let own = 0.4 * mass * 0.01;
+        let expected = [4.0 * mass + own, mass + own, 5.0 * mass + own, -2.0 * mass, 0.0, 0.0];
+        same((mass, centre, inertia), (mass, Vector3::zeros(), expected), 1e-14);
+    }
+
     /// A regular prism of n sides has sin(2 pi / n) n / (2 pi) of the area of the circle around it.
     #[test]
     fn facets_of_round_solids_are_closed_and_hold_what_prisms_hold() {
