@@ -53,5 +53,6 @@ pub use part_programs::PartPrograms;
 pub(crate) use places::Starts;
 pub use products::{Adjoints, NodeBars, ProductBars, ProductPoint, Products};
 pub use residual::Residual;
+pub(crate) use resting::RestingModel;
 pub use terms::{Term, TermPoint};
 pub use variational::{Impulse, Variational};

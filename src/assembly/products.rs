@@ -7,50 +7,53 @@ use super::node_programs;
 use super::numbering::{DofMap, System};
 use super::places::{Places, Starts};
 use super::{Equations, Unknowns, VectorsAvq};
+use crate::elements::RunScalar;
 use crate::program::Program;
+use crate::scalar::Scalar;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Adjoint variables of one system: one number for each row of F, Y and G.
 #[derive(Clone, Debug, Default)]
-pub struct Adjoints {
+pub struct Adjoints<S = f64> {
     /// Of F.
-    pub f: Vec<f64>,
+    pub f: Vec<S>,
     /// Of Y; empty unless stabilized.
-    pub y: Vec<f64>,
+    pub y: Vec<S>,
     /// Of the scaled G.
-    pub g: Vec<f64>,
+    pub g: Vec<S>,
     /// Of the second set; empty unless stabilized.
-    pub g_second: Vec<f64>,
+    pub g_second: Vec<S>,
 }
 
-impl Adjoints {
+impl<S: Scalar> Adjoints<S> {
     /// Zeros for a system.
     pub fn zeros(system: &System) -> Self {
         let (dofs, rows) = (system.model.dofs, system.multipliers());
-        let second = |count: usize| vec![0.0; if system.options.stabilized { count } else { 0 }];
-        Adjoints { f: vec![0.0; dofs], y: second(dofs), g: vec![0.0; rows], g_second: second(rows) }
+        let zeros = |count: usize| vec![S::zero(); count];
+        let second = |count: usize| zeros(if system.options.stabilized { count } else { 0 });
+        Adjoints { f: zeros(dofs), y: second(dofs), g: zeros(rows), g_second: second(rows) }
     }
 }
 
 /// Where products are taken.
 #[derive(Clone, Copy)]
-pub struct ProductPoint<'p> {
+pub struct ProductPoint<'p, S = f64> {
     /// (a, v, q).
-    pub at: &'p VectorsAvq<f64>,
+    pub at: &'p VectorsAvq<S>,
     /// Parameters.
-    pub p: &'p [f64],
+    pub p: &'p [S],
     /// Time \[s\].
     pub t: f64,
 }
 
 /// Where products go, for one functional.
-pub struct ProductBars<'b> {
+pub struct ProductBars<'b, S = f64> {
     /// Adjoint of a, v and q, one behind the other.
-    pub avq: &'b mut [f64],
+    pub avq: &'b mut [S],
     /// Adjoint of the parameters.
-    pub p: &'b mut [f64],
+    pub p: &'b mut [S],
 }
 
 /// Parts of a batch with the same parameters that are asked for.
@@ -178,7 +181,7 @@ impl ProductProgram {
 
     /// Adds the results for some parts, times a factor.
     #[inline(always)]
-    fn add(&self, results: &LaneResults<f64>, places: &Places, factor: f64, bars: &mut [ProductBars]) {
+    fn add<S: RunScalar>(&self, results: &LaneResults<S>, places: &Places, factor: f64, bars: &mut [ProductBars<S>]) {
         for (k, bar) in bars.iter_mut().enumerate() {
             let first = k * self.count;
             results.add_runs(first, &self.coordinates, &places.nodes, factor, bar.avq);
@@ -189,17 +192,17 @@ impl ProductProgram {
 }
 
 /// Products of adjoint variables with the derivatives of elements and constraints.
-pub struct Products {
+pub struct Products<S = f64> {
     /// By what elements add.
     elements: [Option<Vec<Selection>>; Force::KINDS],
     constraints: Option<Vec<Selection>>,
     active: Vec<bool>,
-    work: BatchWork<f64>,
+    work: BatchWork<S>,
     /// What constraints inside nodes add to (a, v, q), and to q where reactions act.
     inside_nodes: Vec<f64>,
 }
 
-impl Products {
+impl<S: RunScalar> Products<S> {
     /// For parameters that depend on a design variable; the others get no derivative.
     pub fn new(active: &[bool]) -> Self {
         Products {
@@ -215,10 +218,10 @@ impl Products {
     pub fn add_elements(
         &mut self,
         system: &System,
-        adjoints: &[Adjoints],
+        adjoints: &[Adjoints<S>],
         (force, sign): (Force, f64),
-        ProductPoint { at, p, t }: ProductPoint,
-        bars: &mut [ProductBars],
+        ProductPoint { at, p, t }: ProductPoint<S>,
+        bars: &mut [ProductBars<S>],
     ) {
         let batches = system.element_batches(force);
         let Products { elements, active, work, .. } = self;
@@ -244,7 +247,7 @@ impl Products {
                     count,
                     work,
                     |mut lanes, _| {
-                        places.write_elements(&mut lanes, (at, p, t), (force, 1.0));
+                        places.write_elements(&mut lanes, (at, p, t.into()), (force, S::one()));
                         adjoints.iter().for_each(|adjoint| lanes.gather_nodes(&places.nodes, [&adjoint.f]));
                     },
                     |results| own.add(&results, places, sign, bars),
@@ -258,10 +261,10 @@ impl Products {
         &mut self,
         system: &System,
         (equations, which): (&Equations, ConstraintPart),
-        adjoints: &[Adjoints],
-        unknowns: &Unknowns<f64>,
-        ProductPoint { at, p, t }: ProductPoint,
-        bars: &mut [ProductBars],
+        adjoints: &[Adjoints<S>],
+        unknowns: &Unknowns<S>,
+        ProductPoint { at, p, t }: ProductPoint<S>,
+        bars: &mut [ProductBars<S>],
     ) {
         let batches = system.constraint_batches();
         let Products { constraints, active, work, .. } = self;
@@ -284,9 +287,9 @@ impl Products {
                         place => ProductArgument::Coordinate(0, place - layout.a()),
                     })
                 });
-                let weighs = |adjoint: &Adjoints, index: usize| {
+                let weighs = |adjoint: &Adjoints<S>, index: usize| {
                     let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
-                    let nonzero = |values: &[f64]| values.iter().any(|&value| value != 0.0);
+                    let nonzero = |values: &[S]| values.iter().any(|&value| value != S::zero());
                     let equations = nonzero(&adjoint.g[rows.clone()]) || adjoint.g_second.get(rows).is_some_and(nonzero);
                     (asked.reactions && (any(part, &adjoint.f) || any(part, &adjoint.y)))
                         || (asked.equations[0].is_some() && equations)
@@ -301,7 +304,7 @@ impl Products {
                     |mut lanes, _| {
                         places.write_constraints(
                             &mut lanes,
-                            (at, p, t),
+                            (at, p, t.into()),
                             ([&unknowns.mu, &unknowns.eta], stabilized),
                             scales,
                         );
@@ -322,8 +325,9 @@ impl Products {
 }
 
 /// Whether any number of a part's coordinates is not zero.
-fn any(part: &DofMap, values: &[f64]) -> bool {
-    part.segments.iter().any(|dofs| values.get(dofs.clone()).is_some_and(|own| own.iter().any(|&value| value != 0.0)))
+fn any<S: Scalar>(part: &DofMap, values: &[S]) -> bool {
+    let nonzero = |own: &[S]| own.iter().any(|&value| value != S::zero());
+    part.segments.iter().any(|dofs| values.get(dofs.clone()).is_some_and(nonzero))
 }
 
 /// What goes through the constraints inside nodes, for one functional.

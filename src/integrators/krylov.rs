@@ -45,7 +45,7 @@ struct Krylov {
 }
 
 /// A number from -0.5 to 0.5 in no pattern that a mode could follow (the generator SplitMix64).
-fn noise(i: usize, k: usize) -> f64 {
+pub(super) fn noise(i: usize, k: usize) -> f64 {
     let mut z = (i as u64 + ((k as u64) << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -5,6 +5,7 @@
 //! complex-step and adjoint runs are written once, for all tables and all constraint levels.
 
 pub(crate) mod adaptive;
+mod amplitudes;
 mod arc_length;
 mod butcher;
 mod checkpoint;
@@ -22,6 +23,7 @@ mod krylov;
 mod lists;
 mod load_steps;
 pub(crate) mod march;
+mod mode_vectors;
 mod newton;
 mod not_finite;
 mod pause;
@@ -62,6 +64,7 @@ pub(crate) use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
 pub(crate) use harmonic_response::{Response, Vibration, harmonic_response};
 pub use march::Method;
 pub(crate) use march::Problem;
+pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, is_cut, mode_vectors};
 pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, Floor, Renewal};
 pub(crate) use pause::{Pace, Pause};

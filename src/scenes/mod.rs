@@ -1,6 +1,7 @@
 //! Scenes: mechanisms as generic functions of their design variables.
 
 mod builder;
+mod differentiated_modes;
 mod facets;
 #[cfg(feature = "files")]
 pub mod file;
@@ -31,6 +32,7 @@ pub use builder::{
     BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
     MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
 };
+pub use differentiated_modes::{DifferentiatedModes, ModeGradient};
 #[cfg(feature = "files")]
 pub use file::FileScene;
 pub use gmsh::{parse_gmsh, read_gmsh};

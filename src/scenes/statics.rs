@@ -161,7 +161,7 @@ impl Prepared<'_> {
     }
 
     /// The state about which things vibrate, with the equations that are left out there, and the load factor.
-    fn still_state(&self) -> Result<(InitialState<f64>, StartPlan, f64), RunError> {
+    pub(super) fn still_state(&self) -> Result<(InitialState<f64>, StartPlan, f64), RunError> {
         let mut start = self.problem().start;
         if self.method.table.is_static() {
             let Equilibrium { load, q, dropped, .. } = self.equilibrium()?;

@@ -423,7 +423,7 @@ impl<'m> Analysis<'m> {
     }
 
     /// The recorded map at a design, whose derivatives are those of its numbers.
-    fn checked_chain(&self, x: &[f64]) -> Result<DesignChain, RunError> {
+    pub(crate) fn checked_chain(&self, x: &[f64]) -> Result<DesignChain, RunError> {
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
         chain.check(self.map).map_err(RunError::Input)?;
         Ok(chain)

@@ -3,6 +3,7 @@
 mod adjoint;
 mod analysis;
 mod checks;
+mod mode_gradients;
 mod moving_steps;
 mod over_time;
 mod quotients;
@@ -12,5 +13,6 @@ mod transposed;
 
 pub use analysis::{Analysis, Forward, Gradient};
 pub use checks::{TaylorTest, largest_difference};
+pub(crate) use mode_gradients::{Still, ValueBars, value_rates};
 pub use over_time::GradientCourse;
 pub use quotients::Quotient;

@@ -8,6 +8,7 @@ mod formula_parts;
 mod laws;
 mod mechanisms;
 mod meshes;
+mod mode_gradients;
 mod mutations;
 mod own_parts;
 mod response;

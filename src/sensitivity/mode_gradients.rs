@@ -1,0 +1,194 @@
+//! Derivatives of the values lambda of small vibrations about an equilibrium.
+//!
+//! The equilibrium is E(q, mu, p) = 0, and a mode B z = 0 with
+//!
+//! ```text
+//! E = [ R(0, 0, q, p) + A^T mu ]     B = [ lambda^2 M + lambda C + K   A^T ]     z = (x, nu)
+//!     [ g(q, p)                ]         [ A                            0  ]
+//! ```
+//!
+//! where K = d(R + A^T mu)/dq. With w^T B = 0 the derivative of the value is d lambda = -(w^T dB z) / (w^T dB/dlambda z), and w^T B z is the
+//! derivative of L = w . (R + A^T mu, g) along d = (lambda^2 x, lambda x, x; nu) in (a, v, q; mu). So the gradient of w^T B z is the imaginary part of that
+//! of L at a point that is moved by i h d: products with adjoint variables, in complex numbers, exact to round-off. What it is towards q and mu
+//! goes back through the equilibrium.
+//!
+//! Where K is singular, as a body moves freely, (K + s M) goes back instead, again and again: what is left of the gradient in the end are rigid
+//! motions, which follow the start that the design gives.
+//!
+//! Source: Nelson, AIAA Journal 14 (1976); of modes of one value: Ojalvo, AIAA Journal 26 (1988), and Dailey, AIAA Journal 27 (1989).
+
+use super::transposed::{Backward, SolutionBar, TransposedSolver};
+use crate::assembly::{
+    Adjoints, ConstraintPart, Equations, Force, Level, ProductBars, ProductPoint, Products, Residual, StageCoefficients,
+    StageSystem, System, Unknowns, VectorsAvq,
+};
+use crate::integrators::{Amplitude, Counters, Method, ModeGroup, ModeVectors, RunError, SolveRecord};
+use crate::scalar::{COMPLEX_STEP, Complex64};
+use nalgebra::DMatrix;
+
+/// Shift where something moves freely, as a share of the lowest omega^2 that is not zero ...
+const SHIFT: f64 = 1e-4;
+/// ... and how often it goes back.
+const PASSES: usize = 5;
+
+/// An equilibrium with its modes.
+pub(crate) struct Still<'a> {
+    pub vectors: &'a ModeVectors<'a>,
+    pub p: &'a [f64],
+    /// Parameters whose derivatives are asked for.
+    pub active: &'a [bool],
+    pub method: &'a Method,
+    /// Time, or the load factor.
+    pub t: f64,
+    /// With whatever depends on velocities.
+    pub is_damped: bool,
+    /// Whether something moves freely.
+    pub has_rigid_motions: bool,
+}
+
+/// A complex gradient, towards p and the coordinates of the start.
+#[derive(Clone, Debug)]
+pub(crate) struct ValueBars {
+    pub p: [Vec<f64>; 2],
+    pub q: [Vec<f64>; 2],
+}
+
+/// The gradient of w^T B z.
+struct Bars {
+    q: Vec<Complex64>,
+    mu: Vec<Complex64>,
+    p: Vec<Complex64>,
+}
+
+impl Still<'_> {
+    /// For each group of modes the gradients of w_i^T B z_j, row by row, through the equilibrium.
+    ///
+    /// # Errors
+    /// An equilibrium that does not follow from its equations.
+    pub fn gradients(&self) -> Result<Vec<Vec<ValueBars>>, RunError> {
+        let (system, groups) = (&self.vectors.system, &self.vectors.groups);
+        let mut products = Products::<Complex64>::new(self.active);
+        let mut all: Vec<Bars> = Vec::new();
+        for group in groups {
+            for left in &group.left {
+                all.extend(group.right.iter().map(|right| self.bars(&mut products, (left, right), group.lambda)));
+            }
+        }
+        let parts = |own: &[Complex64]| [own.iter().map(|own| own.re).collect(), own.iter().map(|own| own.im).collect()];
+        let mut bars: Vec<SolutionBar> = Vec::new();
+        let mut back: Vec<Backward> = Vec::new();
+        for own in &all {
+            let all: [[Vec<f64>; 2]; 3] = [&own.q, &own.mu, &own.p].map(|own| parts(own));
+            let [q, mu, p] = all;
+            bars.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionBar { x, rate: Vec::new(), mu }));
+            back.extend(p.map(|p| Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p }));
+        }
+        self.through_equilibrium(system.clone(), &mut bars, &mut back)?;
+        let mut ends = back.into_iter().zip(bars).map(|(back, bar)| (back.p, bar.x));
+        let mut next = || {
+            let [(p, q), (other_p, other_q)] = [(); 2].map(|()| ends.next().unwrap_or_default());
+            ValueBars { p: [p, other_p], q: [q, other_q] }
+        };
+        Ok(groups.iter().map(|group| (0..group.right.len().pow(2)).map(|_| next()).collect()).collect())
+    }
+
+    /// Takes gradients towards the solution of E = 0 to those towards parameters, and to what the coordinates of the start still are.
+    fn through_equilibrium(
+        &self,
+        system: std::sync::Arc<System>,
+        bars: &mut [SolutionBar],
+        back: &mut [Backward],
+    ) -> Result<(), RunError> {
+        let (model, groups) = (system.model, &self.vectors.groups);
+        let lowest = groups.iter().map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
+        let (shift, passes) = if self.has_rigid_motions { (SHIFT * lowest, PASSES) } else { (0.0, 1) };
+        let zeros = || vec![0.0; model.dofs];
+        let record = SolveRecord {
+            t: self.t,
+            equations: Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position),
+            base: VectorsAvq { a: zeros(), v: zeros(), q: self.vectors.q.clone() },
+            unknowns: self.vectors.reactions.clone(),
+        };
+        let mut solver = TransposedSolver::new(system, self.method, self.active)?;
+        for _ in 0..passes {
+            let bases = solver.through(&record, self.p, bars, back, &mut Counters::default())?;
+            for (bar, base) in bars.iter_mut().zip(bases) {
+                bar.x.iter_mut().zip(&base.q).for_each(|(bar, base)| *bar += base);
+                bar.mu.fill(0.0);
+            }
+        }
+        if passes == 1 {
+            // nothing but round-off is left: the place does not depend on the one from which it was looked for
+            bars.iter_mut().for_each(|bar| bar.x.fill(0.0));
+        }
+        Ok(())
+    }
+
+    /// The gradient of w^T B z towards (q, mu, p).
+    fn bars(&self, products: &mut Products<Complex64>, (left, right): (&Amplitude, &Amplitude), lambda: Complex64) -> Bars {
+        let system = &*self.vectors.system;
+        let dofs = system.model.dofs;
+        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
+        let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
+        let p = lift(self.p);
+        let adjoints = [(|own| own.re) as fn(&Complex64) -> f64, |own| own.im].map(|part| Adjoints {
+            f: left.x.iter().map(|own| part(own).into()).collect(),
+            g: left.mu.iter().map(|own| part(own).into()).collect(),
+            ..Adjoints::zeros(system)
+        });
+        let zeros = |count: usize| vec![Complex64::ZERO; count];
+        let mut sum = Bars { q: zeros(dofs), mu: zeros(right.mu.len()), p: zeros(p.len()) };
+        for (of_right, part) in [(Complex64::ONE, (|own| own.re) as fn(&Complex64) -> f64), (Complex64::I, |own| own.im)] {
+            let moved = |factor: Complex64| -> Vec<Complex64> {
+                right.x.iter().map(|x| Complex64::new(0.0, COMPLEX_STEP * part(&(x * factor)))).collect()
+            };
+            let v = if self.is_damped { moved(lambda) } else { zeros(dofs) };
+            let mut at = VectorsAvq { a: moved(lambda * lambda), v, q: moved(Complex64::ONE) };
+            at.q.iter_mut().zip(&self.vectors.q).for_each(|(q, &own)| *q += own);
+            let mu = self.vectors.reactions.mu.iter().zip(&right.mu);
+            let mu = mu.map(|(&own, nu)| Complex64::new(own, COMPLEX_STEP * part(nu))).collect();
+            let unknowns = Unknowns { mu, ..Residual::<Complex64>::unknowns(system) };
+            let mut own = [(); 2].map(|()| (zeros(3 * dofs), zeros(p.len())));
+            let mut into = own.each_mut().map(|(avq, p)| ProductBars { avq, p });
+            let there = ProductPoint { at: &at, p: &p, t: self.t };
+            products.add_elements(system, &adjoints, (Force::of(&equations), 1.0), there, &mut into);
+            products.add_constraints(system, (&equations, ConstraintPart::Both), &adjoints, &unknowns, there, &mut into);
+            let still = self.rates(&at.q, None, &p);
+            for ((adjoint, (avq, own_p)), of_left) in adjoints.iter().zip(&own).zip([Complex64::ONE, Complex64::I]) {
+                let rates = self.rates(&at.q, Some(&adjoint.f), &p);
+                let factor = of_left * of_right / COMPLEX_STEP;
+                let add = |sum: &mut [Complex64], own: &mut dyn Iterator<Item = Complex64>| {
+                    sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += factor * own.im);
+                };
+                add(&mut sum.q, &mut avq[2 * dofs..].iter().copied());
+                add(&mut sum.p, &mut own_p.iter().copied());
+                add(&mut sum.mu, &mut rates.iter().zip(&still).map(|(moving, still)| moving - still));
+            }
+        }
+        sum
+    }
+
+    /// dg/dt of all constraints for velocities, or for none.
+    fn rates(&self, q: &[Complex64], v: Option<&[Complex64]>, p: &[Complex64]) -> Vec<Complex64> {
+        let system = &*self.vectors.system;
+        let equations = Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity);
+        let zeros = || vec![Complex64::ZERO; q.len()];
+        let base = VectorsAvq { a: zeros(), v: v.map_or_else(zeros, <[_]>::to_vec), q: q.to_vec() };
+        let stage = StageSystem { equations: &equations, base: &base, p, t: self.t };
+        let mut residual = Residual::<Complex64>::default();
+        residual.start(system, stage);
+        residual.evaluate(system, stage, &mut Residual::unknowns(system));
+        residual.g
+    }
+}
+
+/// Derivatives of the values of a group by one variable, from those of w_i^T B z_j, the lowest frequency first: one for each mode.
+pub(crate) fn value_rates(group: &ModeGroup, by_variable: &DMatrix<Complex64>) -> Option<Vec<Complex64>> {
+    let inverse = group.slope.clone().try_inverse()?;
+    let mut rates: Vec<Complex64> = match group.right.len() {
+        1 => vec![-(by_variable[(0, 0)] * inverse[(0, 0)])],
+        _ => (-(inverse * by_variable)).schur().unpack().1.diagonal().iter().copied().collect(),
+    };
+    rates.sort_by(|a, b| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
+    rates.iter().all(|own| own.is_finite()).then_some(rates)
+}
