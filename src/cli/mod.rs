@@ -49,6 +49,7 @@ mod kept_moments;
 mod list;
 mod manual;
 mod meshes;
+mod mode_gradients;
 mod modes;
 mod motions;
 mod new;

@@ -2,6 +2,7 @@ use super::CommandLine;
 use super::campbell::Branches;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
+use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, mode_picture, motion};
 use super::rates::Rates;
 use super::report::{Clip, Page};
@@ -10,7 +11,7 @@ use super::snapshot::Snapshot;
 use super::still::StillOptions;
 use crate::integrators::{Mode, RunError};
 use crate::io::{Cell, Table, number as number_of, write_file};
-use crate::scenes::Prepared;
+use crate::scenes::{DifferentiatedModes, Prepared};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
@@ -27,6 +28,9 @@ pub struct ModesOptions {
     /// With dampers, states of first order and what else depends on velocities: complex modes; about a steady turn they are that anyway
     #[arg(long)]
     damped: bool,
+    /// Derivatives of frequencies and growth by all design variables, through the equilibrium
+    #[arg(long)]
+    gradients: bool,
     /// Modes over the rate of a steady turn [rad/s], followed by their shapes: campbell.csv, .png and .svg
     #[arg(long, value_name = "FIRST:LAST:NUMBER", allow_hyphen_values = true)]
     speed: Option<Rates>,
@@ -56,36 +60,33 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     let folder = options.still.folder(scene);
     let spins = prepared.spin_rate().is_some();
     let kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
-    let (q, modes) = match kind {
-        Kind::Undamped => prepared.modes_with_state(options.count).map_err(named)?,
-        Kind::Complex => prepared.complex_modes_with_state(options.count).map_err(named)?,
-    };
+    let found = find(options, &prepared, kind).map_err(named)?;
+    let DifferentiatedModes { q, modes, .. } = &found;
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.name(), scene.summary()));
     say_about(&prepared, kind, scene.settings().end);
-    say_modes(&prepared, (&q, kind), &modes);
+    say_modes(&prepared, (q, kind), modes);
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
     } else if modes.len() < options.count {
         say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
     }
-    let mut files = draw(&prepared, &q, &modes, &folder)?;
+    let mut files = draw(&prepared, q, modes, &folder)?;
     let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
     files.extend([report.clone(), summary.clone()]);
-    let branches = match &options.speed {
-        Some(_) if !spins => {
-            let text =
-                "--speed needs a scene that begins with a steady turn ([[spin]] and start = \"steady\" of a scene file)";
-            return Err(Failure::input(text));
-        }
-        Some(rates) => Some(Branches::follow(&mut prepared, &rates.list, options.count)?),
-        None => None,
-    };
+    let branches = follow(options, &mut prepared)?;
     if let Some(branches) = &branches {
         branches.say();
         files.extend(branches.write(format!("{}: modes over the rate of the turn", scene.name()), &folder)?);
     }
-    page(&prepared, (&q, kind), &modes, about).write(&report, &files)?;
+    let mut page = page(&prepared, (q, kind), modes, about);
+    let gradients = Gradients { prepared: &prepared, own: &found, are_complex: kind == Kind::Complex };
+    if options.gradients {
+        gradients.say();
+        gradients.add_to(&mut page);
+        files.push(gradients.write(&folder)?);
+    }
+    page.write(&report, &files)?;
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
@@ -93,13 +94,36 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         "about": about,
         "design": Value::from(design.collect::<Map<_, _>>()),
         "kind": if kind == Kind::Complex { "complex" } else { "undamped" },
-        "modes": modes.iter().map(|mode| json_of(&prepared, &q, mode)).collect::<Vec<_>>(),
+        "modes": modes.iter().map(|mode| json_of(&prepared, q, mode)).collect::<Vec<_>>(),
+        "gradients": options.gradients.then(|| (0..modes.len()).map(|mode| gradients.json(mode)).collect::<Vec<_>>()),
         "speeds": branches.as_ref().map(Branches::json),
         "files": names(&files),
     });
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
     say_json(options.still.json, &object);
     Ok(())
+}
+
+/// The modes, with their derivatives if they are asked for.
+fn find(options: &ModesOptions, prepared: &Prepared, kind: Kind) -> Result<DifferentiatedModes, RunError> {
+    if options.gradients {
+        return prepared.modes_with_gradients(options.count, kind == Kind::Complex);
+    }
+    let (q, modes) = match kind {
+        Kind::Undamped => prepared.modes_with_state(options.count)?,
+        Kind::Complex => prepared.complex_modes_with_state(options.count)?,
+    };
+    Ok(DifferentiatedModes { q, modes, gradients: Vec::new() })
+}
+
+/// Modes over rates of a turn, if they are asked for.
+fn follow(options: &ModesOptions, prepared: &mut Prepared) -> Result<Option<Branches>, Failure> {
+    let Some(rates) = &options.speed else { return Ok(None) };
+    if prepared.spin_rate().is_none() {
+        let text = "--speed needs a scene that begins with a steady turn ([[spin]] and start = \"steady\" of a scene file)";
+        return Err(Failure::input(text));
+    }
+    Branches::follow(prepared, &rates.list, options.count).map(Some)
 }
 
 /// What vibrates, and about which state.

@@ -96,8 +96,9 @@ fn parted(group: &ModeGroup, rows: &[[Vec<f64>; 2]]) -> Result<Vec<ModeGradient>
             ))
         })?;
         for (own, rate) in all.iter_mut().zip(rates) {
-            own.growth.push(rate.re);
-            own.frequency.push(rate.im);
+            // a zero has no sign
+            own.growth.push(rate.re + 0.0);
+            own.frequency.push(rate.im + 0.0);
         }
     }
     Ok(all)
