@@ -123,6 +123,9 @@ impl<E: Element> AnyElement for Shared<E> {
     fn record_energies(&self) -> Result<Arc<Formula>, String> {
         self.0.record_energies()
     }
+    fn record_power(&self) -> Result<Arc<Formula>, String> {
+        self.0.record_power()
+    }
     fn record_inertia_moment(&self) -> Result<Arc<Formula>, String> {
         self.0.record_inertia_moment()
     }

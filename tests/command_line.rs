@@ -641,6 +641,22 @@ fn a_history_where_results_are_written_is_refused() {
 }
 
 #[test]
+fn a_run_says_whether_its_energy_is_balanced_by_works() {
+    let folder = Folder::new("balance");
+    let run = folder.run(&["run", "universal-shaft", "--json"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let balance = json(&run)["energy_balance_J"].clone();
+    let [change, forces, drivers, left] =
+        ["change", "forces", "drivers", "left"].map(|key| balance[key].as_f64().expect("a number"));
+    assert!(forces < -1.0 && drivers > 1.0 && (change - forces - drivers - left).abs() < 1e-12, "{balance}");
+    assert!(left.abs() < 1e-9 && text(&run.stdout).contains("of what was turned over"), "{balance}");
+    // steps that hardly resolve the motion leave more, which is said
+    let coarse = folder.run(&["run", "five-bar", "--method", "bdf1", "--steps", "400", "--json"]);
+    assert!(text(&coarse.stderr).contains("work of loads and losses"), "{}", text(&coarse.stderr));
+    assert!(json(&folder.run(&["run", "pendulum", "--json"])).get("energy_balance_J").is_none(), "a conservative scene");
+}
+
+#[test]
 fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     let folder = Folder::new("statics");
     let run = folder.run(&["run", "von-mises-truss", "--json"]);

@@ -38,6 +38,7 @@ mod columns;
 mod comparison;
 mod console;
 mod earlier;
+mod energy_balance;
 mod examples;
 mod failure;
 mod gradient;

@@ -1,4 +1,5 @@
 use super::console::{count, json_number, say, seconds, warn};
+use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::options::SceneOptions;
@@ -36,6 +37,8 @@ pub struct Simulation {
     pub program_seconds: f64,
     /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
+    /// Its balance, where it should not.
+    pub balance: Option<EnergyBalance>,
     /// Files written.
     pub files: Vec<PathBuf>,
     /// Why other files could not be written.
@@ -53,6 +56,7 @@ pub struct Simulation {
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
 struct Watched<'p, 'g> {
     results: Results<'p>,
+    balance: Option<Course<'g>>,
     progress: Progress,
     /// Marks of the progress bar per second.
     pace: f64,
@@ -64,9 +68,11 @@ const MARKS: f64 = 1000.0;
 
 impl Observer for Watched<'_, '_> {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.balance.iter_mut().for_each(|balance| balance.start(start));
         self.results.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.balance.iter_mut().for_each(|balance| balance.step(step));
         self.progress.set((self.pace * (step.t + step.h)) as u64);
         Ok(self.results.step(step)? && !self.guard.requested())
     }
@@ -86,7 +92,9 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let progress = Progress::new("simulating", marks as u64);
     let output = options.output(prepared.scene);
     let results = Results::begin(prepared, &output, &folder)?;
-    let mut watched = Watched { results, progress, pace, guard: &guard };
+    let ledger = Ledger::new(prepared);
+    let balance = ledger.as_ref().map(|ledger| ledger.begin(prepared));
+    let mut watched = Watched { results, balance, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
     let elapsed = begun.elapsed().as_secs_f64();
@@ -94,12 +102,12 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if refuses_machine_code() {
         say("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
-    let Watched { results, progress, .. } = watched;
+    let Watched { results, balance, progress, .. } = watched;
     progress.finish();
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
-    let energy = results.energy_course();
+    let (energy, balance) = (results.energy_course(), balance.map(Course::finish));
     let Finished { files, unwritten, charts, moments } = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
@@ -116,6 +124,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         seconds: elapsed,
         program_seconds,
         energy,
+        balance,
         files,
         unwritten,
         stopped,
@@ -274,6 +283,9 @@ impl Simulation {
         if let Some((error, _)) = error_in_words(prepared, &self.forward) {
             say(format_args!("largest estimated error of a step: {error}\n"));
         }
+        if let Some(balance) = &self.balance {
+            say(format_args!("{}\n", balance.in_words()));
+        }
         if let Some(Statement::Stable(words)) = stability::statement(prepared, &self.forward) {
             say(format_args!("{words}\n"));
         }
@@ -292,6 +304,9 @@ impl Simulation {
                     shortest(t)
                 ));
             }
+        }
+        if let Some(balance) = self.balance.filter(|own| own.share().is_some_and(|share| share > StepError::COARSE)) {
+            warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }
         warnings
     }
@@ -402,6 +417,14 @@ impl Simulation {
             ["energy_growth", "energy_loss"].into_iter().zip(self.energy.iter().flat_map(|energy| energy.shares()));
         for (name, (share, t)) in changes {
             object.insert(name.into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
+        }
+        if let Some(balance) = &self.balance {
+            let EnergyBalance { change, forces, drivers, .. } = *balance;
+            let [change, forces, drivers, left] = [change, forces, drivers, balance.left()].map(json_number);
+            object.insert(
+                "energy_balance_J".into(),
+                json!({"change": change, "forces": forces, "drivers": drivers, "left": left}),
+            );
         }
         object.insert("files".into(), names(&self.files));
         if let Some(failure) = &self.stopped {

@@ -168,6 +168,8 @@ pub trait AnyElement: Send + Sync {
     /// Records kinetic energy, potential energy with what is stored in strains, mass, and what is stored in strains, as functions of
     /// (v, q, p).
     fn record_energies(&self) -> Recording;
+    /// Records d(T + V)/dt - R . v as a function of (a, v, q, p, t): the power of all that is not in its energies.
+    fn record_power(&self) -> Recording;
     /// Records the moment of inertia about an axis through a point as a function of (q, p, point, axis).
     fn record_inertia_moment(&self) -> Recording;
     /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
@@ -228,6 +230,9 @@ impl<E: Element> AnyElement for E {
     fn record_energies(&self) -> Recording {
         record_energies(self)
     }
+    fn record_power(&self) -> Recording {
+        record_power(self)
+    }
     fn record_inertia_moment(&self) -> Recording {
         record_inertia_moment(self)
     }
@@ -285,6 +290,16 @@ fn record_energies(element: &dyn ElementFormulas) -> Recording {
     })
 }
 
+fn record_power(element: &dyn ElementFormulas) -> Recording {
+    let (n, m) = sizes(element);
+    let is_short = super::lagrangian::shorter_power_serves(element);
+    Formula::record(of_residual(n, m), |x| {
+        let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+        let (short, whole) = super::lagrangian::power(element, State { a, v, q }, p, t[0]);
+        vec![if is_short { short } else { whole }]
+    })
+}
+
 fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     Formula::record([(Coordinate, n), (OfPart, m), (MeasureParameter, 6)], |x| {
@@ -336,6 +351,7 @@ struct ElementRecordings {
     impulse: OnceLock<Recording>,
     inertia: OnceLock<Arc<Formula>>,
     energies: OnceLock<Recording>,
+    power: OnceLock<Recording>,
     inertia_moment: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
     conservative: OnceLock<bool>,
@@ -359,6 +375,7 @@ impl ElementPhysics {
             impulse,
             inertia: OnceLock::new(),
             energies,
+            power: OnceLock::new(),
             inertia_moment,
             stresses: OnceLock::new(),
             conservative: OnceLock::new(),
@@ -483,6 +500,10 @@ impl ElementPhysics {
     /// The same as a formula of (v, q, p).
     pub fn energies(&self) -> &Arc<Formula> {
         checked(self.0.energies.get_or_init(|| self.0.own.record_energies()))
+    }
+    /// d(T + V)/dt - R . v as a formula of (a, v, q, p, t) \[W\].
+    pub fn power(&self) -> &Arc<Formula> {
+        checked(self.0.power.get_or_init(|| self.0.own.record_power()))
     }
     /// Twice the kinetic energy of a turn at 1 rad/s, as a formula of (q, p, point, axis): the moment of inertia about the axis [kg m2].
     pub fn inertia_moment(&self) -> &Arc<Formula> {

@@ -237,6 +237,55 @@ pub(super) fn impulse(
     Some(momentum.into_iter().zip(force).map(|(momentum, force)| of_momentum * momentum + of_force * force).collect())
 }
 
+/// Power with which the element changes its energies beside what the motion does: of its forces, losses and what drives it, d(T + V)/dt - R . v.
+///
+/// What energies make of the residual cancels in that; it is left out where both ways agree at two states, which they do for kinetic energies that
+/// are quadratic in velocities.
+pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> (Recorded, Recorded) {
+    let along_v = s.v.iter().copied().zip(s.a.iter().copied());
+    let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();
+    // as energies are told, which know no time
+    let Energies { kinetic, potential, .. } = Energies::of(element, [s.v, s.q, p], Recorded::from(0.0));
+    let own = residual(element, s, p, t).0;
+    let whole = along_motion(&[kinetic + potential], &moving)[0] - work_of(&own, s.v);
+    let mut applied = zeros(s.q.len());
+    element.add_force(s.v, s.q, p, t, &mut applied);
+    let e = strains(element, s.q, p, t);
+    let of_q: Vec<(Recorded, Recorded)> = s.q.iter().copied().zip(s.v.iter().copied()).collect();
+    let with_time: Vec<(Recorded, Recorded)> = of_q.iter().copied().chain([(t, Recorded::from(1.0))]).collect();
+    let stresses = losses(element, [&e, &along_motion(&e, &with_time), p], t);
+    let lost = work_of(&stresses, &along_motion(&e, &of_q));
+    (work_of(&applied, s.v) - lost, whole)
+}
+
+fn work_of(forces: &[Recorded], rates: &[Recorded]) -> Recorded {
+    forces.iter().zip(rates).map(|(&force, &rate)| force * rate).sum()
+}
+
+/// Which of two ways to calculate a power serves: the shorter one where both agree at two states.
+pub(super) fn shorter_power_serves(element: &dyn ElementFormulas) -> bool {
+    let (n, m) = sizes(element);
+    (0..2).all(|probe| {
+        let values = probed(3 * n + m + 1, probe);
+        let (agrees, recording) = record(&values, |x| {
+            let (state, rest) = x.split_at(3 * n);
+            let (p, t) = rest.split_at(m);
+            let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
+            let (short, whole) = power(element, s, p, t[0]);
+            let parts = residual(element, s, p, t[0]).0;
+            // by the size of what cancels
+            let sizes: Vec<Recorded> = parts.iter().zip(s.v).map(|(&force, &rate)| force * rate).collect();
+            agree(&values, &[&[short][..], &sizes].concat(), &[&[whole][..], &sizes].concat())
+        });
+        agrees && !recording.graph.has_choices()
+    })
+}
+
+/// Numbers of the size of Euler parameters, none of them alike.
+fn probed(count: usize, probe: usize) -> Vec<f64> {
+    (0..count).map(|i| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin()).collect()
+}
+
 /// True for the constant 0.
 fn is_zero(number: Recorded) -> bool {
     number.is_known_zero()
@@ -260,9 +309,7 @@ pub(super) fn is_steady_in(equations: &[Recorded], number: Recorded) -> bool {
 pub(super) fn has_energies(element: &dyn ElementFormulas) -> bool {
     let (n, m) = sizes(element);
     (0..2).all(|probe| {
-        // numbers of the size of Euler parameters, none of them alike
-        let number = |i: usize| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin();
-        let values: Vec<f64> = (0..3 * n + m + 1).map(number).collect();
+        let values = probed(3 * n + m + 1, probe);
         let mut is_written = false;
         let (agrees, recording) = record(&values, |x| {
             let (state, rest) = x.split_at(3 * n);

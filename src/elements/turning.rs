@@ -135,6 +135,9 @@ impl AnyElement for InTurningFrame {
     fn record_energies(&self) -> Recording {
         as_it_is(self.own.energies())
     }
+    fn record_power(&self) -> Recording {
+        as_it_is(self.own.power())
+    }
     fn record_inertia_moment(&self) -> Recording {
         as_it_is(self.own.inertia_moment())
     }

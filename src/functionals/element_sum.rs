@@ -11,6 +11,9 @@ pub enum ElementSum {
     Mass,
     /// What is stored in strains, half the compliance of a linear structure under the loads that strain it \[J\].
     StrainEnergy,
+    /// Power of all that is not in its energies \[W\]: applied forces, losses, what drives it. The energy of a mechanism changes by it, and by
+    /// the power of its drivers.
+    Power,
     /// Moment of inertia about an axis: twice the kinetic energy of a turn about it at 1 rad/s [kg m2].
     ///
     /// Parameters: a point of the axis \[m\] and its direction of length 1, in the world.
@@ -29,6 +32,7 @@ impl AnyPointQuantity for ElementSum {
             ElementSum::Energy => "an energy",
             ElementSum::Mass => "a mass",
             ElementSum::StrainEnergy => "a strain energy",
+            ElementSum::Power => "a power beside its energies (a load, a damper, an actuator)",
             ElementSum::InertiaMoment => "a moment of inertia",
         }
     }
@@ -40,6 +44,9 @@ impl AnyPointQuantity for ElementSum {
         point.map(|name| Parameter::new(name, "m")).into_iter().chain(axis.map(|name| Parameter::new(name, "-"))).collect()
     }
     fn is_on(&self, element: &ElementPhysics) -> bool {
+        if *self == ElementSum::Power {
+            return !element.is_conservative();
+        }
         let has_some = |own: GroupFormula| {
             own.formula.inspect(|graph, outputs| own.values.iter().any(|&value| !graph.is_zero(outputs[value])))
         };
@@ -58,6 +65,17 @@ impl AnyPointQuantity for ElementSum {
             ElementSum::Energy => of_energies(&[KINETIC, POTENTIAL]),
             ElementSum::Mass => of_energies(&[MASS]),
             ElementSum::StrainEnergy => of_energies(&[STORED]),
+            ElementSum::Power => GroupFormula {
+                formula: element.power().clone(),
+                arguments: (0..n)
+                    .map(Argument::A)
+                    .chain((0..n).map(Argument::V))
+                    .chain(coordinates)
+                    .chain([Argument::Time])
+                    .collect(),
+                values: vec![0],
+                weights: Vec::new(),
+            },
             ElementSum::InertiaMoment => GroupFormula {
                 formula: element.inertia_moment().clone(),
                 arguments: coordinates.chain((0..self.parameter_list().len()).map(Argument::Own)).collect(),

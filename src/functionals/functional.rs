@@ -157,6 +157,7 @@ impl Functional {
         let squared = self.over.aggregate().is_some_and(|aggregate| aggregate.kind.is_squared());
         match (self.over, self.unit) {
             (Over::Integral, "-") => "s".into(),
+            (Over::Integral, "W") => "J".into(),
             (Over::Integral, unit) => format!("{unit} s"),
             (_, "-") => "-".into(),
             (_, unit) if squared => format!("({unit})^2"),

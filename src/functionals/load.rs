@@ -17,6 +17,8 @@ pub enum LoadKind {
     ForceNorm,
     /// |M| [N m].
     MomentNorm,
+    /// -A^T mu . v, the power with which the joint works on what it holds \[W\]: for all its nodes that of its driver, mu . dg/dt at rest.
+    Power,
 }
 
 /// Force F or moment M about a point, with which a joint or driver acts on one of its nodes, from -A^T mu whatever the joint.
@@ -64,6 +66,16 @@ impl JointLoad {
         JointLoad { kind, frame, node, on, formula: OnceLock::new() }
     }
 
+    /// The power of a joint on some of its nodes that follow each other: the place of their coordinates among those of the joint.
+    pub fn power(nodes: Range<usize>) -> Self {
+        JointLoad::new(LoadKind::Power, LoadFrame::World, nodes, NodeKind::Point)
+    }
+
+    /// Whether it is a power.
+    pub(super) fn is_power(&self) -> bool {
+        self.kind == LoadKind::Power
+    }
+
     /// The load as a function of (v, q) of the joint's nodes, its multipliers and parameters, the parameters of the load, and time.
     pub fn formula(&self, joint: &ConstraintPhysics) -> &Arc<Formula> {
         &self.of(joint).1
@@ -94,14 +106,18 @@ impl JointLoad {
                 let (joint_p, rest) = rest.split_at(m);
                 let (p, t) = rest.split_at(Self::PARAMETERS.len());
                 let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0]);
-                vec![self.value(&q[self.node.clone()], &reaction[self.node.clone()], p)]
+                let [v, q, reaction] = [v, q, &reaction].map(|own| &own[self.node.clone()]);
+                vec![self.value([v, q], reaction, p)]
             });
             (joint.law(), formula.expect("a load chooses nothing by values"))
         })
     }
 
-    /// The load, from the coordinates of its node, the generalized forces A^T mu on them, and its parameters.
-    fn value<S: Scalar>(&self, q: &[S], generalized: &[S], p: &[S]) -> S {
+    /// The load, from velocities and coordinates of its node, the generalized forces A^T mu on them, and its parameters.
+    fn value<S: Scalar>(&self, [v, q]: [&[S]; 2], generalized: &[S], p: &[S]) -> S {
+        if self.is_power() {
+            return -generalized.iter().zip(v).map(|(&force, &rate)| force * rate).sum::<S>();
+        }
         let [force, moment] = joint_force_and_moment(self.on, q, generalized, Vector3::first_three(&p[3..]));
         let load = if matches!(self.kind, LoadKind::Moment | LoadKind::MomentNorm) { moment } else { force };
         let mut direction = Vector3::first_three(p);
@@ -110,7 +126,7 @@ impl JointLoad {
         }
         match self.kind {
             LoadKind::Force | LoadKind::Moment => load.dot(&direction),
-            LoadKind::ForceNorm | LoadKind::MomentNorm => load.length(),
+            LoadKind::ForceNorm | LoadKind::MomentNorm | LoadKind::Power => load.length(),
         }
     }
 }

@@ -162,6 +162,11 @@ impl<'f, S: RunScalar> Values<'f, S> {
         self.sample = sample;
     }
 
+    /// What an integral is so far.
+    pub fn so_far(&self, k: usize) -> S {
+        self.functionals[k].over.value(Totals { offset: self.offsets[k], sums: self.sums[k][0] })
+    }
+
     /// The values at the end of the last step, the sums of which they are made, and smallest and largest values of aggregates.
     pub fn finish(mut self) -> (Vec<S>, Vec<Totals<S>>, Vec<Option<Extremes>>) {
         if let Some(mut last) = self.last.take() {

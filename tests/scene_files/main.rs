@@ -11,6 +11,7 @@ mod meshes;
 mod mode_gradients;
 mod mutations;
 mod own_parts;
+mod power;
 mod response;
 mod runge_kutta;
 mod scenarios;

@@ -80,6 +80,9 @@ impl Page {
             };
             self.fact("energy", words);
         }
+        if let Some(balance) = &simulation.balance {
+            self.fact("balance", balance.in_words());
+        }
         if let Some(Statement::Stable(words)) = statement(prepared, &simulation.forward) {
             self.fact("stability", words);
         }

@@ -123,6 +123,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_group_functional(name, "J", over, group, ElementSum::StrainEnergy.into(), &[]);
     }
 
+    /// A functional of the power of all that is not in the energies of a group \[W\]: loads, dampers, actuators, losses of members. Its integral is a
+    /// work \[J\], negative of what is lost.
+    pub fn power_functional(&mut self, name: &str, over: Over, group: &ElementGroup) {
+        self.add_group_functional(name, "W", over, group, ElementSum::Power.into(), &[]);
+    }
+
+    /// The same of all elements, those that are added later included.
+    pub fn total_power_functional(&mut self, name: &str, over: Over) {
+        self.measure_group(name, "W", over, None, ElementSum::Power.into(), &[]);
+    }
+
     /// A functional of the moment of inertia of a group about the axis through a world point [kg m2].
     pub fn inertia_moment_functional(
         &mut self,

@@ -7,6 +7,29 @@ use crate::functionals::{Functional, JointLoad, LoadKind, Measured, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
+    /// A functional of the power with which a joint or driver works on what it holds \[W\], or on one of its nodes alone: that of a joint on both
+    /// is zero, that of a driver is what it puts into the mechanism. Its integral is a work \[J\].
+    pub fn joint_power_functional(&mut self, name: &str, over: Over, joint: ConstraintId, on: Option<NodeId>) {
+        if !self.has_joint(name, joint) || !self.check_over(name, over) {
+            return;
+        }
+        let constraint = &self.model.constraints[joint.0];
+        let mut nodes = 0..constraint.physics.dof_count();
+        if let Some(on) = on {
+            let Some(place) = constraint.nodes.iter().position(|&node| node == on) else {
+                let mistake =
+                    format!("\"{name}\" asks for the power of \"{}\" on a node that it does not hold", constraint.name);
+                self.mistakes.push(mistake);
+                return;
+            };
+            let first = self.model.dof_count(&constraint.nodes[..place]);
+            nodes = first..first + self.model.dof_count(&[on]);
+        }
+        let parameters = self.add_numbers(&vec![S::zero(); JointLoad::PARAMETERS.len()]);
+        let measured = Measured::Load { joint, parameters, load: JointLoad::power(nodes) };
+        self.functionals.push(Functional { name: name.into(), unit: "W", measured, over });
+    }
+
     /// A functional of the force \[N\] or moment [N m] with which a joint or driver acts on one of its nodes, along a world direction
     /// that stays in the world or turns with the node; moments about a world point of the node. Norms ignore the direction.
     pub fn joint_load_functional(

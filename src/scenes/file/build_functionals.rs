@@ -25,7 +25,7 @@ pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
     match fields.form {
         "formula" => return formula_parts::functional(known, name, fields, m),
         "energy" => m.energy_functional(name, over(fields)),
-        "reaction" | "reaction_norm" | "joint_load" => of_joint(known, name, fields, m)?,
+        "reaction" | "reaction_norm" | "joint_load" | "joint_power" => of_joint(known, name, fields, m)?,
         "section_force" | "section_strain" | "fibre_stress" => of_beam(known, name, fields, m)?,
         "cable_strain" | "cable_curvature" | "cable_stress" | "largest_cable_stress" => of_cable(known, name, fields, m)?,
         _ => of_group(known, name, fields, m)?,
@@ -39,6 +39,10 @@ fn of_joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Bu
     match fields.form {
         "reaction" => m.reaction_functional(name, over, joint, &known.series(fields, "weights")?),
         "reaction_norm" => m.reaction_norm_functional(name, over, joint),
+        "joint_power" => {
+            let on = fields.get("on").map(|_| known.node(fields, "on", m)).transpose()?;
+            m.joint_power_functional(name, over, joint, on);
+        }
         _ => {
             let node = known.node(fields, "on", m)?;
             let point = place(known, fields, "point", node, m)?;
@@ -69,6 +73,8 @@ fn of_group<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Bu
     match fields.form {
         "mass" if fields.get("of").is_none() => m.mass_functional(name, over),
         "mass" => m.group_mass_functional(name, over, &group()?),
+        "power" if fields.get("of").is_none() => m.total_power_functional(name, over),
+        "power" => m.power_functional(name, over, &known.parts(fields, "of")?),
         "strain_energy" => m.strain_energy_functional(name, over, &group()?),
         "inertia_moment" => {
             let group = if fields.get("of").is_some() { group()? } else { m.all_elements() };

@@ -6,7 +6,7 @@ use super::meshes::{Each, Per};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
 use super::reader::{Fields, Item, NodePlace, Value};
-use crate::assembly::{ConstraintId, NodeId};
+use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
 use crate::elements::entries::Range;
@@ -57,6 +57,8 @@ pub(super) struct Known<'f, S> {
     /// Variables with values for faces or nodes of a mesh: their places among the names, and these values.
     pub each: Vec<(usize, &'f Each, Vec<S>)>,
     pub made: Vec<Made<S>>,
+    /// The elements of each.
+    pub elements: Vec<Vec<ElementId>>,
 }
 
 /// A result, or what is wrong and where.
@@ -335,6 +337,16 @@ impl<S: Scalar> Known<'_, S> {
             1 => Ok(groups.remove(0)),
             _ => Ok(ElementGroup::of_groups("of all that are named", &groups)),
         }
+    }
+
+    /// The elements of entries of any kind, and of groups.
+    pub fn parts(&self, fields: &Fields, key: &str) -> Found<ElementGroup> {
+        let own = list(fields, key).flat_map(|(_, value)| match value {
+            Value::Item(item) => &self.elements[*item][..],
+            _ => &[],
+        });
+        let elements = self.group(fields, key)?.elements.into_iter().chain(own.copied());
+        Ok(ElementGroup::new("of all that are named", elements))
     }
 
     /// Axes of a frame.

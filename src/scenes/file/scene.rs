@@ -593,7 +593,8 @@ impl Scene for FileScene {
         }
         let (names, each) = self.values(x)?;
         let made = items.iter().map(|_| Made::Nothing).collect();
-        let mut known = Known { own, items, names, share: Cell::new(S::zero()), each, made };
+        let elements = vec![Vec::new(); items.len()];
+        let mut known = Known { own, items, names, share: Cell::new(S::zero()), each, made, elements };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();
@@ -601,7 +602,9 @@ impl Scene for FileScene {
         let mut mistakes = Vec::new();
         let last = order.iter().rposition(|&place| WITH_MASS.contains(&items[place].section));
         for (rank, &place) in order.iter().enumerate() {
+            let first = m.model.elements.len();
             let built = build(&known, place, m);
+            known.elements[place] = m.model.element_ids().skip(first).collect();
             let of_builder = m.take_mistakes().into_iter().map(|what| Mistake::new(items[place].fields.at, what));
             let before = mistakes.len();
             mistakes.extend(of_builder);

@@ -202,6 +202,26 @@ pub(super) const WITH_NODES: &[&str] =
     &["body", "point", "coordinate", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
+/// Sections whose entries put energy in or take it out.
+const WITH_POWER: &[&str] = &[
+    "spring",
+    "damper",
+    "element",
+    "force",
+    "torque",
+    "distributed_load",
+    "pressure",
+    "joint",
+    "body",
+    "point",
+    "beam",
+    "cable",
+    "shell",
+    "mesh",
+    "thin_walls",
+    "sphere",
+    "group",
+];
 /// Sections whose entries are joints.
 pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver"];
 
@@ -282,7 +302,14 @@ const MEASURED: Forms = forms!([]
                 need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
                 may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
             ]
+            "joint_power" "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]" [
+                OF_JOINT,
+                may("on", Node, "one of its nodes, to which the joint hands on so much; all"),
+            ]
             "energy" "energy of all elements [J]" []
+            "power" "power of loads, dampers, actuators and losses, of all that is in no energy [W]; an integral is a work [J]" [
+                may("of", Items(WITH_POWER), "names of loads, springs, dampers, parts of one's own, members or groups; everything"),
+            ]
             "mass" "mass of some elements [kg]" [may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything")]
             "strain_energy" "energy stored in strains [J]" [GROUP]
             "inertia_moment" "moment of inertia about an axis [kg m2]" [

@@ -1,0 +1,134 @@
+//! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
+
+use crate::assembly::ConstraintId;
+use crate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Values};
+use crate::integrators::{StartRecord, StepRecord};
+use crate::io::number;
+use crate::scenes::Prepared;
+
+/// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.
+pub struct Ledger {
+    functionals: Vec<Functional>,
+    /// Parameters of the model, and behind them those of loads, which a power does not read.
+    p: Vec<f64>,
+}
+
+/// The balance of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyBalance {
+    /// Change of kinetic and potential energy \[J\].
+    pub change: f64,
+    /// Work of all that is in no energy: loads, dampers, actuators, losses \[J\].
+    pub forces: f64,
+    /// Work of drivers \[J\].
+    pub drivers: f64,
+    /// What all of these turned over \[J\].
+    size: f64,
+}
+
+impl EnergyBalance {
+    /// What the balance leaves \[J\].
+    pub fn left(&self) -> f64 {
+        self.change - self.forces - self.drivers
+    }
+
+    /// As a share of all that was turned over; `None` where that is next to nothing.
+    pub fn share(&self) -> Option<f64> {
+        (self.size > 0.0).then(|| self.left().abs() / self.size)
+    }
+
+    /// In words.
+    pub fn in_words(&self) -> String {
+        let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of what was turned over"));
+        format!(
+            "energy {} J = work of loads and losses {} J and of drivers {} J; left {} J{left}",
+            Short(self.change),
+            Short(self.forces),
+            Short(self.drivers),
+            number(self.left())
+        )
+    }
+}
+
+/// A number with its sign.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let sign = if self.0 < 0.0 { "-" } else { "+" };
+        write!(f, "{sign}{}", number(self.0.abs()))
+    }
+}
+
+/// Functionals of energies in front of those of works.
+const ENERGIES: usize = 2;
+
+impl Ledger {
+    /// Of a scene; `None` where nothing moves or all is conservative.
+    pub fn new(prepared: &Prepared) -> Option<Self> {
+        let model = prepared.model();
+        if prepared.method.table.is_static() || model.is_conservative() {
+            return None;
+        }
+        let own = |name: &str, measured, over| Functional { name: name.into(), unit: "J", measured, over };
+        let mut functionals = vec![
+            own("at the start", Measured::energy(), Over::Initial),
+            own("at the end", Measured::energy(), Over::Terminal),
+        ];
+        let power = |kind: ElementSum| Measured::Group(MeasuredGroup::new(None, kind.into(), 0..0));
+        functionals.push(own("forces", power(ElementSum::Power), Over::Integral));
+        let mut p = prepared.mechanism.numbers.p.clone();
+        let parameters = p.len()..p.len() + JointLoad::PARAMETERS.len();
+        p.resize(parameters.end, 0.0);
+        for (place, attached) in model.constraints.iter().enumerate() {
+            let joint = ConstraintId(place, model.identity());
+            if !attached.physics.is_scleronomic() {
+                let load = JointLoad::power(0..attached.physics.dof_count());
+                functionals.push(own(
+                    &attached.name,
+                    Measured::Load { joint, parameters: parameters.clone(), load },
+                    Over::Integral,
+                ));
+            }
+        }
+        Some(Ledger { functionals, p })
+    }
+
+    /// What sees the run.
+    pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> Course<'l> {
+        let values = Values::new(&self.functionals, prepared.model(), &prepared.method.table, &self.p);
+        Course { values, works: vec![0.0; self.functionals.len() - ENERGIES], size: 0.0 }
+    }
+}
+
+/// The balance while a run goes on.
+pub struct Course<'l> {
+    values: Values<'l, f64>,
+    /// Each work so far.
+    works: Vec<f64>,
+    /// All that they have put in and taken out.
+    size: f64,
+}
+
+impl Course<'_> {
+    pub fn start(&mut self, start: &StartRecord<f64>) {
+        self.values.start(start);
+    }
+
+    pub fn step(&mut self, step: &StepRecord<f64>) {
+        self.values.step(step);
+        for (place, before) in self.works.iter_mut().enumerate() {
+            let own = self.values.so_far(ENERGIES + place);
+            self.size += (own - *before).abs();
+            *before = own;
+        }
+    }
+
+    /// At the end of the last step.
+    pub fn finish(self) -> EnergyBalance {
+        let (values, ..) = self.values.finish();
+        let (energies, works) = values.split_at(ENERGIES);
+        let (change, drivers) = (energies[1] - energies[0], works[1..].iter().sum());
+        EnergyBalance { change, forces: works[0], drivers, size: self.size.max(change.abs()) }
+    }
+}
