@@ -15,8 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _costate
-from .errors import InputError, RunWarning
+from .errors import InputError, RunWarning, user_level
 from .parts import Part, describe
+from .progress import Bar, Progress, told
 from .results import Array, Gradient, Run
 
 #: Lines of the text that a builder made, and where in Python they come from.
@@ -155,17 +156,30 @@ class Scene:
         return [names.index(name) for name in wanted]
 
     def run(
-        self, x: Any = None, *, end: float | None = None, steps: int | None = None, method: str | None = None
+        self,
+        x: Any = None,
+        *,
+        end: float | None = None,
+        steps: int | None = None,
+        method: str | None = None,
+        progress: Progress = None,
     ) -> Run:
         """Simulates a design.
 
         * ``end``: duration [s], instead of the scene's own
         * ``steps``: steps of equal size, instead of the scene's own
         * ``method``: integrator, as for ``--method`` of the command line
+        * ``progress``: whether a bar shows how far the run is, by default in terminals and notebooks after a second; or
+          a function of the time that is reached and of the end, called several times a second
 
         Raises ``InputError`` and ``RunError``; ``KeyboardInterrupt`` whose attribute ``run`` has the finished steps.
         """
-        return self._run(self.design(x), end=end, steps=steps, method=method)
+        design, tell = self.design(x), told(progress, self.name, self.end if end is None else end)
+        try:
+            return self._run(design, end=end, steps=steps, method=method, progress=tell)
+        finally:
+            if isinstance(tell, Bar):
+                tell.close()
 
     def _run(self, x: Array, *, keep_steps: bool = True, **options: Any) -> Run:
         with self._told():
@@ -175,7 +189,7 @@ class Scene:
             stopped.run = run  # type: ignore[attr-defined]
             raise stopped
         for doubt in run.doubts:
-            warnings.warn(doubt, RunWarning, stacklevel=3)
+            warnings.warn(doubt, RunWarning, stacklevel=user_level())
         return run
 
     def values(self, x: Any = None) -> Array:
@@ -259,7 +273,7 @@ class Scene:
         return f"<b>{html.escape(self.name)}</b> {html.escape(self.summary)}<table>{head}{rows}</table>"
 
 
-_OPTIONS: dict[str, Any] = {"end": None, "steps": None, "method": None}
+_OPTIONS: dict[str, Any] = {"end": None, "steps": None, "method": None, "progress": None}
 
 
 def _made_again(kind: str, *given: Any) -> Scene:
