@@ -357,15 +357,16 @@ class Gradient:
     #: ``(functionals, variables)``.
     rows: Array
 
-    def __getitem__(self, names: tuple[str, str]) -> float:
-        """The derivative of a functional by a variable: ``gradient["psi", "length"]``."""
-        functional, variable = names
+    def __getitem__(self, names: str | tuple[str, str]) -> Any:
+        """The derivative of a functional by a variable: ``gradient["psi", "length"]``; by all of them, in their order:
+        ``gradient["psi"]``."""
+        functional, variable = (names, None) if isinstance(names, str) else names
         known = [own.name for own in self.variables]
+        if variable is None and functional in self.functionals:
+            return self.rows[self.functionals.index(functional)]
         if functional not in self.functionals or variable not in known:
-            raise InputError(
-                f'no derivative of "{functional}" by "{variable}"; there are {", ".join(self.functionals)} by '
-                f"{', '.join(known)}"
-            )
+            asked = f'"{functional}"' if variable is None else f'"{functional}" by "{variable}"'
+            raise InputError(f"no derivative of {asked}; there are {', '.join(self.functionals)} by {', '.join(known)}")
         return float(self.rows[self.functionals.index(functional), known.index(variable)])
 
     def __repr__(self) -> str:

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -174,6 +175,7 @@ class Scene:
 
         Raises ``InputError`` and ``RunError``; ``KeyboardInterrupt`` whose attribute ``run`` has the finished steps.
         """
+        _check_options(end, steps, method)
         design, tell = self.design(x), told(progress, self.name, self.end if end is None else end)
         try:
             return self._run(design, end=end, steps=steps, method=method, progress=tell)
@@ -271,6 +273,18 @@ class Scene:
         )
         head = "<tr><th>variable</th><th>initial</th><th>least</th><th>largest</th><th>unit</th></tr>"
         return f"<b>{html.escape(self.name)}</b> {html.escape(self.summary)}<table>{head}{rows}</table>"
+
+
+def _check_options(end: object, steps: object, method: object) -> None:
+    for name, own, kind, words in [
+        ("end", end, Real, "a number"),
+        ("steps", steps, Integral, "a whole number"),
+        ("method", method, str, "the name of a method"),
+    ]:
+        if own is not None and not isinstance(own, kind):
+            raise TypeError(f"{name} is {own!r}: {words} is wanted")
+    if isinstance(steps, Integral) and steps < 1:
+        raise InputError(f"steps is {steps}: a run has one step at least")
 
 
 _OPTIONS: dict[str, Any] = {"end": None, "steps": None, "method": None, "progress": None}
