@@ -1,11 +1,11 @@
-"""How far a run is, on the error stream of a terminal or below a cell of a notebook."""
+"""How far a run is, in a terminal or below a cell of a notebook."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import TextIO, TypeAlias
 
 #: Whether a bar is shown, where ``None`` is: in a terminal or notebook; or a function of the time that is reached and
 #: the end of the run.
@@ -19,8 +19,8 @@ _WIDTH = 30
 class Bar:
     """A line of text that is written over itself."""
 
-    def __init__(self, name: str, end: float, patience: float) -> None:
-        self._name, self._end, self._patience = name, end, patience
+    def __init__(self, name: str, end: float, patience: float, stream: TextIO) -> None:
+        self._name, self._end, self._patience, self._stream = name, end, patience, stream
         self._begun = time.monotonic()
         self._written = 0
 
@@ -39,10 +39,10 @@ class Bar:
         """Wipes the line."""
         if self._written:
             self._write("")
-            print("\r", end="", file=sys.stderr, flush=True)
+            print("\r", end="", file=self._stream, flush=True)
 
     def _write(self, text: str) -> None:
-        print(f"\r{text:<{self._written}}", end="", file=sys.stderr, flush=True)
+        print(f"\r{text:<{self._written}}", end="", file=self._stream, flush=True)
         self._written = max(self._written, len(text))
 
 
@@ -51,12 +51,14 @@ def told(progress: Progress, name: str, end: float) -> Callable[[float], object]
     if callable(progress):
         tell = progress
         return lambda t: tell(t, end)
-    if progress or (progress is None and _is_watched()):
-        return Bar(name, end, 0.0 if progress else _PATIENCE)
+    is_notebook = _is_notebook()
+    if progress or (progress is None and (is_notebook or (sys.stderr is not None and sys.stderr.isatty()))):
+        # notebooks show the error stream as a failure
+        stream = sys.stdout if is_notebook else sys.stderr
+        return Bar(name, end, 0.0 if progress else _PATIENCE, stream)
     return None
 
 
-def _is_watched() -> bool:
-    """Whether a person sees the error stream: in a terminal, or in a notebook."""
+def _is_notebook() -> bool:
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    return sys.stderr.isatty() or (shell is not None and hasattr(shell, "kernel"))
+    return shell is not None and hasattr(shell, "kernel")

@@ -44,8 +44,7 @@ def test_a_notebook_runs(name):
         warnings.simplefilter("ignore")
         NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": FOLDER}}).execute()
     outputs = [out for cell in notebook.cells for out in cell.get("outputs", [])]
-    # a bar of progress is written over itself
-    errors = [out.text for out in outputs if out.get("name") == "stderr" and not out.text.startswith("\r")]
+    errors = [out.text for out in outputs if out.get("name") == "stderr"]
     assert not errors, errors
     shown = [out.data for out in outputs if out.output_type == "execute_result"]
     assert any("text/html" in data for data in shown)
