@@ -74,6 +74,25 @@ def test_a_node_of_a_coordinate_has_no_place():
     assert "oscillator.q0" in own.to_pandas().columns
 
 
+def test_ends_of_beams_and_cables_are_nodes():
+    scene = costate.loads(BEAM)
+    run = scene.run()
+    for end, node in [("start", "arm[0]"), ("end", "arm[4]")]:
+        assert same_bits(run.node(f"arm.{end}").coordinates, run.node(node).coordinates)
+    with pytest.raises(costate.InputError, match="arm.middle"):
+        run.node("arm.middle")
+
+
+BEAM = """
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 0.01, steps = 5 }
+section.bar = { type = "rectangle", width = 0.02, height = 0.02, material = "steel" }
+material.steel = { young = 2e11, poisson = 0.3, density = 7800 }
+beam = [{ name = "arm", from = [0, 0, 0], to = [1, 0, 0], elements = 2, section = "bar", second_axis = [0, 1, 0] }]
+"""
+
+
 def test_a_table_has_all_histories(run):
     table = run.to_pandas()
     assert table.shape[0] == 51 and table.index.name == "t [s]"
@@ -156,8 +175,10 @@ def test_gradients_have_names(run):
     assert own["psi", "k1"] == own.rows[0, 2]
     assert own.to_pandas().loc["psi", "k1"] == own.rows[0, 2]
     assert same_bits(np.asarray(own), own.rows)
-    with pytest.raises(costate.InputError, match="k1, k2"):
-        own["psi", "k3"]
+    assert same_bits(own["psi"], own.rows[0])
+    for names in (("psi", "k3"), "phi"):
+        with pytest.raises(costate.InputError, match="k1, k2"):
+            own[names]
 
 
 def test_notebooks_show_tables(run, five_bar):
