@@ -107,11 +107,8 @@ impl<'p> Columns<'p> {
 
     /// The node that `beam.start` or `beam.end` is.
     fn node_at_end(&self, name: &str) -> Option<String> {
-        let (line, end) = name.rsplit_once('.').filter(|(_, end)| matches!(*end, "start" | "end"))?;
-        let mechanism = &self.prepared.mechanism;
-        let rings = &mechanism.outlined.iter().find(|own| own.name == line)?.rings;
-        let ring = if end == "start" { rings.first() } else { rings.last() };
-        Some(self.prepared.model().node(ring?.node).name.replace(' ', ""))
+        let node = self.prepared.mechanism.node_at_end(name)?;
+        Some(self.prepared.model().node(node).name.replace(' ', ""))
     }
 
     /// Joints whose loads have columns.

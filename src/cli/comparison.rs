@@ -95,7 +95,7 @@ impl Comparison {
         write_file(&file, format!("{summary:#}\n").as_bytes())?;
         say(format_args!("wrote {}", file.display()));
         if options.reports() {
-            let mut page = Page::new(scene, "comparison of its scenarios");
+            let mut page = Page::by_command(scene, "comparison of its scenarios");
             let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
             page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
             page.charts("Histories", &self.charts);

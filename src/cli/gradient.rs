@@ -134,7 +134,10 @@ fn run_one(
     check_history(&prepared.keep, &options.scene.folder(scene))?;
     let mut simulation = simulate(&prepared, &options.scene)?;
     let output = options.scene.output(scene);
-    let reported = || Page::of_simulation(&prepared, &simulation, "simulation and gradient");
+    let reported = || {
+        let page = Page::by_command(scene, "simulation and gradient");
+        page.with_simulation(&prepared, &simulation.shown(&prepared))
+    };
     let mut page = options.scene.reports().then(reported);
     if simulation.stopped.is_some() {
         simulation.conclude(page, simulation.json(&prepared).into());

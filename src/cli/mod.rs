@@ -43,12 +43,14 @@ mod examples;
 mod failure;
 mod gradient;
 mod histories;
+mod history_charts;
 mod history_files;
 mod import;
 mod interrupt;
 mod kept_moments;
 mod list;
 mod manual;
+mod measured_moments;
 mod meshes;
 mod mode_gradients;
 mod modes;
@@ -73,6 +75,7 @@ mod sweep;
 mod verify;
 
 pub use crate::io::{Chart, Series, Style};
+pub use report::RunReport;
 pub use study::{Figure, Form, Report, Study};
 
 use crate::design::repeated;

@@ -142,7 +142,7 @@ fn say_about(prepared: &Prepared, kind: Kind, end: f64) {
 
 /// The modes as a page on which they swing.
 fn page(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode], about: &str) -> Page {
-    let mut page = Page::new(prepared.scene, "small vibrations");
+    let mut page = Page::by_command(prepared.scene, "small vibrations");
     page.fact("about", format!("the {about}"));
     page.table(
         "Modes",

@@ -465,7 +465,7 @@ impl<'r> Report<'r> {
     fn page(&self, charts: &[Chart], motion: &Result<BestMotion<'r>, RunError>) -> Page {
         let Report { optimization, optimizer, optimized, best, .. } = self;
         let (scene, ended) = (optimization.scene, &optimized.ended);
-        let mut page = Page::new(scene, "optimization");
+        let mut page = Page::by_command(scene, "optimization");
         page.fact("optimizer", format!("{}, gradients by {}", optimizer.name(), gradient_name(optimization.gradient)));
         page.fact("ended", format!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
         page.fact("simulations", optimized.history.work().simulations.to_string());

@@ -53,7 +53,7 @@ fn run_one(
     prepared.keep = keep;
     let mut simulation = simulate(&prepared, options)?;
     let page = options.reports().then(|| {
-        let mut page = Page::of_simulation(&prepared, &simulation, "simulation");
+        let mut page = Page::by_command(scene, "simulation").with_simulation(&prepared, &simulation.shown(&prepared));
         page.design(&prepared.variables, &prepared.x);
         page
     });

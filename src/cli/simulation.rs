@@ -2,9 +2,10 @@ use super::console::{count, json_number, say, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
+use super::measured_moments::EnergyCourse;
 use super::options::SceneOptions;
-use super::report::Page;
-use super::results::{EnergyCourse, Finished, Results, check_folder};
+use super::report::{Page, Shown};
+use super::results::{Finished, Results, check_folder};
 use super::snapshot::Snapshot;
 use super::stability::{self, Statement};
 use crate::design::shortest;
@@ -292,19 +293,23 @@ impl Simulation {
         self.resolution(prepared).iter().for_each(|warning| warn(warning));
     }
 
+    /// What a page shows of it.
+    pub fn shown(&self, prepared: &Prepared) -> Shown<'_> {
+        Shown {
+            forward: &self.forward,
+            energy: self.energy,
+            balance: self.balance,
+            moments: &self.moments,
+            charts: &self.charts,
+            warnings: self.resolution(prepared),
+            stopped: self.stopped.as_ref().map(|failure| failure.message.as_str()),
+        }
+    }
+
     /// Warnings where the steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does not stand.
     pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings = warnings(prepared, &self.forward);
-        for (word, (share, t)) in ["grows", "falls"].into_iter().zip(self.energy.iter().flat_map(|energy| energy.shares())) {
-            if share > StepError::COARSE {
-                warnings.push(format!(
-                    "the energy of this scene is constant in an exact motion, but {word} by {:.1} % of the largest kinetic energy until \
-                     t = {} s: take smaller steps, or a smaller tolerance",
-                    100.0 * share,
-                    shortest(t)
-                ));
-            }
-        }
+        warnings.extend(energy_in_words(self.energy));
         if let Some(balance) = self.balance.filter(|own| own.share().is_some_and(|share| share > StepError::COARSE)) {
             warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }
@@ -432,6 +437,21 @@ impl Simulation {
         }
         object
     }
+}
+
+/// Warnings where an energy changes that should be constant.
+pub fn energy_in_words(energy: Option<EnergyCourse>) -> Vec<String> {
+    let changes = ["grows", "falls"].into_iter().zip(energy.iter().flat_map(EnergyCourse::shares));
+    let coarse = changes.filter(|(_, (share, _))| *share > StepError::COARSE);
+    let words = coarse.map(|(word, (share, t))| {
+        format!(
+            "the energy of this scene is constant in an exact motion, but {word} by {:.1} % of the largest kinetic energy until \
+             t = {} s: take smaller steps, or a smaller tolerance",
+            100.0 * share,
+            shortest(t)
+        )
+    });
+    words.collect()
 }
 
 /// Warnings about a run where its steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does

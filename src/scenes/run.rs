@@ -67,13 +67,14 @@ fn named<T>(kind: &str, name: &str, found: Option<T>, known: impl Iterator<Item 
 
 /// What a scene made, by the names that it gave.
 impl Prepared<'_> {
-    /// The node of a name.
+    /// The node of a name; `BEAM.start` and `BEAM.end` are the ends of a beam or cable.
     ///
     /// # Errors
     /// [`RunError::Input`] for a name that the scene has not, with the nearest one; likewise those below.
     pub fn node(&self, name: &str) -> Result<NodeId, RunError> {
         let known = self.model().nodes.iter().map(|own| own.name.clone());
-        named("node", name, self.model().node_named(name), known)
+        let found = self.model().node_named(name).or_else(|| self.mechanism.node_at_end(name));
+        named("node", name, found, known)
     }
 
     /// The element of a name.

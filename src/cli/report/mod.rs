@@ -4,10 +4,12 @@
 //! numbers stand in it as base64. Long histories are thinned to what a screen can show, and the page says so.
 
 mod clip;
+mod run_report;
 mod sections;
 
 pub use clip::Clip;
-pub use sections::GradientRows;
+pub use run_report::RunReport;
+pub use sections::{GradientRows, Shown};
 
 use super::console::json_number;
 use super::failure::Failure;
@@ -33,6 +35,8 @@ const MOST_POINTS: usize = 2000;
 pub struct Page {
     object: Map<String, Value>,
     notes: Vec<String>,
+    /// Whether histories lie beside it.
+    has_files: bool,
 }
 
 /// Single precision: seven digits are more than a screen shows.
@@ -61,9 +65,15 @@ impl Page {
         object.insert("title".into(), scene.name().into());
         object.insert("summary".into(), scene.summary().into());
         object.insert("what".into(), what.into());
-        object.insert("command".into(), command().into());
         object.insert("version".into(), env!("CARGO_PKG_VERSION").into());
-        Page { object, notes: Vec::new() }
+        Page { object, notes: Vec::new(), has_files: false }
+    }
+
+    /// The same, made by the command that is being carried out.
+    pub fn by_command(scene: &dyn AnyScene, what: &str) -> Self {
+        let mut page = Page { has_files: true, ..Page::new(scene, what) };
+        page.object.insert("command".into(), command().into());
+        page
     }
 
     /// Adds to one of the lists of the page.
@@ -109,7 +119,8 @@ impl Page {
             let longest = series.iter().map(|own| own.points.len()).max().unwrap_or_default();
             let stride = longest.div_ceil(MOST_POINTS).max(1);
             if stride > 1 {
-                self.note(format!("Charts show one of {stride} of {longest} kept points; histories.csv has all."));
+                let all = if self.has_files { "; histories.csv has all" } else { "" };
+                self.note(format!("Charts show one of {stride} of {longest} kept points{all}."));
             }
             let kept = |own: &Series| -> Vec<(f64, f64)> {
                 let last = own.points.len().saturating_sub(1);
@@ -136,9 +147,14 @@ impl Page {
         let beside = files.iter().filter(|file| *file != path).filter_map(|file| file.strip_prefix(folder).ok());
         let links = beside.map(|file| file.display().to_string().replace('\\', "/"));
         self.object.insert("files".into(), links.collect::<Vec<_>>().into());
+        Ok(write_file(path, self.html().as_bytes())?)
+    }
+
+    /// Its text.
+    pub fn html(mut self) -> String {
         self.object.insert("notes".into(), json!(self.notes));
         let mut viewer = String::new();
-        GzDecoder::new(VIEWER).read_to_string(&mut viewer).map_err(|cause| Failure::run(format!("the viewer: {cause}")))?;
+        GzDecoder::new(VIEWER).read_to_string(&mut viewer).expect("the viewer is a part of the program");
         // no text may end the element that it stands in
         let data = Value::from(self.object).to_string().replace("</", "<\\/");
         let parts = [
@@ -159,7 +175,7 @@ impl Page {
             rest = &rest[at + name.len()..];
         }
         html += rest;
-        Ok(write_file(path, html.as_bytes())?)
+        html
     }
 }
 
@@ -171,7 +187,7 @@ mod tests {
 
     #[test]
     fn the_page_is_whole_and_texts_cannot_end_its_script() {
-        let mut page = Page::new(&Pendulum, "</script><b>{{SCRIPT}}");
+        let mut page = Page::by_command(&Pendulum, "</script><b>{{SCRIPT}}");
         let points = (0..5000).map(|i| (f64::from(i), 1.0)).collect();
         let series = vec![Series { name: "x".into(), points, style: Style::Line }];
         page.charts("histories", &[Chart { series, ..Chart::default() }]);

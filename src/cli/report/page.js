@@ -24,7 +24,8 @@
   byId("title").textContent = report.title;
   byId("summary").textContent = [report.summary, report.what].filter(Boolean).join(" · ");
   byId("version").textContent = report.version;
-  byId("command").textContent = report.command;
+  byId("command").textContent = report.command ?? "";
+  byId("command").parentElement.hidden = !report.command;
   byId("files").hidden = !(report.files ?? []).length;
   (report.files ?? []).forEach((name, k) => {
     byId("files").append(k ? " · " : "");

@@ -2,16 +2,19 @@
 
 use super::{Clip, Page};
 use crate::cli::console::{brief, json_number};
+use crate::cli::energy_balance::EnergyBalance;
 use crate::cli::gradient::relative_effect;
+use crate::cli::measured_moments::EnergyCourse;
 use crate::cli::motions::motion;
-use crate::cli::simulation::{Simulation, long_number};
+use crate::cli::simulation::long_number;
 use crate::cli::snapshot::Snapshot;
 use crate::cli::stability::{Statement, statement};
 use crate::design::DesignVariable;
 use crate::functionals::{Extreme, Extremes};
 use crate::integrators::{NewtonTolerance, StepError};
-use crate::io::number;
+use crate::io::{Chart, number};
 use crate::scenes::Prepared;
+use crate::sensitivity::Forward;
 use serde_json::{Value, json};
 
 /// A gradient with what it was compared with beside it, if that was asked for: of each functional by each variable.
@@ -26,15 +29,33 @@ pub struct GradientRows<'g> {
     pub verdict: String,
 }
 
+/// What a page shows of a simulation.
+pub struct Shown<'s> {
+    /// Its steps and functionals.
+    pub forward: &'s Forward,
+    /// How the energy changed, where it should be constant.
+    pub energy: Option<EnergyCourse>,
+    /// Its balance, where it should not.
+    pub balance: Option<EnergyBalance>,
+    /// The moments that pictures show.
+    pub moments: &'s [Snapshot],
+    /// Histories.
+    pub charts: &'s [Chart],
+    /// What speaks against it.
+    pub warnings: Vec<String>,
+    /// Why it stopped before its end.
+    pub stopped: Option<&'s str>,
+}
+
 impl Page {
     /// All that a simulation gave, before what others add to it.
-    pub fn of_simulation(prepared: &Prepared, simulation: &Simulation, what: &str) -> Self {
-        let mut page = Page::new(prepared.scene, what);
-        page.simulation(prepared, simulation);
-        page.functionals(prepared, simulation);
-        page.motion(prepared, &simulation.moments);
-        page.charts("Histories", &simulation.charts);
-        page
+    #[must_use]
+    pub fn with_simulation(mut self, prepared: &Prepared, simulation: &Shown) -> Self {
+        self.simulation(prepared, simulation);
+        self.functionals(prepared, simulation);
+        self.motion(prepared, simulation.moments);
+        self.charts("Histories", simulation.charts);
+        self
     }
 
     /// The motion in space.
@@ -46,7 +67,7 @@ impl Page {
     }
 
     /// How a scene was integrated, and how well.
-    fn simulation(&mut self, prepared: &Prepared, simulation: &Simulation) {
+    fn simulation(&mut self, prepared: &Prepared, simulation: &Shown) {
         let end = prepared.grid.times[prepared.grid.steps()];
         let is_static = prepared.method.table.is_static();
         self.fact("method", prepared.method.table.name.to_string());
@@ -83,18 +104,17 @@ impl Page {
         if let Some(balance) = &simulation.balance {
             self.fact("balance", balance.in_words());
         }
-        if let Some(Statement::Stable(words)) = statement(prepared, &simulation.forward) {
+        if let Some(Statement::Stable(words)) = statement(prepared, simulation.forward) {
             self.fact("stability", words);
         }
-        let warnings = simulation.resolution(prepared);
-        warnings.into_iter().for_each(|warning| self.warning(warning));
-        if let Some(failure) = &simulation.stopped {
-            self.warning(format!("{}; what is shown are the finished steps", failure.message));
+        simulation.warnings.iter().for_each(|warning| self.warning(warning));
+        if let Some(why) = simulation.stopped {
+            self.warning(format!("{why}; what is shown are the finished steps"));
         }
     }
 
     /// Values of the functionals, if the run came to its end.
-    fn functionals(&mut self, prepared: &Prepared, simulation: &Simulation) {
+    fn functionals(&mut self, prepared: &Prepared, simulation: &Shown) {
         if simulation.stopped.is_some() || prepared.functionals().is_empty() {
             return;
         }

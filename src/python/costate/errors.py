@@ -44,6 +44,14 @@ class InternalError(Error, RuntimeError):
     """A mistake of the library itself: please report it."""
 
 
+def user_level() -> int:
+    """How many calls up that code is, as ``warnings.warn`` counts them for the function that asks."""
+    frame, level = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_BETWEEN):
+        frame, level = frame.f_back, level + 1
+    return level
+
+
 def user_line() -> tuple[str, int]:
     """File and line of the code that called this package, whatever lies between."""
     frame = sys._getframe(1)

@@ -6,6 +6,7 @@ Operators, ``numpy`` functions and arrays of them work as with floats; ``where``
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 import struct
@@ -17,6 +18,7 @@ import numpy as np
 
 from .errors import InputError, RecordingError, user_line
 
+_made = itertools.count()
 # how deep formulas of a file may lie in each other, with some room
 _DEEPEST = 25
 
@@ -24,11 +26,13 @@ _DEEPEST = 25
 class Number:
     """A number of a formula that is being recorded. It has no value yet: what holds for it must hold for all values."""
 
-    __slots__ = ("function", "of")
+    __slots__ = ("function", "of", "place")
 
     def __init__(self, function: str, of: tuple[Any, ...]) -> None:
         self.function = function
         self.of = of
+        #: How many were made before it.
+        self.place = next(_made)
 
     def __add__(self, other: Any) -> Any:
         return _binary("add", self, other)
@@ -109,7 +113,7 @@ class Number:
         _refuse("counts with a number")
 
     def __repr__(self) -> str:
-        return f"<number of a formula: {self.function}>"
+        return f"<number of a formula: {self.of[0] if self.function in ('argument', 'constant') else self.function}>"
 
     def sqrt(self) -> Number:
         return Number("sqrt", (self,))
@@ -155,6 +159,28 @@ class Number:
 
     def square(self) -> Any:
         return self * self
+
+    def reciprocal(self) -> Any:
+        return 1.0 / self
+
+    def fabs(self) -> Number:
+        return abs(self)
+
+    def log2(self) -> Any:
+        return self.log() / math.log(2.0)
+
+    def log10(self) -> Any:
+        return self.log() / math.log(10.0)
+
+    def deg2rad(self) -> Any:
+        return self * (math.pi / 180.0)
+
+    radians = deg2rad
+
+    def rad2deg(self) -> Any:
+        return self * (180.0 / math.pi)
+
+    degrees = rad2deg
 
     def conjugate(self) -> Number:
         return self
@@ -286,19 +312,15 @@ class Numbers(np.lib.mixins.NDArrayOperatorsMixin):
 
 
 def in_order(results: Iterable[Number]) -> list[Number]:
-    """The numbers of which some others are made, each once and behind those that it is made of."""
-    order: list[Number] = []
-    seen: set[int] = set()
-    stack = [(own, False) for own in reversed(list(results))]
+    """The numbers of which some others are made, each once, in the order in which they were made: derivatives are sums
+    in that order, and have the bits of the same formula in Rust."""
+    stack, found = list(results), {}
     while stack:
-        number, is_done = stack.pop()
-        if is_done:
-            order.append(number)
-        elif id(number) not in seen:
-            seen.add(id(number))
-            stack.append((number, True))
-            stack.extend((own, False) for own in reversed(number.of) if isinstance(own, Number))
-    return order
+        number = stack.pop()
+        if number.place not in found:
+            found[number.place] = number
+            stack.extend(own for own in number.of if isinstance(own, Number))
+    return [found[place] for place in sorted(found)]
 
 
 def _key(number: Number, places: dict[int, int]) -> tuple[Any, ...]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import html
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -15,14 +17,27 @@ from .errors import InputError
 
 if TYPE_CHECKING:
     import pandas
+    import pyarrow
+    import xarray
 
     from . import _costate
 
 Array: TypeAlias = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class NodeHistory:
+class _Arrays:
+    """What is shown of a dataclass of arrays: their shapes."""
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(
+            f"{name} {own.shape}" if isinstance(own, np.ndarray) else f"{name} {own!r}"
+            for name, own in vars(self).items()
+        )
+        return f"<{type(self).__name__}: {shapes}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NodeHistory(_Arrays):
     """The motion of a node, at the start and at the end of each step."""
 
     #: [s]
@@ -43,8 +58,8 @@ class NodeHistory:
     axes: Array
 
 
-@dataclass(frozen=True, eq=False)
-class JointHistory:
+@dataclass(frozen=True, eq=False, repr=False)
+class JointHistory(_Arrays):
     """What a joint or driver does to the last of its nodes that moves, in the world, at the start and at the end of
     each step."""
 
@@ -58,8 +73,8 @@ class JointHistory:
     multipliers: Array
 
 
-@dataclass(frozen=True, eq=False)
-class History:
+@dataclass(frozen=True, eq=False, repr=False)
+class History(_Arrays):
     """What a functional measures over time: of an integral what is integrated, of a largest value what is compared."""
 
     #: [s]
@@ -93,6 +108,7 @@ class Run:
         """Names of the functionals."""
         return [name for name, _ in self._units]
 
+    #: Names of the functionals with the units of their values.
     @cached_property
     def _units(self) -> list[tuple[str, str]]:
         return self._of_steps("this").functionals()
@@ -199,6 +215,51 @@ class Run:
         joints, what functionals measure, with units in the heads of the columns as in ``histories.csv``."""
         import pandas
 
+        return pandas.DataFrame(self._columns(), index=pandas.Index(self.times, name="t [s]"))
+
+    def to_arrow(self) -> pyarrow.Table:
+        """The same table, the times as its first column, for pyarrow, polars and Parquet files."""
+        import pyarrow
+
+        return pyarrow.table({"t [s]": self.times, **self._columns()})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Arrays over the coordinate ``t`` with units in their attributes: ``NODE position``, ``NODE velocity`` and so
+        on over ``axis``, too, ``JOINT force`` and ``JOINT moment``, and what each functional measures by its name."""
+        import xarray
+
+        arrays: dict[str, Any] = {}
+
+        def add(name: str, rows: Array, unit: str, *dimensions: str) -> None:
+            if len(rows) == len(self.times):
+                arrays[name] = (("t", *dimensions), rows, {"units": unit})
+
+        for name in self.nodes:
+            node = self.node(name)
+            for what, rows, unit in [
+                ("position", node.positions, "m"),
+                ("velocity", node.velocities, "m/s"),
+                ("acceleration", node.accelerations, "m/s2"),
+                ("angular velocity", node.angular_velocities, "rad/s"),
+            ]:
+                add(f"{name} {what}", rows, unit, "axis")
+            if not len(node.positions):
+                count = f"coordinates of {name}"
+                arrays[f"{name} coordinates"] = (("t", count), node.coordinates)
+                arrays[f"{name} rates"] = (("t", count), node.rates)
+        for name in self.joints:
+            joint = self.joint(name)
+            add(f"{name} force", joint.forces, "N", "axis")
+            add(f"{name} moment", joint.moments, "N m", "axis")
+        for name in self.functionals:
+            own = self.history(name)
+            add(name, own.values, own.unit)
+        return xarray.Dataset(
+            arrays, coords={"t": ("t", self.times, {"units": "s"}), "axis": list("xyz")}, attrs={"scene": self.name}
+        )
+
+    def _columns(self) -> dict[str, Array]:
+        """Columns of a table with a row for each time, by their heads."""
         columns: dict[str, Array] = {}
         for name in self.nodes:
             node = self.node(name)
@@ -217,11 +278,16 @@ class Run:
             joint = self.joint(name)
             _add(columns, joint.forces, lambda axis, name=name: f"{name}.force_{axis} [N]")
             _add(columns, joint.moments, lambda axis, name=name: f"{name}.moment_{axis} [N m]")
-        for name, unit in self._units:
-            own = self.history(name).values
-            if len(own) == len(self.times):
-                columns[f"measured for {name} [{unit}]"] = own
-        return pandas.DataFrame(columns, index=pandas.Index(self.times, name="t [s]"))
+        for name in self.functionals:
+            measured = self.history(name)
+            if len(measured.values) == len(self.times):
+                columns[f"measured for {name} [{measured.unit}]"] = measured.values
+        return columns
+
+    def report(self, *, gradient: bool = False) -> Report:
+        """The interactive page that ``costate run`` writes: tables, the motion in space, histories; with ``gradient``
+        also derivatives, and parts coloured by them, as ``costate gradient`` does. A notebook shows it."""
+        return Report(self.name, self._of_steps("a report").report(gradient))
 
     def __getstate__(self) -> dict[str, Any]:
         if self._native is not None:
@@ -248,13 +314,37 @@ class Run:
         return f"<b>{html.escape(self.name)}</b>: {work}<table>{head}{rows}</table>"
 
 
+@dataclass(frozen=True, repr=False)
+class Report:
+    """A page about a run, whole in itself: it needs no network."""
+
+    #: Name of the scene.
+    name: str
+    #: The page.
+    html: str
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the page, into a folder that exists, and gives its path."""
+        file = Path(path)
+        file.write_text(self.html, encoding="utf-8")
+        return file
+
+    def __repr__(self) -> str:
+        return f"<report of {self.name!r}: {len(self.html) / 1e6:.1f} MB of HTML; save(path) writes it>"
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html)
+        frame = 'width="100%" height="700" style="border:0" sandbox="allow-scripts"'
+        return f'<iframe title="report of {html.escape(self.name)}" {frame} srcdoc="{page}"></iframe>'
+
+
 def _add(columns: dict[str, Array], rows: Array, head: Any) -> None:
     for place, axis in enumerate("xyz"):
         if len(rows):
             columns[head(axis)] = rows[:, place]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Gradient:
     """Derivatives of functionals by design variables; ``np.asarray`` gives ``rows``."""
 
@@ -267,16 +357,27 @@ class Gradient:
     #: ``(functionals, variables)``.
     rows: Array
 
-    def __getitem__(self, names: tuple[str, str]) -> float:
-        """The derivative of a functional by a variable: ``gradient["psi", "length"]``."""
-        functional, variable = names
+    def __getitem__(self, names: str | tuple[str, str]) -> Any:
+        """The derivative of a functional by a variable: ``gradient["psi", "length"]``; by all of them, in their order:
+        ``gradient["psi"]``."""
+        functional, variable = (names, None) if isinstance(names, str) else names
         known = [own.name for own in self.variables]
+        if variable is None and functional in self.functionals:
+            return self.rows[self.functionals.index(functional)]
         if functional not in self.functionals or variable not in known:
-            raise InputError(
-                f'no derivative of "{functional}" by "{variable}"; there are {", ".join(self.functionals)} by '
-                f"{', '.join(known)}"
-            )
+            asked = f'"{functional}"' if variable is None else f'"{functional}" by "{variable}"'
+            raise InputError(f"no derivative of {asked}; there are {', '.join(self.functionals)} by {', '.join(known)}")
         return float(self.rows[self.functionals.index(functional), known.index(variable)])
+
+    def __repr__(self) -> str:
+        lines = []
+        for name, unit, value, row in zip(self.functionals, self.units, self.values, self.rows):
+            lines.append(f"{name} = {value:.9g} {unit}")
+            for own, entry in zip(self.variables, row[:_COLUMNS]):
+                lines.append(f"  by {own.name} [{own.unit}]: {entry:.9g}")
+            if len(row) > _COLUMNS:
+                lines.append(f"  and by {len(row) - _COLUMNS} more")
+        return "\n".join(lines)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return np.array(self.rows, dtype=dtype)

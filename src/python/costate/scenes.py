@@ -9,14 +9,16 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _costate
-from .errors import InputError, RunWarning
+from .errors import InputError, RunWarning, user_level
 from .parts import Part, describe
+from .progress import Bar, Progress, told
 from .results import Array, Gradient, Run
 
 #: Lines of the text that a builder made, and where in Python they come from.
@@ -155,17 +157,31 @@ class Scene:
         return [names.index(name) for name in wanted]
 
     def run(
-        self, x: Any = None, *, end: float | None = None, steps: int | None = None, method: str | None = None
+        self,
+        x: Any = None,
+        *,
+        end: float | None = None,
+        steps: int | None = None,
+        method: str | None = None,
+        progress: Progress = None,
     ) -> Run:
         """Simulates a design.
 
         * ``end``: duration [s], instead of the scene's own
         * ``steps``: steps of equal size, instead of the scene's own
         * ``method``: integrator, as for ``--method`` of the command line
+        * ``progress``: whether a bar shows how far the run is, by default in terminals and notebooks after a second; or
+          a function of the time that is reached and of the end, called several times a second
 
         Raises ``InputError`` and ``RunError``; ``KeyboardInterrupt`` whose attribute ``run`` has the finished steps.
         """
-        return self._run(self.design(x), end=end, steps=steps, method=method)
+        _check_options(end, steps, method)
+        design, tell = self.design(x), told(progress, self.name, self.end if end is None else end)
+        try:
+            return self._run(design, end=end, steps=steps, method=method, progress=tell)
+        finally:
+            if isinstance(tell, Bar):
+                tell.close()
 
     def _run(self, x: Array, *, keep_steps: bool = True, **options: Any) -> Run:
         with self._told():
@@ -175,7 +191,7 @@ class Scene:
             stopped.run = run  # type: ignore[attr-defined]
             raise stopped
         for doubt in run.doubts:
-            warnings.warn(doubt, RunWarning, stacklevel=3)
+            warnings.warn(doubt, RunWarning, stacklevel=user_level())
         return run
 
     def values(self, x: Any = None) -> Array:
@@ -259,7 +275,19 @@ class Scene:
         return f"<b>{html.escape(self.name)}</b> {html.escape(self.summary)}<table>{head}{rows}</table>"
 
 
-_OPTIONS: dict[str, Any] = {"end": None, "steps": None, "method": None}
+def _check_options(end: object, steps: object, method: object) -> None:
+    for name, own, kind, words in [
+        ("end", end, Real, "a number"),
+        ("steps", steps, Integral, "a whole number"),
+        ("method", method, str, "the name of a method"),
+    ]:
+        if own is not None and not isinstance(own, kind):
+            raise TypeError(f"{name} is {own!r}: {words} is wanted")
+    if isinstance(steps, Integral) and steps < 1:
+        raise InputError(f"steps is {steps}: a run has one step at least")
+
+
+_OPTIONS: dict[str, Any] = {"end": None, "steps": None, "method": None, "progress": None}
 
 
 def _made_again(kind: str, *given: Any) -> Scene:

@@ -3,6 +3,7 @@
 use crate::doubts::doubts;
 use crate::errors::{guarded, run_error};
 use crate::scene::PreparedScene;
+use costate::cli::RunReport;
 use costate::functionals::Sample;
 use costate::prelude::RunError;
 use costate::scenes;
@@ -38,12 +39,25 @@ impl RunOf {
 #[pyclass(frozen, module = "costate._costate")]
 pub struct Run {
     own: RunOf,
+    /// Whether a signal ended it.
+    is_stopped: bool,
 }
 
 impl Run {
-    /// Of a run with its scene.
-    pub fn of(own: RunOf) -> Self {
-        Run { own }
+    /// Of a run with its scene, and whether a signal ended it.
+    pub fn of(own: RunOf, is_stopped: bool) -> Self {
+        Run { own, is_stopped }
+    }
+
+    /// Why it has no end.
+    fn stopped(&self) -> Option<String> {
+        let steps = self.run().forward.history.steps();
+        self.is_stopped.then(|| format!("the run was stopped after step {steps}, before its end"))
+    }
+
+    /// A run that has its end.
+    fn whole(&self) -> Result<(), RunError> {
+        self.stopped().map_or(Ok(()), |why| Err(RunError::Input(format!("{why}: it has no derivatives"))))
     }
 
     fn run(&self) -> &Simulated<'_> {
@@ -75,9 +89,9 @@ impl Run {
         PyArray1::from_slice(py, &self.run().forward.values)
     }
 
-    /// Names of the functionals with their units.
+    /// Names of the functionals with the units of their values.
     fn functionals(&self) -> Vec<(String, String)> {
-        self.run().prepared.functionals().iter().map(|own| (own.name.clone(), own.unit.to_string())).collect()
+        self.run().prepared.functionals().iter().map(|own| (own.name.clone(), own.value_unit())).collect()
     }
 
     /// Names of the nodes.
@@ -93,7 +107,8 @@ impl Run {
 
     /// A sentence for each reason to doubt the run or its gradients.
     fn doubts(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.read(py, |run| Ok(doubts(run.prepared, &run.forward)))
+        let stopped = self.stopped().map(|why| format!("{why}: values and histories are those of the finished steps"));
+        self.read(py, |run| Ok(stopped.into_iter().chain(doubts(run.prepared, &run.forward)).collect()))
     }
 
     /// Steps taken, steps given up, systems solved, Newton iterations, factorizations.
@@ -116,6 +131,14 @@ impl Run {
             Ok(times)
         })?;
         Ok(PyArray1::from_vec(py, times))
+    }
+
+    /// The interactive page of `costate run`, or of `costate gradient`, as HTML.
+    fn report(&self, py: Python<'_>, with_gradient: bool) -> PyResult<String> {
+        self.read(py, |run| {
+            let warnings = doubts(run.prepared, &run.forward);
+            RunReport { run, with_gradient, warnings, stopped: self.stopped() }.html()
+        })
     }
 
     /// The motion of a node.
@@ -159,6 +182,7 @@ impl Run {
     /// Derivatives of some functionals by all design variables, by the discrete adjoint, a row for each that is wanted.
     fn gradient<'py>(&self, py: Python<'py>, wanted: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.read(py, |run| {
+            self.whole()?;
             let (prepared, forward) = (run.prepared, &run.forward);
             let asked: Vec<bool> = (0..forward.values.len()).map(|k| wanted.contains(&k)).collect();
             let all = prepared.analysis().adjoint_of(&prepared.x, forward, &asked)?.rows;
@@ -169,13 +193,19 @@ impl Run {
 
     /// The same by complex-step runs of the whole simulation, for checks.
     fn complex_step<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = self.read(py, |run| Ok(run.prepared.analysis().complex_step(&run.prepared.x, &run.forward)?.rows))?;
+        let rows = self.read(py, |run| {
+            self.whole()?;
+            Ok(run.prepared.analysis().complex_step(&run.prepared.x, &run.forward)?.rows)
+        })?;
         matrix(py, &rows, self.run().prepared.x.len())
     }
 
     /// The same by tangent runs, eight variables at a time.
     fn tangent<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = self.read(py, |run| Ok(run.prepared.analysis().tangent(&run.prepared.x, &run.forward)?.rows))?;
+        let rows = self.read(py, |run| {
+            self.whole()?;
+            Ok(run.prepared.analysis().tangent(&run.prepared.x, &run.forward)?.rows)
+        })?;
         matrix(py, &rows, self.run().prepared.x.len())
     }
 }

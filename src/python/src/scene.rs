@@ -45,13 +45,15 @@ self_cell!(
 );
 
 /// What a call says of how a scene is run, where the scene does not.
-#[derive(Clone, Debug, Default, FromPyObject)]
+#[derive(Debug, Default, FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Options {
     end: Option<f64>,
     steps: Option<usize>,
     method: Option<String>,
     keep_steps: bool,
+    /// What is called with the time that is reached [s].
+    progress: Option<Py<PyAny>>,
 }
 
 /// A scene: a mechanism as a function of its design variables.
@@ -136,12 +138,12 @@ impl Scene {
         (settings.end, settings.steps)
     }
 
-    /// Names of the functionals with their units.
+    /// Names of the functionals with the units of their values.
     fn functionals(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
         let list = || {
             let prepared = self.prepared(None, &Options::default()).map_err(run_error)?;
             let functionals = prepared.borrow_dependent().functionals().iter();
-            Ok(functionals.map(|own| (own.name.clone(), own.unit.to_string())).collect())
+            Ok(functionals.map(|own| (own.name.clone(), own.value_unit())).collect())
         };
         py.detach(|| guarded(list))
     }
@@ -156,9 +158,9 @@ impl Scene {
     fn run(&self, py: Python<'_>, x: Option<Vec<f64>>, options: Options) -> PyResult<(Run, Option<Py<PyAny>>)> {
         let simulate = || {
             let prepared = Arc::new(self.prepared(x, &options).map_err(run_error)?);
-            let mut signals = Signals::new();
+            let mut signals = Signals::new(options.progress);
             let forward = forward(prepared.borrow_dependent(), &mut signals).map_err(run_error)?;
-            Ok((Run::of(RunOf::of(prepared, forward)), signals.caught))
+            Ok((Run::of(RunOf::of(prepared, forward), signals.caught.is_some()), signals.caught))
         };
         let (run, caught) = py.detach(|| guarded(simulate))?;
         Ok((run, caught.map(|error| error.into_value(py).into_any())))

@@ -235,6 +235,8 @@ FORMULAS = [
     lambda x: sum(x[0] ** k for k in range(1, 6)),
     lambda x: np.mean(x) + np.prod(x) + np.square(x[0]),
     lambda x: np.outer(x, x).trace(),
+    lambda x: np.deg2rad(x[0]) + np.radians(x[1]) * np.rad2deg(x[0]) + np.degrees(x[1]),
+    lambda x: np.log2(x[0]) + np.log10(x[1]) + np.fabs(-x[0]) + np.reciprocal(x[1]),
 ]
 
 

@@ -115,6 +115,117 @@ def test_springs_with_strains_do_too():
     assert same_bits(values, others) and same_bits(rows, derivatives)
 
 
+def hermite(point):
+    """Weights of (r_1, r_1x, r_2, r_2x) in the first and second derivative of a cubic."""
+    square = point * point
+    slopes = [6.0 * square - 6.0 * point, 1.0 - 4.0 * point + 3.0 * square, 6.0 * point - 6.0 * square,
+              3.0 * square - 2.0 * point]  # fmt: skip
+    return slopes, [12.0 * point - 6.0, 6.0 * point - 4.0, 6.0 - 12.0 * point, 6.0 * point - 2.0]
+
+
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+class Strand(costate.Element):
+    """A beam without torsion and shear in absolute nodal coordinates, as the elements of a cable."""
+
+    nodes = ["cable", "cable"]
+    parameters = {"length": costate.positive("m"), "axial": costate.non_negative("N")}
+    parameters |= {"bending": costate.non_negative("N m2"), "mass_per_length": costate.positive("kg/m")}
+    parameters |= {"gravity_x": "m/s2", "gravity_y": "m/s2", "gravity_z": "m/s2"}
+    points = [0.1127016653792583, 0.5, 0.8872983346207417]
+    weights = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0]
+    products = [[156.0, 22.0, 54.0, -13.0], [22.0, 4.0, 13.0, -3.0], [54.0, 13.0, 156.0, -22.0],
+                [-13.0, -3.0, -22.0, 4.0]]  # fmt: skip
+
+    def line(self, q, p):
+        inverse = 1.0 / p.length
+        chord = q[6:9] - q[:3]
+        return [chord * inverse, q[3:6], q[9:]], inverse
+
+    def derivatives(self, line, point, inverse):
+        chord, start, end = line
+        (_, a, b, c), (_, d, e, f) = hermite(point)
+        first = [chord[i] * b + start[i] * a + end[i] * c for i in range(3)]
+        second = [chord[i] * e + start[i] * d + end[i] * f for i in range(3)]
+        return first, [own * inverse for own in second]
+
+    def kinetic(self, v, q, p):
+        share = p.length * p.mass_per_length / 420.0
+        factors, twice = [1.0, p.length, 1.0, p.length], 0.0
+        for i in range(4):
+            for j in range(4):
+                entry = share * factors[i] * factors[j] * self.products[i][j]
+                twice = twice + entry * dot(v[3 * i : 3 * i + 3], v[3 * j : 3 * j + 3])
+        return twice * 0.5
+
+    def potential(self, q, p):
+        middle = (q[:3] + q[6:9]) * 0.5 + (q[3:6] - q[9:]) * (p.length / 12.0)
+        return -p.length * p.mass_per_length * dot(middle, [p.gravity_x, p.gravity_y, p.gravity_z])
+
+    def strain_energy(self, q, p):
+        energy, (line, inverse) = 0.0, self.line(q, p)
+        for point, weight in zip(self.points, self.weights):
+            (a, b, c), (d, e, f) = self.derivatives(line, point, inverse)
+            normal, square = [b * f - c * e, c * d - a * f, a * e - b * d], dot([a, b, c], [a, b, c])
+            curvature = dot(normal, normal) / (square * square * square)
+            energy = energy + curvature * p.bending * p.length * (0.5 * weight)
+        return energy
+
+    def strains(self, q, p, t):
+        line, inverse = self.line(q, p)
+        firsts = [self.derivatives(line, point, inverse)[0] for point in self.points]
+        return [(dot(first, first) - 1.0) * 0.5 for first in firsts]
+
+    def stored(self, e, p):
+        energy = 0.0
+        for strain, weight in zip(e, self.weights):
+            energy = energy + strain * strain * p.axial * p.length * (0.5 * weight)
+        return energy
+
+    def mass(self, p):
+        return p.length * p.mass_per_length
+
+
+def rope(elements, add, steps=10):
+    """Two strands side by side: a cable for small strains, and elements of ``add`` between its nodes."""
+    m = costate.Model("rope")
+    m.settings(end=0.001 * steps, steps=steps)
+    stiffness = {"axial": 2e3, "bending": 0.3}
+    axial = m.variable("axial", 2e3, (1, 1e5), "N")
+    m.section.cable("one", **stiffness, mass=0.1)
+    # whole places of the binary system: lengths have no rounding
+    end = [elements / 128, 0, 0]
+    m.cable("one", from_=[0, 0, 0], to=end, elements=elements, section="one", strains="small", clamped="start",
+            motion={"angular_velocity": [0, 0, 2.0]})  # fmt: skip
+    names = ["one.start", *(f"one[{i}]" for i in range(1, elements)), "one.end"]
+    add(m, axial, list(zip(names, names[1:])))
+    m.functional.position("x", on="one[20]", direction=[1, 0, 0], over="terminal")
+    return m.scene()
+
+
+def built_in_strand(m, axial, pairs):
+    m.section.cable("other", axial=axial, bending=0.3, mass=0.1)
+    for i, (a, b) in enumerate(pairs):
+        m.cable(f"other {i}", from_=[i / 128, 0, 0], to=[(i + 1) / 128, 0, 0], elements=1, section="other",
+                start_node=a, end_node=b)  # fmt: skip
+
+
+def own_strand(m, axial, pairs):
+    for i, pair in enumerate(pairs):
+        m.add(Strand, f"other {i}", between=pair, length=1 / 128, axial=axial, bending=0.3, mass_per_length=0.1,
+              gravity_x=0, gravity_y=0, gravity_z=0)  # fmt: skip
+
+
+def test_a_beam_of_1000_elements_gives_the_bits_of_the_built_in_one():
+    costate.testing.check_element(Strand, [0.5, 2e3, 0.3, 0.1, 0.0, 0.0, -9.81])
+    own, built_in = rope(1000, own_strand).run(), rope(1000, built_in_strand).run()
+    assert same_bits(own.values, built_in.values) and same_bits(own.gradient().rows, built_in.gradient().rows)
+    assert same_bits(own.node("one[1000]").coordinates, built_in.node("one[1000]").coordinates)
+    assert own.work == built_in.work
+
+
 def wire(curvature=0.8):
     m = costate.Model("wire", gravity=[0, 0, -9.81])
     m.settings(end=1.0, steps=100)
@@ -142,8 +253,8 @@ class BodySpring(costate.Element):
         return stretch * stretch * p.stiffness * 0.5
 
 
-def test_a_scene_file_uses_parts_by_their_names(five_bar):
-    text = (SCENES / "five-bar.toml").read_text(encoding="utf-8")
+def with_body_springs(text):
+    """The file of the five-bar mechanism with springs of Python."""
     for spring, end in [("A", -0.5), ("B", 0.5)]:
         old = f'name = "spring {spring}"\ntype = "line"\nbetween = ["ground", "bar 2"]\npoints = ["{spring}", "P2"]'
         assert old in text
@@ -151,6 +262,11 @@ def test_a_scene_file_uses_parts_by_their_names(five_bar):
         text = text.replace(
             old, f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\n{places}'
         )
+    return text
+
+
+def test_a_scene_file_uses_parts_by_their_names(five_bar):
+    text = with_body_springs((SCENES / "five-bar.toml").read_text(encoding="utf-8"))
     scene = costate.loads(text, "five-bar.toml", parts=[BodySpring])
     values, rows = scene.value_and_grad()
     others, derivatives = five_bar.value_and_grad()

@@ -1,6 +1,9 @@
 """Results: arrays, tables, pictures of notebooks, pickles."""
 
+import html
+import json
 import pickle
+import subprocess
 
 import numpy as np
 import pytest
@@ -71,6 +74,25 @@ def test_a_node_of_a_coordinate_has_no_place():
     assert "oscillator.q0" in own.to_pandas().columns
 
 
+def test_ends_of_beams_and_cables_are_nodes():
+    scene = costate.loads(BEAM)
+    run = scene.run()
+    for end, node in [("start", "arm[0]"), ("end", "arm[4]")]:
+        assert same_bits(run.node(f"arm.{end}").coordinates, run.node(node).coordinates)
+    with pytest.raises(costate.InputError, match="arm.middle"):
+        run.node("arm.middle")
+
+
+BEAM = """
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 0.01, steps = 5 }
+section.bar = { type = "rectangle", width = 0.02, height = 0.02, material = "steel" }
+material.steel = { young = 2e11, poisson = 0.3, density = 7800 }
+beam = [{ name = "arm", from = [0, 0, 0], to = [1, 0, 0], elements = 2, section = "bar", second_axis = [0, 1, 0] }]
+"""
+
+
 def test_a_table_has_all_histories(run):
     table = run.to_pandas()
     assert table.shape[0] == 51 and table.index.name == "t [s]"
@@ -79,19 +101,92 @@ def test_a_table_has_all_histories(run):
     assert "measured for psi [m2]" in table.columns
 
 
+def test_a_table_of_arrow_has_the_same_columns_behind_the_times(run):
+    pytest.importorskip("pyarrow")
+    table, other = run.to_arrow(), run.to_pandas()
+    assert table.column_names == ["t [s]", *other.columns] and table.num_rows == 51
+    for name in ("bar 2.x [m]", "A.force_y [N]", "measured for psi [m2]"):
+        assert same_bits(table[name].to_numpy(), other[name].to_numpy().copy())
+
+
+def test_a_dataset_has_all_histories_with_units(run):
+    pytest.importorskip("xarray")
+    data = run.to_xarray()
+    assert dict(data.sizes) == {"t": 51, "axis": 3} and data.attrs == {"scene": "five-bar"}
+    assert same_bits(data["bar 2 velocity"].to_numpy(), run.node("bar 2").velocities)
+    assert same_bits(data["A force"].sel(axis="y").to_numpy().copy(), run.joint("A").forces[:, 1].copy())
+    assert data["psi"].attrs == {"units": "m2"} and same_bits(data["psi"].to_numpy(), run.history("psi").values)
+    assert data["t"].attrs == {"units": "s"} and same_bits(data["t"].to_numpy(), run.times)
+
+
+def test_a_dataset_has_coordinates_without_a_place():
+    pytest.importorskip("xarray")
+    from test_parts import duffing
+
+    data = duffing().run(steps=40).to_xarray()
+    assert data["oscillator coordinates"].shape == (41, 1) and "oscillator position" not in data
+
+
+def test_units_of_values_and_of_histories_differ_where_a_functional_is_an_integral(run, five_bar):
+    assert five_bar.functionals[0].unit == "m2 s" and run.gradient().units == ["m2 s"]
+    assert "<td>m2 s</td>" in run._repr_html_() and "psi [m2 s]" in run.gradient()._repr_html_()
+    assert run.history("psi").unit == "m2"
+
+
+def data_of(report):
+    data = report.html.split('id="data">')[1].split("</script>")[0]
+    return json.loads(data.replace("<\\/", "</"))
+
+
+def test_a_report_is_the_page_of_the_command_line(run, tmp_path):
+    plain, coloured = data_of(run.report()), data_of(run.report(gradient=True))
+    assert plain["title"] == "five-bar" and "command" not in plain and plain["clips"]
+    tables = {own["heading"]: own for own in coloured["tables"]}
+    assert tables["Functionals"]["rows"] == [["psi", f"{run['psi']:.12e}", "m2 s"]]
+    rows = tables["Gradient of psi [m2 s / unit of the variable]"]["rows"]
+    assert [row[0] for row in rows] == [own.name for own in run.variables]
+    for row, entry in zip(rows, run.gradient().rows[0]):
+        # thirteen digits; the sweep by all parameters sums in another order
+        assert float(row[3]) == pytest.approx(entry, rel=1e-11)
+    assert coloured["colourings"] and "colourings" not in plain
+    path = run.report().save(tmp_path / "five-bar.html")
+    assert path.read_text(encoding="utf-8") == run.report().html
+    with pytest.raises(OSError):
+        run.report().save(tmp_path / "nowhere" / "five-bar.html")
+
+
+def test_a_report_has_the_tables_of_the_command_line(command_line, tmp_path):
+    subprocess.run([command_line, "run", "five-bar", "--out", str(tmp_path)], check=True, capture_output=True)
+    page = costate.results.Report("five-bar", (tmp_path / "report.html").read_text(encoding="utf-8"))
+    theirs, ours = data_of(page), data_of(costate.built_in("five-bar").run().report())
+    for part in ("title", "summary", "what", "facts", "tables", "charts", "clips", "space"):
+        assert ours[part] == theirs[part], part
+
+
+def test_a_report_stands_in_a_frame_of_a_notebook(run):
+    shown = run.report()._repr_html_()
+    assert shown.startswith("<iframe ") and shown.endswith("</iframe>")
+    assert html.unescape(shown.split('srcdoc="')[1].split('"')[0]) == run.report().html
+    assert "five-bar" in repr(run.report())
+
+
 def test_gradients_have_names(run):
     own = run.gradient()
     assert own["psi", "k1"] == own.rows[0, 2]
     assert own.to_pandas().loc["psi", "k1"] == own.rows[0, 2]
     assert same_bits(np.asarray(own), own.rows)
-    with pytest.raises(costate.InputError, match="k1, k2"):
-        own["psi", "k3"]
+    assert same_bits(own["psi"], own.rows[0])
+    for names in (("psi", "k3"), "phi"):
+        with pytest.raises(costate.InputError, match="k1, k2"):
+            own[names]
 
 
 def test_notebooks_show_tables(run, five_bar):
     assert "psi" in run._repr_html_() and "<table>" in run._repr_html_()
     assert "L01 [m]" in run.gradient()._repr_html_()
     assert "psi" in repr(run) and "five-bar" in repr(five_bar)
+    assert repr(run.gradient()).startswith("psi = ") and "by k1 [N/m]: " in repr(run.gradient())
+    assert "positions (51, 3)" in repr(run.node("bar 1")) and "unit 'm2'" in repr(run.history("psi"))
 
 
 def test_a_pickled_run_keeps_its_arrays_and_says_what_it_cannot_do(run):
@@ -102,8 +197,9 @@ def test_a_pickled_run_keeps_its_arrays_and_says_what_it_cannot_do(run):
         assert same_bits(again.joint(name).forces, run.joint(name).forces)
     assert same_bits(again.history("psi").values, run.history("psi").values)
     assert same_bits(again.values, run.values) and again.work == run.work
-    with pytest.raises(costate.InputError, match="run the scene again"):
-        again.gradient()
+    for ask in (again.gradient, again.report):
+        with pytest.raises(costate.InputError, match="run the scene again"):
+            ask()
     gradient = pickle.loads(pickle.dumps(run.gradient()))
     assert same_bits(gradient.rows, run.gradient().rows)
 

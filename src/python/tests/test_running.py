@@ -15,6 +15,28 @@ from conftest import same_bits
 
 import costate
 
+COARSE = """
+version = 1
+settings = { end = 10.0, steps = 10 }
+variable.k = { initial = 2.0, bounds = [0.1, 10], unit = "N/m" }
+point = [{ name = "ball", position = [1.5, 0, 0], mass = 1 }]
+
+[[spring]]
+name = "spring"
+type = "line"
+between = ["ground", "ball"]
+points = [[-1, 0, 0], [1.5, 0, 0]]
+stiffness = "k"
+rest_length = 1
+
+[[functional]]
+name = "x"
+type = "position"
+on = "ball"
+direction = [1, 0, 0]
+over = "terminal"
+"""
+
 LONG = """
 import os, signal, sys, threading, time
 import costate
@@ -55,6 +77,63 @@ def test_a_handler_of_ones_own_ends_a_run_too(five_bar):
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+def stopped(scene):
+    """A run that ends after some of its steps."""
+
+    def stop(_t, _end):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as error:
+        scene.run(steps=2_000_000, progress=stop)
+    return error.value.run
+
+
+def test_a_run_that_was_stopped_says_so_and_has_no_derivatives(five_bar):
+    run = stopped(five_bar)
+    steps = run.work["steps"]
+    assert run.doubts[0].startswith(f"the run was stopped after step {steps}, before its end: values and histories")
+    for ask in (run.gradient, run.complex_step, run.tangent, lambda: run.report(gradient=True)):
+        with pytest.raises(costate.InputError, match="derivatives"):
+            ask()
+    assert "what is shown are the finished steps" in run.report().html
+
+
+def test_progress_is_told_to_a_function(five_bar):
+    told = []
+    five_bar.run(steps=20_000, progress=lambda t, end: told.append((t, end)))
+    times = [t for t, _ in told]
+    assert len(told) >= 3 and times == sorted(times) and 0.0 < times[0] and times[-1] <= 5.0
+    assert {end for _, end in told} == {5.0}
+
+
+def test_an_exception_of_progress_ends_the_run(five_bar):
+    def fail(_t, _end):
+        raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        five_bar.run(steps=2_000_000, progress=fail)
+
+
+def test_a_bar_is_shown_where_it_is_asked_for_and_wiped_at_the_end(five_bar, capsys):
+    five_bar.run(steps=20_000, progress=True)
+    shown = capsys.readouterr().err.split("\r")
+    assert shown[1].startswith("five-bar [") and " %, t = " in shown[1]
+    assert "] 0 %" not in shown[-3] and not shown[-1].strip()
+    assert set(shown[-2]) <= {" "}
+    five_bar.run(steps=20_000, progress=False)
+    five_bar.run(steps=20_000)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("ask", ["run", "values", "value_and_grad", "gradient", "apply"])
+def test_warnings_name_the_line_that_asked(ask):
+    coarse = costate.loads(COARSE)
+    arguments = [{"k": 2.0}] if ask == "apply" else []
+    with pytest.warns(costate.RunWarning) as caught:
+        getattr(coarse, ask)(*arguments)
+    assert {own.filename for own in caught} == {__file__}
 
 
 def test_two_threads_give_the_bits_of_one(five_bar):
@@ -124,7 +203,7 @@ def test_scenes_built_again_and_again_take_no_memory():
 def test_a_call_costs_less_than_a_millisecond(five_bar):
     """Beside what the library itself takes for building, running and differentiating a scene."""
     native, x = five_bar._native, five_bar.initial.tolist()
-    options = {"end": 0.01, "steps": 1, "method": None, "keep_steps": True}
+    options = {"end": 0.01, "steps": 1, "method": None, "keep_steps": True, "progress": None}
 
     def bare():
         run, _ = native.run(x, options)

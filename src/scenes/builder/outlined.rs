@@ -1,8 +1,10 @@
+use super::MechanismBuilder;
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::State;
 use crate::elements::flexible::{BeamField, CableStrain, Outline, STRAINS, TYING_POINTS};
 use crate::functionals::Quantity;
 use crate::functionals::quantities::{CableMeasure, CableQuantity, SectionMeasure, SectionQuantity};
+use crate::scalar::Scalar;
 
 /// The section of a beam or cable at one of its nodes.
 #[derive(Clone, Debug)]
@@ -95,5 +97,15 @@ impl LineField {
         let points = outline.points();
         let all = if matches!(self, LineField::Cable(_)) { &points[..1] } else { &points[..] };
         Some(all.iter().map(|&point| stress(point).abs()).fold(0.0, |a, b| if b <= a || a.is_nan() { a } else { b }))
+    }
+}
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// The node that `BEAM.start` or `BEAM.end` is.
+    pub(crate) fn node_at_end(&self, name: &str) -> Option<NodeId> {
+        let (line, end) = name.rsplit_once('.').filter(|(_, end)| matches!(*end, "start" | "end"))?;
+        let rings = &self.outlined.iter().find(|own| own.name == line)?.rings;
+        let ring = if end == "start" { rings.first() } else { rings.last() };
+        Some(ring?.node)
     }
 }

@@ -1,0 +1,106 @@
+//! What is measured at the moments of a run: rows of its histories, and what charts and pictures show.
+
+use super::columns::{Columns, courses};
+use super::kept_moments::KeptMoments;
+use super::snapshot::Snapshot;
+use crate::assembly::VectorsAvq;
+use crate::functionals::{Measured, Sample};
+use crate::scenes::Prepared;
+
+/// How the energy of a conservative scene, which is constant in an exact motion, changes.
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyCourse {
+    start: f64,
+    /// Largest growth over the start and largest loss [J], and when [s].
+    changes: [(f64, f64); 2],
+    /// Largest kinetic energy [J].
+    kinetic: f64,
+    /// Largest size of the kinetic and of the potential energy [J].
+    size: f64,
+}
+
+/// Share of the energies up to which a change is round-off: bodies at rest have nothing but that.
+const ENERGY_ROUNDING: f64 = 1e-12;
+
+impl EnergyCourse {
+    fn new(start: f64, t: f64) -> Self {
+        EnergyCourse { start, changes: [(0.0, t); 2], kinetic: 0.0, size: 0.0 }
+    }
+
+    /// Takes note of the energy and of its kinetic part at a time.
+    fn note(&mut self, energy: f64, kinetic: f64, t: f64) {
+        self.kinetic = self.kinetic.max(kinetic);
+        self.size = self.size.max(kinetic.abs()).max((energy - kinetic).abs());
+        for (change, own) in self.changes.iter_mut().zip([energy - self.start, self.start - energy]) {
+            if own > change.0 {
+                *change = (own, t);
+            }
+        }
+    }
+
+    /// Largest growth and largest loss beyond round-off as shares of the largest kinetic energy, and when [s].
+    pub fn shares(&self) -> [(f64, f64); 2] {
+        let is_some = |change: f64| change > ENERGY_ROUNDING * self.size && self.kinetic > 0.0;
+        self.changes.map(|(change, t)| (if is_some(change) { change / self.kinetic } else { 0.0 }, t))
+    }
+}
+
+/// The moments of a run while it goes on, or is read again.
+pub struct MeasuredMoments<'p> {
+    prepared: &'p Prepared<'p>,
+    /// The columns of a row.
+    pub columns: Columns<'p>,
+    /// All columns of the latest moment.
+    pub row: Vec<f64>,
+    /// How the energy changed, where it should be constant.
+    pub energy: Option<EnergyCourse>,
+    is_conservative: bool,
+    measured_energy: Measured,
+    kept: KeptMoments,
+}
+
+impl<'p> MeasuredMoments<'p> {
+    /// Of a scene, before its first moment.
+    pub fn new(prepared: &'p Prepared<'p>) -> Self {
+        let columns = Columns::new(prepared);
+        let is_motion = !prepared.method.table.is_static();
+        MeasuredMoments {
+            prepared,
+            is_conservative: columns.have_energy() && is_motion && prepared.model().is_conservative(),
+            columns,
+            row: Vec::new(),
+            energy: None,
+            measured_energy: Measured::energy(),
+            kept: KeptMoments::default(),
+        }
+    }
+
+    /// Measures at the next moment, at which redundant constraints share their forces.
+    pub fn add(&mut self, sample: &Sample<f64>) {
+        let (t, VectorsAvq { v, q, .. }) = (sample.t, &sample.at);
+        let energy_of = |v: Vec<f64>| {
+            let at = VectorsAvq { a: Vec::new(), v, q: q.clone() };
+            let sample = Sample { t, at, ..Sample::empty() };
+            self.measured_energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
+        };
+        let energy = self.columns.have_energy().then(|| energy_of(v.clone()));
+        if let Some(energy) = energy.filter(|_| self.is_conservative) {
+            let kinetic = energy - energy_of(vec![0.0; v.len()]);
+            self.energy.get_or_insert(EnergyCourse::new(energy, t)).note(energy, kinetic, t);
+        }
+        self.row.clear();
+        self.columns.add_row(sample, energy, &mut self.row);
+        self.kept.add(Snapshot {
+            t,
+            q: q.clone(),
+            energy,
+            measured: self.row[self.row.len() - courses(self.prepared).count()..].to_vec(),
+            loads: self.columns.loads(&self.row),
+        });
+    }
+
+    /// So many of them as pictures can show.
+    pub fn finish(self) -> Vec<Snapshot> {
+        self.kept.finish()
+    }
+}
