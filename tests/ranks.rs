@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::fs;
+use std::io::Read;
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 const SOON: Duration = Duration::from_secs(if cfg!(debug_assertions) { 100 } else { 10 });
 const FIRST_STEP: Duration = Duration::from_secs(if cfg!(debug_assertions) { 400 } else { 60 });
 /// The longest wait for another rank, where one sleeps \[s\].
-const LONGEST_WAIT: &str = "4";
+const LONGEST_WAIT: &str = if cfg!(debug_assertions) { "60" } else { "4" };
 
 /// An empty folder with a plate that is large enough to be shared, removed when dropped.
 struct Folder(PathBuf);
@@ -82,14 +83,23 @@ impl Drop for Folder {
 }
 
 /// A run that ends with a test that fails.
-struct Running(Option<Child>);
+struct Running(Child);
+
+impl Running {
+    fn output(&mut self) -> Output {
+        let status = self.0.wait().unwrap();
+        let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+        // a few lines, for which pipes have room
+        self.0.stdout.take().unwrap().read_to_end(&mut stdout).unwrap();
+        self.0.stderr.take().unwrap().read_to_end(&mut stderr).unwrap();
+        Output { status, stdout, stderr }
+    }
+}
 
 impl Drop for Running {
     fn drop(&mut self) {
-        if let Some(mut child) = self.0.take() {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 
@@ -164,23 +174,23 @@ fn one_rank_says_what_is_wrong_with_the_input() {
 }
 
 /// Starts a long run, does something to its second rank, and returns how it ended, which it must soon.
-fn fault(name: &str, ranks: usize, signal: &str, later: Duration) -> Output {
+fn fault(name: &str, (ranks, longest_wait): (usize, &str), signal: &str, later: Duration) -> Output {
     let folder = Folder::new(name, 10_000);
     let mut command = folder.command(ranks, &["run", "plate.toml", "--no-report", "--out", "results"]);
-    command.env("COSTATE_LONGEST_WAIT", LONGEST_WAIT).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.env("COSTATE_LONGEST_WAIT", longest_wait).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().expect("mpirun is installed where the feature mpi is tested");
-    let mut running = Running(Some(child));
+    let mut running = Running(child);
     let process = folder.process_of(1).to_string();
     let table = folder.0.join("results/histories.unfinished.csv");
     let begun = Instant::now();
     while !table.exists() {
-        assert!(begun.elapsed() < FIRST_STEP, "no step is made");
+        assert!(begun.elapsed() < FIRST_STEP && running.0.try_wait().unwrap().is_none(), "no step is made");
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(later);
     let begun = Instant::now();
     assert!(Command::new("kill").args([signal, &process]).status().unwrap().success());
-    let output = running.0.take().unwrap().wait_with_output().unwrap();
+    let output = running.output();
     assert!(begun.elapsed() < SOON, "{name}: after {:?}", begun.elapsed());
     assert!(!output.status.success(), "{name}: {}", text(&output.stdout));
     output
@@ -189,14 +199,14 @@ fn fault(name: &str, ranks: usize, signal: &str, later: Duration) -> Output {
 #[test]
 fn all_ranks_end_where_one_is_killed() {
     for (ranks, later) in [(2, 0), (2, 700), (3, 300)] {
-        fault(&format!("killed-{later}"), ranks, "-KILL", Duration::from_millis(later));
+        fault(&format!("killed-{later}"), (ranks, "100"), "-KILL", Duration::from_millis(later));
     }
 }
 
 #[test]
 fn all_ranks_end_where_one_sleeps() {
     for (ranks, later) in [(2, 0), (3, 500)] {
-        let output = fault(&format!("asleep-{later}"), ranks, "-STOP", Duration::from_millis(later));
+        let output = fault(&format!("asleep-{later}"), (ranks, LONGEST_WAIT), "-STOP", Duration::from_millis(later));
         let said = text(&output.stderr);
         assert!(said.contains("error: rank") && said.contains(&format!("within {LONGEST_WAIT} s")), "{said}");
         assert_eq!(output.status.code(), Some(70), "{said}");
@@ -209,7 +219,7 @@ fn ranks_with_other_numbers_are_told() {
     let program = env!("CARGO_BIN_EXE_costate");
     let run = |thickness: &'static str| ["-n", "1", program, "run", "plate.toml", "--no-report", "--set", thickness];
     let mut command = mpirun();
-    command.args(run("t3=0.01")).arg(":").args(run("t3=0.0100001")).current_dir(&folder.0);
+    command.args(run("thickness 3=0.01")).arg(":").args(run("thickness 3=0.0100001")).current_dir(&folder.0);
     let output = command.env("COSTATE_LONGEST_WAIT", LONGEST_WAIT).output().unwrap();
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(70), "{said}");
