@@ -24,6 +24,7 @@
 //! program       recorded formulas and what is made of them: derivatives, structure, fast execution
 //! design        design variables x, the map x -> p, q0, v0 and its transpose
 //! elements      residuals R(a, v, q, p, t), constraints g(q, p, t)
+//! exchange      ranks that share the work of a program (feature `mpi`)
 //! linalg        factor, solve, solve transposed
 //! assembly      numbering, residual, Jacobian, transposed products
 //! integrators   start, stages, projections, step by step through time
@@ -48,6 +49,8 @@ mod program;
 mod design;
 
 pub mod elements;
+
+mod exchange;
 
 pub mod linalg;
 

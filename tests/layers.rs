@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "scalar",
     "program",
     "design",
     "elements",
+    "exchange",
     "linalg",
     "assembly",
     "integrators",

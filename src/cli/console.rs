@@ -1,5 +1,6 @@
-//! Words for people on stdout, one JSON object behind them, messages on stderr.
+//! Words for people on stdout, one JSON object behind them, messages on stderr; of several ranks the first one says them.
 
+use crate::exchange::is_first;
 use serde_json::Value;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
@@ -8,6 +9,9 @@ use std::io::{self, ErrorKind, Write};
 ///
 /// A reader that has gone away (`costate list | head -1`) is no reason to stop; a full disk is.
 pub fn say(line: impl Display) {
+    if !is_first() {
+        return;
+    }
     match writeln!(io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             complain(&format!("cannot write to stdout: {error}"));
@@ -17,14 +21,27 @@ pub fn say(line: impl Display) {
     }
 }
 
+/// Prints help, or what is wrong with the arguments.
+pub fn say_of_arguments(error: &clap::Error) {
+    if is_first() {
+        let _ = error.print();
+    }
+}
+
 /// Prints the message with which the program ends.
 pub fn complain(message: &str) {
+    if !is_first() {
+        return;
+    }
     // nobody is left to tell if stderr is gone, too
     let _ = writeln!(io::stderr(), "error: {message}");
 }
 
 /// Prints what a user should know about results that stand.
 pub fn warn(message: &str) {
+    if !is_first() {
+        return;
+    }
     let _ = writeln!(io::stderr(), "warning: {message}");
 }
 

@@ -2,6 +2,7 @@
 
 use super::console::say;
 use super::failure::Failure;
+use crate::exchange::is_first;
 use std::path::Path;
 
 /// The table of an earlier run of the same command in the same folder keeps its rows, under the first number that is free.
@@ -10,6 +11,9 @@ use std::path::Path;
 /// # Errors
 /// What stands there is no file, or cannot be moved.
 pub fn keep_earlier(path: &Path) -> Result<(), Failure> {
+    if !is_first() {
+        return Ok(());
+    }
     let cannot = |cause: std::io::Error| Failure::run(format!("cannot keep the earlier {}: {cause}", path.display()));
     match std::fs::metadata(path) {
         Ok(own) if own.is_file() => {}

@@ -1,6 +1,7 @@
 //! Ctrl-C: at once when there is nothing to lose, after the step in hand when there is.
 
 use super::failure::{Failure, INTERRUPTED};
+use crate::exchange::is_shared;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -21,7 +22,9 @@ pub fn set_last_words(words: Option<String>) {
 /// Listens for Ctrl-C.
 pub fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
-        let first = STATE.compare_exchange(FINISH_FIRST, REQUESTED, Ordering::SeqCst, Ordering::SeqCst).is_ok();
+        // ranks would finish different steps, and wait for each other
+        let first =
+            !is_shared() && STATE.compare_exchange(FINISH_FIRST, REQUESTED, Ordering::SeqCst, Ordering::SeqCst).is_ok();
         if !first {
             if let Some(words) = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).take() {
                 super::console::say(words);

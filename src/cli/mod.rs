@@ -79,6 +79,7 @@ pub use report::RunReport;
 pub use study::{Figure, Form, Report, Study};
 
 use crate::design::repeated;
+use crate::exchange;
 use crate::scenes::AnyScene;
 use crate::scenes::file::OwnParts;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -204,17 +205,41 @@ impl<'p> CommandLine<'p> {
 
     /// Does what the arguments of the process ask for and returns the exit code.
     pub fn main(&self) -> ExitCode {
-        let matches = wrapped(self.command()).get_matches();
-        let done = match Arguments::from_arg_matches(&matches) {
+        let matches = wrapped(self.command()).try_get_matches();
+        let arguments = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
+        let ranks = match exchange::start() {
+            Ok(ranks) => ranks,
+            Err(message) => {
+                console::complain(&message);
+                return ExitCode::from(Failure::input(message).code);
+            }
+        };
+        let done = match arguments {
             Ok(arguments) => self.checked().and_then(|()| self.run(&arguments.command)),
+            Err(error) if exchange::is_shared() => {
+                console::say_of_arguments(&error);
+                ranks.finish(error.exit_code() as u8, "");
+                return ExitCode::from(error.exit_code() as u8);
+            }
             Err(error) => error.exit(),
         };
-        match done {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(failure) => {
-                console::complain(&failure.message);
-                ExitCode::from(failure.code)
-            }
+        let failure = done.err().unwrap_or(Failure { code: 0, message: String::new() });
+        if failure.code != 0 {
+            console::complain(&failure.message);
+        }
+        ranks.finish(failure.code, &failure.message);
+        ExitCode::from(failure.code)
+    }
+
+    /// Of commands that several ranks run, each does all, but for the systems that they solve together.
+    ///
+    /// # Errors
+    /// Bad input where other processes would do the same for nothing.
+    fn check_ranks(&self, command: &Command) -> Result<(), Failure> {
+        match command {
+            Command::Run(_) | Command::Gradient(_) | Command::Optimize(_) => Ok(()),
+            _ if !exchange::is_shared() => Ok(()),
+            _ => Err(Failure::input("ranks share the work of run, gradient and optimize: start this without mpirun")),
         }
     }
 
@@ -238,6 +263,7 @@ impl<'p> CommandLine<'p> {
     }
 
     fn run(&self, command: &Command) -> Result<(), Failure> {
+        self.check_ranks(command)?;
         interrupt::install()?;
         match command {
             Command::Run(options) => run::run(options, self),

@@ -9,6 +9,7 @@ use super::results::{Finished, Results, check_folder};
 use super::snapshot::Snapshot;
 use super::stability::{self, Statement};
 use crate::design::shortest;
+use crate::exchange::is_shared;
 use crate::functionals::{Extreme, Extremes, Measured, Times};
 use crate::history::{Observer, Usage};
 use crate::integrators::{
@@ -171,10 +172,15 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
             ));
         }
     }
-    let SolverPlan { backend, unknowns, work, .. } = prepared.linear_solver()?;
+    let SolverPlan { backend, unknowns, work, ranks, .. } = prepared.linear_solver()?;
     let work =
         work.map(|work| format!(", {:.1e} multiplications a factorization", work.multiplications)).unwrap_or_default();
     say(format_args!("linear systems of {}: {} LU{work}", count(unknowns, "unknown"), backend.name()));
+    match ranks {
+        1 if is_shared() => say("too small to be shared: each rank solves all of them"),
+        1 => {}
+        _ => say(format_args!("shared by {ranks} ranks")),
+    }
     say("");
     Ok(())
 }

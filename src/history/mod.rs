@@ -24,6 +24,7 @@ pub(crate) use memory::{Memory, MemoryWithin};
 pub(crate) use nothing::Nothing;
 pub(crate) use rerun::Rerun;
 
+use crate::exchange;
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
 use std::fmt;
@@ -56,8 +57,10 @@ const SHARE: f64 = 1.0 / 3.0;
 impl Keep {
     /// As [`Keep::Auto`] for each of several runs at once.
     pub fn shared_by(runs: usize) -> Self {
-        let share = |free| Keep::Within((SHARE * free as f64 / runs as f64) as usize);
-        free_memory::free_memory().map_or(Keep::Memory, share)
+        // ranks may share the memory of a machine; what one of them computes again, all have to
+        let runs = runs * exchange::world().ranks();
+        let free = exchange::of_first(free_memory::free_memory().map_or(f64::NAN, |free| free as f64));
+        if free.is_nan() { Keep::Memory } else { Keep::Within((SHARE * free / runs as f64) as usize) }
     }
 
     /// A history for a run of `steps` steps, if their number is known and none will be divided. `run` is a number that tells what is
@@ -74,7 +77,8 @@ impl Keep {
                 None => Box::new(MemoryWithin::new(*bytes)),
             },
             Keep::Memory => Box::new(Memory::default()),
-            Keep::File(path) => Box::new(FileHistory::create(path, run)?),
+            Keep::File(path) if exchange::is_first() => Box::new(FileHistory::create(path, run)?),
+            Keep::File(_) => Box::new(Memory::default()),
             Keep::Resumed(path) => Box::new(FileHistory::resume(path, run)?),
             Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
         })

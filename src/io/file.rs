@@ -1,5 +1,6 @@
 //! Files appear under their name only when they are complete.
 
+use crate::exchange::is_first;
 use crate::history::check_place;
 use std::fmt;
 use std::fs::{self, File};
@@ -67,6 +68,12 @@ impl Aside {
         let Some(name) = target.file_name() else {
             return Err(IoError::new(target, "the path does not end in a file name"));
         };
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let part = format!(".part-{}-{count}-{}", std::process::id(), name.to_string_lossy());
+        if !is_first() {
+            // another rank has the same numbers, and writes the file
+            return Ok(Self { target: target.to_path_buf(), part: std::env::temp_dir().join(part) });
+        }
         if target.is_dir() {
             return Err(IoError::new(target, "a folder of this name exists"));
         }
@@ -74,19 +81,23 @@ impl Aside {
         let folder = target.parent().unwrap_or(Path::new(""));
         fs::create_dir_all(folder)
             .map_err(|cause| IoError::new(target, format!("cannot create the folder {}: {cause}", folder.display())))?;
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let part = folder.join(format!(".part-{}-{count}-{}", std::process::id(), name.to_string_lossy()));
-        Ok(Self { target: target.to_path_buf(), part })
+        Ok(Self { target: target.to_path_buf(), part: folder.join(part) })
     }
 
     /// The same under the name `NAME.unfinished.EXTENSION`, which stays if the program is killed.
     pub(crate) fn unfinished(target: &Path) -> Result<Self, IoError> {
         let aside = Self::beside(target)?;
+        if !is_first() {
+            return Ok(aside);
+        }
         let ending = target.extension().map_or("unfinished".into(), |old| format!("unfinished.{}", old.to_string_lossy()));
         Ok(Self { part: target.with_extension(ending), target: aside.target.clone() })
     }
 
     pub(crate) fn publish(self) -> Result<(), IoError> {
+        if !is_first() {
+            return Ok(());
+        }
         fs::rename(&self.part, &self.target).map_err(|cause| IoError::new(&self.target, cause))
     }
 }

@@ -55,6 +55,8 @@ pub struct SolverPlan {
     pub entries: usize,
     /// Multiplications of a factorization and entries of L and U, where the analysis tells.
     pub work: Option<Work>,
+    /// Ranks that share each system.
+    pub ranks: usize,
 }
 
 /// What a factorization takes by its analysis, as if no pivot had to wait for another front.
@@ -137,20 +139,21 @@ impl Factorization {
         let of_dense = (n as f64).powi(3) / 3.0;
         let dense = || {
             let work = Work { multiplications: of_dense, fill: n * n };
-            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense)
+            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, 1)
         };
         let multifrontal = || {
             let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
             let analysis = solver.analysis();
             let work = Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries };
-            (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal)
+            let ranks = solver.ranks();
+            (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks)
         };
-        let (solver, work, backend) = match backend {
+        let (solver, work, backend, ranks) = match backend {
             Backend::Dense => dense(),
             Backend::Automatic if n <= SMALL => dense(),
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
-        let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work };
+        let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks };
         Ok(Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())))
     }
 

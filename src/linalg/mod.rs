@@ -18,6 +18,7 @@ pub use dense::DenseLu;
 pub(crate) use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
 pub use factorization::Backend;
 pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
+pub(crate) use multifrontal::SMALL_FILL;
 pub use multifrontal::{Inertia, MultifrontalLu};
 pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};

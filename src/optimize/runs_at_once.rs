@@ -1,3 +1,4 @@
+use crate::exchange::apart;
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,14 +12,18 @@ pub(crate) fn run_at_once(count: usize, threads: usize, run: impl Fn(usize) + Sy
             run(number);
         }
     };
-    std::thread::scope(|scope| {
-        for place in 0..at_once {
-            let own = threads / at_once + usize::from(place < threads % at_once);
-            scope.spawn(move || match ThreadPoolBuilder::new().num_threads(own.max(1)).build() {
-                Ok(pool) => pool.install(work),
-                // where the system gives no more threads, this one is there
-                Err(_) => work(),
-            });
-        }
-    });
+    let run_all = || {
+        std::thread::scope(|scope| {
+            for place in 0..at_once {
+                let own = threads / at_once + usize::from(place < threads % at_once);
+                scope.spawn(move || match ThreadPoolBuilder::new().num_threads(own.max(1)).build() {
+                    Ok(pool) => pool.install(work),
+                    // where the system gives no more threads, this one is there
+                    Err(_) => work(),
+                });
+            }
+        });
+    };
+    // whatever the number of threads of a rank: all ranks are to do the same
+    if count > 1 { apart(run_all) } else { run_all() }
 }

@@ -6,7 +6,7 @@ use crate::assembly::{
 };
 use crate::design::shortest;
 use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
-use crate::linalg::{Factorization, Singular, SolverPlan, TransposedSolution};
+use crate::linalg::{Factorization, SMALL_FILL, Singular, SolverPlan, TransposedSolution};
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -442,9 +442,6 @@ impl<'m> TransposedSolver<'m> {
 
 /// Unknowns from which each stage of a step may have a solver of its own: below, waking other threads takes longer than a factorization.
 const APART: usize = 20;
-/// Entries of L and U up to which factors count as small: a few megabytes.
-const SMALL_FILL: usize = 1_000_000;
-
 fn is_large(plan: SolverPlan) -> bool {
     plan.work.is_some_and(|work| work.fill > SMALL_FILL)
 }

@@ -7,7 +7,7 @@
 /* Commands and codes of MUMPS. */
 enum { START = -1, END = -2, ANALYSE = 1, FACTOR = 2, SOLVE = 3, SELF_COMMUNICATOR = -987654, METIS = 5 };
 
-/* Starts MUMPS and analyses a pattern with the ordering of METIS; rows and columns are counted from 1 and stay the caller's. NULL if that fails. */
+/* Starts MUMPS and analyses a pattern with the ordering of METIS, or another one where the library has none (Debian's: Scotch); rows and columns are counted from 1 and stay the caller's. NULL if that fails. */
 DMUMPS_STRUC_C *mumps_begin(int unknowns, long long entries, int *rows, int *columns) {
     DMUMPS_STRUC_C *mumps = calloc(1, sizeof *mumps);
     if (!mumps) {

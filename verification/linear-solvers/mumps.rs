@@ -12,7 +12,7 @@ unsafe extern "C" {
     fn mumps_end(mumps: *mut c_void);
 }
 
-/// MUMPS with METIS, on one thread: what others are measured by.
+/// MUMPS on one thread, with METIS where its library has that: what others are measured by.
 pub struct Mumps {
     handle: *mut c_void,
     size: usize,

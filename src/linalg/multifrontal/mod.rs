@@ -28,8 +28,10 @@ mod matrix_view;
 mod multifrontal_lu;
 mod pivots;
 mod product;
+mod rank_share;
 mod small_front;
 mod small_substitution;
+mod stretches;
 mod substitution;
 mod supernodes;
 mod symbolic;
@@ -44,3 +46,4 @@ pub(super) use kernels::{Target, largest, solve_unit_lower, subtract_columns, su
 pub(super) use known_signs::known_signs;
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
+pub(crate) use multifrontal_lu::SMALL_FILL;

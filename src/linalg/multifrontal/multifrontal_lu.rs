@@ -5,9 +5,12 @@ use super::factors::Factors;
 use super::graph::Role;
 use super::inertia::{Inertia, shifted_inertia};
 use super::known_signs::known_signs;
+use super::rank_share::RankShare;
+use super::stretches::Stretches;
 use super::substitution::{Side, Substitution};
 use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
+use crate::exchange::{self, Exchange};
 use crate::linalg::SparsePattern;
 use crate::linalg::{LinearSolver, Singular};
 use std::sync::Arc;
@@ -17,10 +20,23 @@ use std::sync::Arc;
 /// Orders and plans once; later factorizations of new values use the same memory.
 pub struct MultifrontalLu {
     symbolic: Arc<Symbolic>,
-    traversal: Traversal,
+    threads: usize,
+    work: Work,
     factors: Factors,
     substitution: Substitution,
 }
+
+/// Who factors which fronts.
+enum Work {
+    /// This process all of them.
+    Alone(Traversal),
+    /// Each rank a stretch of them.
+    Shared(Box<RankShare>),
+}
+
+/// Entries of L and U up to which factors count as small: a few megabytes, of which ranks do all by themselves. A solution takes a millisecond
+/// there, and messages a tenth of that.
+pub(crate) const SMALL_FILL: usize = 1_000_000;
 
 impl MultifrontalLu {
     /// Analyses a pattern.
@@ -37,13 +53,42 @@ impl MultifrontalLu {
     }
 
     fn of(symbolic: Arc<Symbolic>, threads: usize) -> Self {
-        let traversal = Traversal::new(&symbolic, threads);
-        MultifrontalLu { symbolic, traversal, factors: Factors::default(), substitution: Substitution::default() }
+        let world = exchange::world();
+        if world.ranks() > 1 && symbolic.analysis(0).entries > SMALL_FILL {
+            let stretches = Stretches::new(&symbolic, world.ranks());
+            return Self::shared(symbolic, stretches, threads, world);
+        }
+        let work = Work::Alone(Traversal::new(&symbolic, threads));
+        MultifrontalLu { symbolic, threads, work, factors: Factors::default(), substitution: Substitution::default() }
+    }
+
+    fn shared(symbolic: Arc<Symbolic>, stretches: Stretches, threads: usize, world: &'static dyn Exchange) -> Self {
+        let work = Work::Shared(Box::new(RankShare::new(&symbolic, stretches, threads, world)));
+        MultifrontalLu { symbolic, threads, work, factors: Factors::default(), substitution: Substitution::default() }
+    }
+
+    /// Ranks that share a factorization.
+    pub(crate) fn ranks(&self) -> usize {
+        match &self.work {
+            Work::Alone(_) => 1,
+            Work::Shared(share) => share.ranks(),
+        }
+    }
+
+    fn solve_side(&mut self, side: Side, rhs: &mut [f64]) {
+        let MultifrontalLu { symbolic, work, factors, substitution, .. } = self;
+        match work {
+            Work::Alone(_) => substitution.solve(symbolic, factors, side, rhs),
+            Work::Shared(share) => share.solve(symbolic, factors, substitution, side, rhs),
+        }
     }
 
     /// What a factorization takes without delayed pivots.
     pub fn analysis(&self) -> Analysis {
-        self.symbolic.analysis(self.traversal.bytes())
+        self.symbolic.analysis(match &self.work {
+            Work::Alone(traversal) => traversal.bytes(),
+            Work::Shared(share) => share.bytes(),
+        })
     }
 
     /// How often in the last factorization a pivot had to wait for a front above.
@@ -66,24 +111,27 @@ fn roles(pattern: &SparsePattern, multipliers: &[usize]) -> Vec<Role> {
 impl LinearSolver for MultifrontalLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
         assert_eq!(values.len(), self.symbolic.pattern_entries, "values and entries of the pattern");
-        self.traversal.factor(&self.symbolic, values, &mut self.factors)
+        match &mut self.work {
+            Work::Alone(traversal) => traversal.factor(&self.symbolic, values, &mut self.factors),
+            Work::Shared(share) => share.factor(&self.symbolic, values, &mut self.factors),
+        }
     }
 
     fn another(&self) -> Option<Box<dyn LinearSolver>> {
-        Some(Box::new(Self::of(self.symbolic.clone(), self.traversal.threads())))
+        Some(Box::new(Self::of(self.symbolic.clone(), self.threads)))
     }
 
     fn inertia(&self, values: &[f64], known: usize) -> Inertia {
-        let count = |shift| shifted_inertia(&self.symbolic, values, shift, self.traversal.threads());
+        let count = |shift| shifted_inertia(&self.symbolic, values, shift, self.threads);
         known_signs(self.symbolic.size, known, count)
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &mut self.factors, Side::Plain, rhs);
+        self.solve_side(Side::Plain, rhs);
     }
 
     fn solve_transposed(&mut self, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &mut self.factors, Side::Transposed, rhs);
+        self.solve_side(Side::Transposed, rhs);
     }
 }
 
@@ -420,6 +468,97 @@ mod tests {
         assert!(solutions[0] == solutions[1] && solutions[1] == solutions[2]);
     }
 
+    /// Bits of solutions, plain and transposed, of few and of many right-hand sides; or that the matrix is singular.
+    fn bits(lu: &mut MultifrontalLu, values: &[f64], b: &[f64]) -> Result<Vec<u64>, Singular> {
+        lu.factor(values)?;
+        let size = lu.symbolic.size;
+        let mut all = Vec::new();
+        for (side, columns) in
+            [Side::Plain, Side::Transposed].into_iter().flat_map(|side| [1, 3, 7].map(|count| (side, count)))
+        {
+            let mut x = b[..columns * size].to_vec();
+            lu.solve_side(side, &mut x);
+            all.extend(x.iter().map(|x| x.to_bits()));
+        }
+        Ok(all)
+    }
+
+    type Bits = Result<Vec<u64>, Singular>;
+
+    /// The same on ranks, whose stretches begin at given fronts or, without any, where they should; and how many pivots waited for another rank.
+    fn bits_on_ranks(
+        pattern: &SparsePattern,
+        all: &[Vec<f64>],
+        b: &[f64],
+        (ranks, cuts): (usize, &[usize]),
+    ) -> (Vec<Bits>, usize) {
+        let per_rank = crate::exchange::on_ranks(ranks, |world| {
+            let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
+            let stretches = match cuts {
+                [] => Stretches::new(&symbolic, ranks),
+                cuts => Stretches::at(&symbolic, cuts),
+            };
+            let mut lu = MultifrontalLu::shared(symbolic, stretches, 1, world);
+            let mut across = 0;
+            let mut one = |values: &Vec<f64>| {
+                let bits = bits(&mut lu, values, b);
+                if let (Ok(_), Work::Shared(share)) = (&bits, &lu.work) {
+                    across += share.delayed_across_ranks();
+                }
+                bits
+            };
+            (all.iter().map(&mut one).collect::<Vec<Bits>>(), across)
+        });
+        assert!(per_rank.iter().all(|other| *other == per_rank[0]), "ranks differ");
+        per_rank.into_iter().next().expect("a rank")
+    }
+
+    /// Matrices of a pattern: with large and with small diagonals, without the numbers of a column, and the first one again.
+    fn matrices_of(noise: &mut Noise, pattern: &SparsePattern) -> Vec<Vec<f64>> {
+        let regular = dominant(noise, pattern);
+        let (mut weak, mut hollow) = (noise.vector(pattern.rows.len()), regular.clone());
+        for column in 0..pattern.size {
+            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                weak[place] *= if (pattern.rows[place] as usize).abs_diff(column) < 4 { 1e-6 } else { 1.0 };
+            }
+        }
+        let column = noise.below(pattern.size);
+        hollow[pattern.column_starts[column]..pattern.column_starts[column + 1]].fill(0.0);
+        vec![regular.clone(), weak, hollow, regular]
+    }
+
+    #[test]
+    fn ranks_have_the_bits_of_one_process() {
+        let mut noise = Noise(21);
+        let (mut delayed, mut across, mut singular) = (0, 0, 0);
+        for case in 0..60 {
+            let nodes = 4 + noise.below(40);
+            let pattern = if case % 10 == 0 { shell(9 + case / 5, 10) } else { random_pattern(&mut noise, nodes, case % 5) };
+            let matrices = matrices_of(&mut noise, &pattern);
+            let b = noise.vector(7 * pattern.size);
+            let mut alone = MultifrontalLu::new(&pattern, &[], 1);
+            let mut one = |values: &Vec<f64>| {
+                let bits = bits(&mut alone, values, &b);
+                delayed += if bits.is_ok() { alone.delayed_pivots() } else { 0 };
+                singular += usize::from(bits.is_err());
+                bits
+            };
+            let expected: Vec<Bits> = matrices.iter().map(&mut one).collect();
+            for ranks in 2..=4 {
+                let fronts = alone.symbolic.fronts.len();
+                let mut cuts: Vec<usize> = (1..ranks).map(|_| noise.below(fronts + 1)).collect();
+                cuts.sort_unstable();
+                for cuts in [&[], &cuts[..]] {
+                    let (given, waited) = bits_on_ranks(&pattern, &matrices, &b, (ranks, cuts));
+                    assert!(given == expected, "case {case}, {ranks} ranks, cuts {cuts:?} of {fronts} fronts");
+                    across += waited;
+                }
+            }
+        }
+        let counts = format!("{delayed} delayed pivots, {across} across ranks, {singular} singular matrices");
+        assert!(delayed > 300 && across > 100 && singular > 50, "{counts}");
+    }
+
     #[test]
     fn one_and_two_threads_agree() {
         let mut noise = Noise(11);
@@ -438,6 +577,7 @@ mod tests {
             let error = difference(&one, &two);
             // random values: condition numbers of about 1e5
             assert!(error < 1e-9, "{error:e}");
+            assert_eq!(one, two);
             assert_eq!(two, pool.install(|| solution(2)));
         }
     }

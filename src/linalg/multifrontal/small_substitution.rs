@@ -58,7 +58,7 @@ impl SmallFactors<'_> {
     /// Each vector has all places of the front and `LANES` numbers more.
     #[inline(always)]
     pub unsafe fn forward<I: Instructions, const W: usize>(&self, residual: [*mut f64; W], solution: [*mut f64; W]) {
-        let SmallFactors { plan, lower, others } = *self;
+        let SmallFactors { plan, lower, .. } = *self;
         let (first, pivots, stride) = (self.first(), plan.pivots as usize, plan.lower_stride as usize);
         let mut row = 0;
         // SAFETY: columns of the factors; what is read or written behind the last row has no meaning and is written
@@ -88,16 +88,41 @@ impl SmallFactors<'_> {
                 }
                 row += LANES;
             }
+            self.reduce_others::<I, W, true>(residual, solution, &[]);
+        }
+    }
+
+    /// What y takes from the other rows for `W` vectors, or, unless from `ALL`, from those of given places.
+    ///
+    /// # Safety
+    /// As for [`SmallFactors::forward`].
+    #[inline(always)]
+    pub unsafe fn reduce_others<I: Instructions, const W: usize, const ALL: bool>(
+        &self,
+        residual: [*mut f64; W],
+        solution: [*mut f64; W],
+        places: &[bool],
+    ) {
+        let SmallFactors { plan, lower, others } = *self;
+        let (first, pivots, stride) = (self.first(), plan.pivots as usize, plan.lower_stride as usize);
+        // SAFETY: as for the rows of the pivots.
+        unsafe {
+            let mut known = solution;
+            for w in 0..W {
+                known[w] = solution[w].add(first);
+            }
             let mut other = 0;
             while other < others.len() {
                 let sums = products::<I::Eight, W>(lower.add(pivots + other), stride, pivots, known);
-                let places = &others[other..others.len().min(other + LANES)];
+                let rows = &others[other..others.len().min(other + LANES)];
                 for w in 0..W {
                     // lanes by a changing number, through memory
                     let mut lanes = [0.0; LANES];
                     sums[w].store(lanes.as_mut_ptr());
-                    for (lane, &place) in places.iter().enumerate() {
-                        *residual[w].add(place as usize) += lanes[lane];
+                    for (lane, &place) in rows.iter().enumerate() {
+                        if ALL || places[place as usize] {
+                            *residual[w].add(place as usize) += lanes[lane];
+                        }
                     }
                 }
                 other += LANES;

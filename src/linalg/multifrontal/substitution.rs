@@ -24,6 +24,15 @@ pub enum Side {
     Transposed,
 }
 
+/// Which residuals the way forward reduces by the unknowns of a front.
+#[derive(Clone, Copy)]
+pub enum Rows<'r> {
+    /// All that the front has.
+    All,
+    /// Those of some places, by place, of fronts above: fronts whose unknowns are known already reduce them, and nothing else.
+    Some(&'r [bool]),
+}
+
 /// Right-hand sides that are solved at once.
 pub const BLOCK: usize = 32;
 /// Right-hand sides that go through a front together: each has the bits that it has alone. More of them are worth products of matrices.
@@ -43,6 +52,16 @@ fn stride(symbolic: &Symbolic) -> usize {
 }
 
 impl Substitution {
+    /// Residuals, one vector after the other.
+    pub fn residuals(&mut self, symbolic: &Symbolic) -> impl Iterator<Item = &mut [f64]> {
+        self.residual.chunks_exact_mut(stride(symbolic))
+    }
+
+    /// Solutions, likewise.
+    pub fn solutions(&mut self, symbolic: &Symbolic) -> impl Iterator<Item = &mut [f64]> {
+        self.solution.chunks_exact_mut(stride(symbolic))
+    }
+
     /// Replaces right-hand sides, column by column, by solutions.
     pub fn solve(&mut self, symbolic: &Symbolic, factors: &mut Factors, side: Side, rhs: &mut [f64]) {
         if side == Side::Transposed {
@@ -50,14 +69,15 @@ impl Substitution {
         }
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
             self.load(symbolic, block);
-            self.forward(symbolic, factors, side);
-            self.backward(symbolic, factors, side);
+            let all = 0..symbolic.fronts.len();
+            self.forward(symbolic, factors, side, all.clone(), Rows::All);
+            self.backward(symbolic, factors, side, all);
             self.store(symbolic, block);
         }
     }
 
     /// Takes right-hand sides over.
-    fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+    pub fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
         let size = symbolic.size.max(1);
         let length = rhs.len() / size * stride(symbolic);
         self.residual.resize(length, 0.0);
@@ -72,7 +92,7 @@ impl Substitution {
     }
 
     /// Gives solutions out.
-    fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
+    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
         let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
         for (solution, rhs) in columns {
             for (own, &unknown) in solution.iter().zip(&symbolic.order) {
@@ -84,44 +104,64 @@ impl Substitution {
 
     /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows). In small fronts U has ones on its
     /// diagonal, and the way back divides by the pivots.
-    fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side) {
-        let mut first = 0;
-        while first < symbolic.fronts.len() {
+    pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, all: Range<usize>, rows: Rows<'_>) {
+        let mut first = all.start;
+        while first < all.end {
             let is_small = factors.is_small(first);
-            let end = (first + 1..symbolic.fronts.len()).find(|&front| factors.is_small(front) != is_small);
-            let fronts = first..end.unwrap_or(symbolic.fronts.len());
+            let end = (first + 1..all.end).find(|&front| factors.is_small(front) != is_small);
+            let fronts = first..end.unwrap_or(all.end);
             first = fronts.end;
             if is_small {
                 let Substitution { residual, solution, .. } = self;
-                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: Some(residual), solution });
+                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: Some(residual), rows, solution });
             } else {
-                self.forward_large(symbolic, factors, side, fronts);
+                self.forward_large(symbolic, factors, side, fronts, rows);
             }
         }
     }
 
+    /// The same for one front whose turn comes after that of fronts behind it: small ones write over what follows their unknowns.
+    pub fn forward_late(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, front: usize) {
+        let end = symbolic.fronts[front].first + symbolic.fronts[front].pivots;
+        let mut kept = [[0.0; LANES]; BLOCK];
+        for (kept, solution) in kept.iter_mut().zip(self.solutions(symbolic)) {
+            kept.copy_from_slice(&solution[end..end + LANES]);
+        }
+        self.forward(symbolic, factors, side, front..front + 1, Rows::All);
+        for (kept, solution) in kept.iter().zip(self.solutions(symbolic)) {
+            solution[end..end + LANES].copy_from_slice(kept);
+        }
+    }
+
     /// U x = y, or L^T x = y, in place of y.
-    fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side) {
-        let mut end = symbolic.fronts.len();
-        while end > 0 {
+    pub fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, all: Range<usize>) {
+        let mut end = all.end;
+        while end > all.start {
             let is_small = factors.is_small(end - 1);
-            let before = (0..end - 1).rev().find(|&front| factors.is_small(front) != is_small);
-            let fronts = before.map_or(0, |front| front + 1)..end;
+            let before = (all.start..end - 1).rev().find(|&front| factors.is_small(front) != is_small);
+            let fronts = before.map_or(all.start, |front| front + 1)..end;
             end = fronts.start;
             if is_small {
-                let solution = &mut self.solution;
-                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: None, solution });
+                let (solution, rows) = (&mut self.solution, Rows::All);
+                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: None, rows, solution });
             } else {
                 self.backward_large(symbolic, factors, side, fronts);
             }
         }
     }
 
-    fn forward_large(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+    fn forward_large(
+        &mut self,
+        symbolic: &Symbolic,
+        factors: &Factors,
+        side: Side,
+        fronts: Range<usize>,
+        rows_reduced: Rows<'_>,
+    ) {
         let Substitution { residual, solution, front } = self;
         let stride = stride(symbolic);
         if residual.len() <= FEW * stride {
-            return dispatch(ForwardFew { symbolic, factors, side, fronts, residual, solution, front });
+            return dispatch(ForwardFew { symbolic, factors, side, fronts, rows: rows_reduced, residual, solution, front });
         }
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
@@ -150,7 +190,7 @@ impl Substitution {
                 front.chunks_exact(order.max(1)).zip(residual.chunks_mut(stride).zip(solution.chunks_mut(stride)))
             {
                 lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
-                lists.scatter_rest(&values[eliminated..], residual);
+                lists.scatter_rest(&values[eliminated..], residual, rows_reduced);
             }
         }
     }
@@ -224,11 +264,16 @@ impl<'l> Lists<'l> {
         self.given.len() + self.others.len()
     }
 
-    /// Copies the rows below the pivots back to a vector.
+    /// Copies the rows below the pivots, or some of them, back to a vector.
     #[inline(always)]
-    fn scatter_rest(&self, values: &[f64], vector: &mut [f64]) {
+    fn scatter_rest(&self, values: &[f64], vector: &mut [f64], rows: Rows<'_>) {
         let delayed = &self.given[self.factors.eliminated..];
         let (of_delayed, of_others) = values.split_at(delayed.len());
+        if let Rows::Some(places) = rows {
+            let some = self.others.iter().zip(of_others).filter(|(place, _)| places[**place as usize]);
+            some.for_each(|(&place, value)| vector[place as usize] = *value);
+            return;
+        }
         delayed.iter().zip(of_delayed).for_each(|(&place, value)| vector[place as usize] = *value);
         self.others.iter().zip(of_others).for_each(|(&place, value)| vector[place as usize] = *value);
     }
@@ -296,6 +341,7 @@ struct SmallFronts<'j> {
     side: Side,
     fronts: Range<usize>,
     residual: Option<&'j mut [f64]>,
+    rows: Rows<'j>,
     solution: &'j mut [f64],
 }
 
@@ -320,7 +366,7 @@ impl SmallFronts<'_> {
     /// For `W` vectors from `column` on.
     #[inline(always)]
     fn columns<I: Instructions, const W: usize>(&mut self, column: usize) {
-        let SmallFronts { symbolic, factors, side, ref fronts, ref mut residual, ref mut solution } = *self;
+        let SmallFronts { symbolic, factors, side, ref fronts, ref mut residual, rows, ref mut solution } = *self;
         let (stride, is_transposed) = (stride(symbolic), side == Side::Transposed);
         let solution = &mut solution[column * stride..][..W * stride];
         let mut solutions = [solution.as_mut_ptr(); W];
@@ -337,6 +383,10 @@ impl SmallFronts<'_> {
                 let small = factors.small(symbolic, number, is_transposed);
                 // SAFETY: `stride` numbers from each pointer on, all places and some more.
                 unsafe {
+                    if let Rows::Some(places) = rows {
+                        small.reduce_others::<I, W, false>(residuals, solutions, places);
+                        continue;
+                    }
                     if let (Some(rows), false) = (factors.exchanged(symbolic, number), is_transposed) {
                         residuals.iter().for_each(|&vector| gather_rows(rows, small.first(), vector));
                     }
@@ -396,6 +446,7 @@ struct ForwardFew<'j> {
     factors: &'j Factors,
     side: Side,
     fronts: Range<usize>,
+    rows: Rows<'j>,
     residual: &'j mut [f64],
     solution: &'j mut [f64],
     front: &'j mut Vec<f64>,
@@ -405,7 +456,7 @@ impl Kernel for ForwardFew<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let ForwardFew { symbolic, factors, side, fronts, residual, solution, front } = self;
+        let ForwardFew { symbolic, factors, side, fronts, rows, residual, solution, front } = self;
         let size = stride(symbolic);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
@@ -427,7 +478,7 @@ impl Kernel for ForwardFew<'_> {
             for (front, (residual, solution)) in front.chunks_exact(order).zip(vectors) {
                 let (own, rest) = front.split_at(eliminated);
                 lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
-                lists.scatter_rest(rest, residual);
+                lists.scatter_rest(rest, residual, rows);
             }
         }
     }

@@ -68,11 +68,6 @@ impl Traversal {
         Traversal { tasks, threads }
     }
 
-    /// Threads among which the fronts were divided.
-    pub fn threads(&self) -> usize {
-        self.threads
-    }
-
     /// Bytes of waiting contributions at their peak.
     pub fn bytes(&self) -> usize {
         let stacks = self.tasks.iter().flat_map(|task| &task.stacks);
@@ -87,14 +82,106 @@ impl Traversal {
         if let [task] = &mut self.tasks[..] {
             return task.factor_subtree(symbolic, values, &mut factors.part(symbolic));
         }
-        let (mut running, mut rest) = (Vec::with_capacity(self.tasks.len()), factors.part(symbolic));
-        for task in &mut self.tasks {
-            let (part, after) = rest.split_at(symbolic, task.fronts.end);
-            running.push(Running { task, part });
-            rest = after;
-        }
-        factor_subtrees(symbolic, values, &mut running, self.threads)
+        factor_tasks(symbolic, values, &mut self.tasks, factors.part(symbolic), self.threads)
     }
+}
+
+/// A subtree, or one front alone, whose contribution goes to fronts that others factor.
+pub struct Piece {
+    tasks: Vec<Task>,
+    threads: usize,
+}
+
+impl Piece {
+    /// The subtree below a front; `flops` are those of all subtrees.
+    pub fn subtree(symbolic: &Symbolic, root: usize, flops: &[f64], threads: usize) -> Self {
+        let mut tasks = Vec::new();
+        let share = (flops[root] / (threads as f64 * TASKS_PER_THREAD)).max(TASK_FLOPS);
+        if threads <= 1 {
+            tasks.push(Task::new(symbolic, symbolic.fronts[root].subtree..root + 1, 0));
+        } else {
+            divide(symbolic, root, flops, share, &mut tasks);
+        }
+        Piece { tasks, threads }
+    }
+
+    /// One front, which takes up contributions of others.
+    pub fn front(symbolic: &Symbolic, front: usize, threads: usize) -> Self {
+        let below = symbolic.fronts[front].children.len();
+        Piece { tasks: vec![Task::new(symbolic, front..front + 1, below)], threads }
+    }
+
+    fn last(&self) -> &Task {
+        self.tasks.last().expect("a piece has a task")
+    }
+
+    /// All fronts.
+    pub fn fronts(&self) -> Range<usize> {
+        self.tasks[0].fronts.start..self.last().fronts.end
+    }
+
+    /// The front above all others of it.
+    pub fn root(&self) -> usize {
+        self.last().fronts.end - 1
+    }
+
+    /// Bytes of waiting contributions at their peak.
+    pub fn bytes(&self) -> usize {
+        let stacks = self.tasks.iter().flat_map(|task| &task.stacks);
+        size_of::<f64>() * stacks.map(|stack| stack.memory.len()).sum::<usize>()
+    }
+
+    /// Factors a subtree, whose fronts begin the part.
+    ///
+    /// # Errors
+    /// [`Singular`] with the column that has no pivot.
+    pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], mut part: Part<'_>) -> Result<(), Singular> {
+        match &mut self.tasks[..] {
+            [task] => task.factor_subtree(symbolic, values, &mut part),
+            tasks => factor_tasks(symbolic, values, tasks, part, self.threads),
+        }
+    }
+
+    /// Factors a front alone, which begins the part.
+    ///
+    /// # Errors
+    /// As for [`Piece::factor`].
+    pub fn factor_front(
+        &mut self,
+        symbolic: &Symbolic,
+        values: &[f64],
+        part: &mut Part<'_>,
+        children: &[Contribution<'_>],
+    ) -> Result<(), Singular> {
+        let number = self.root();
+        let Task { stacks, workspace, .. } = self.tasks.last_mut().expect("a piece has a task");
+        let output = &mut stacks[symbolic.fronts[number].depth % 2];
+        output.height = 0;
+        factor_front(symbolic, number, values, part, children, output, workspace, self.threads)
+    }
+
+    /// What the front above all others contributes; the part has it.
+    pub fn contribution<'c>(&'c self, symbolic: &Symbolic, part: &'c Part<'_>) -> Contribution<'c> {
+        let root = self.root();
+        contribution(symbolic, part, root, &self.last().stacks[symbolic.fronts[root].depth % 2].memory, |_| 0)
+    }
+}
+
+/// Factors the fronts of tasks, which begin the part.
+fn factor_tasks(
+    symbolic: &Symbolic,
+    values: &[f64],
+    tasks: &mut [Task],
+    part: Part<'_>,
+    threads: usize,
+) -> Result<(), Singular> {
+    let (mut running, mut rest) = (Vec::with_capacity(tasks.len()), part);
+    for task in tasks {
+        let (part, after) = rest.split_at(symbolic, task.fronts.end);
+        running.push(Running { task, part });
+        rest = after;
+    }
+    factor_subtrees(symbolic, values, &mut running, threads)
 }
 
 fn divide(symbolic: &Symbolic, front: usize, flops: &[f64], share: f64, tasks: &mut Vec<Task>) {

@@ -1,0 +1,172 @@
+//! Ranks: processes that run the same program on the same numbers, and share the work of it.
+//!
+//! Every rank has all vectors, and decides what it does next by the same bits as the others. Between them go pieces of factors and of
+//! solutions alone, which come back to all of them: what uses a solver does not know of ranks. One process is all there is unless the program
+//! was built with the feature `mpi`, started by `mpirun`, and asked for ranks with [`start`].
+
+// the library of MUMPS for one process brings functions of MPI of its own, and which ones are called would be chance
+#[cfg(all(feature = "mpi", feature = "mumps"))]
+compile_error!("the features mpi and mumps exclude each other");
+
+#[cfg(feature = "mpi")]
+mod mpi;
+#[cfg(test)]
+mod threads;
+
+#[cfg(test)]
+pub(crate) use threads::on_ranks;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Messages among ranks, each of which calls the same functions in the same order as far as they concern another one.
+///
+/// No call returns an error: a rank that is gone, or that others wait for in vain, is the end of the program.
+pub(crate) trait Exchange: Sync {
+    /// Number of this rank, from zero on.
+    fn rank(&self) -> usize;
+    /// Number of all.
+    fn ranks(&self) -> usize;
+    /// Sends numbers on their way to another rank.
+    fn send(&self, to: usize, message: Vec<f64>);
+    /// Lets messages leave that have not yet, where a rank computes for long.
+    fn hurry(&self) {}
+    /// The next message of another rank, as soon as it is there.
+    fn receive(&self, from: usize) -> Vec<f64>;
+    /// Numbers of all ranks, one after the other; each gives so many.
+    fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64>;
+    /// Ends the programs of all ranks, for a reason.
+    fn end(&self, reason: &str) -> !;
+
+    /// Lists of all ranks, of any lengths.
+    fn gather_lists(&self, own: &[f64]) -> Vec<Vec<f64>> {
+        let lengths = self.gather(&[own.len() as f64], &vec![1; self.ranks()]);
+        let counts: Vec<usize> = lengths.iter().map(|&length| length as usize).collect();
+        if counts.iter().all(|&count| count == 0) {
+            return vec![Vec::new(); self.ranks()];
+        }
+        let mut rest = &self.gather(own, &counts)[..];
+        let mut next = |count: usize| rest.split_off(..count).expect("as many numbers as counted").to_vec();
+        counts.iter().map(|&count| next(count)).collect()
+    }
+}
+
+/// The only process.
+struct Alone;
+
+impl Exchange for Alone {
+    fn rank(&self) -> usize {
+        0
+    }
+    fn ranks(&self) -> usize {
+        1
+    }
+    fn send(&self, to: usize, _: Vec<f64>) {
+        unreachable!("rank {to} of one")
+    }
+    fn receive(&self, from: usize) -> Vec<f64> {
+        unreachable!("rank {from} of one")
+    }
+    fn gather(&self, own: &[f64], _: &[usize]) -> Vec<f64> {
+        own.to_vec()
+    }
+    fn end(&self, reason: &str) -> ! {
+        panic!("{reason}")
+    }
+}
+
+/// How many calls of [`apart`] go on.
+static APART: AtomicUsize = AtomicUsize::new(0);
+
+/// All ranks of this program that share the work of now.
+pub(crate) fn world() -> &'static dyn Exchange {
+    #[cfg(feature = "mpi")]
+    if let (Some(ranks), 0) = (mpi::started(), APART.load(Ordering::Relaxed)) {
+        return ranks;
+    }
+    &Alone
+}
+
+/// Runs what several threads do at once, so that no order of messages is the same on all ranks: each rank does all of it for itself.
+pub(crate) fn apart<R>(work: impl FnOnce() -> R) -> R {
+    APART.fetch_add(1, Ordering::Relaxed);
+    let result = work();
+    APART.fetch_sub(1, Ordering::Relaxed);
+    result
+}
+
+/// Whether this process prints, and writes files: the first of all ranks.
+pub(crate) fn is_first() -> bool {
+    #[cfg(feature = "mpi")]
+    if let Some(ranks) = mpi::started() {
+        return ranks.rank() == 0;
+    }
+    true
+}
+
+/// Whether this process is one of several ranks.
+pub(crate) fn is_shared() -> bool {
+    #[cfg(feature = "mpi")]
+    return mpi::started().is_some();
+    #[cfg(not(feature = "mpi"))]
+    false
+}
+
+/// The number that the first rank gives, where ranks share the work: each may have another one of its own, and all are to do the same.
+pub(crate) fn of_first(own: f64) -> f64 {
+    let world = world();
+    if world.ranks() == 1 { own } else { world.gather(&[own], &vec![1; world.ranks()])[0] }
+}
+
+/// A number by which ranks tell whether they have the same ones: 52 bits that depend on all bits of all numbers.
+pub(crate) fn digest(values: &[f64]) -> f64 {
+    const PRIME: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mix = |state: u64, value: f64| (state ^ value.to_bits()).wrapping_mul(PRIME).rotate_left(29);
+    // four that do not wait for each other
+    let mut states = [1, 2, 3, 4];
+    let (blocks, rest) = values.as_chunks::<4>();
+    for block in blocks {
+        (0..4).for_each(|lane| states[lane] = mix(states[lane], block[lane]));
+    }
+    let last = rest.iter().fold(values.len() as u64, |state, &value| mix(state, value));
+    let all = states.into_iter().fold(last, |all, state| (all ^ state).wrapping_mul(PRIME).rotate_left(29));
+    (all >> 12) as f64
+}
+
+/// Makes one of the processes that `mpirun` started, if it did; to be called once, before anything is printed.
+///
+/// # Errors
+/// What the environment says of ranks and is no number.
+#[cfg(feature = "cli")]
+pub(crate) fn start() -> Result<Started, String> {
+    #[cfg(feature = "mpi")]
+    mpi::start()?;
+    Ok(Started(()))
+}
+
+/// Ranks at work. One that panics ends them all: others would wait for it until their limit.
+#[cfg(feature = "cli")]
+pub(crate) struct Started(());
+
+#[cfg(feature = "cli")]
+impl Started {
+    /// Waits for the other ranks at the end of the program, with its exit code and the message of an error that the first rank has printed. One
+    /// that failed alone says so, and ends them all.
+    pub fn finish(self, code: u8, message: &str) {
+        #[cfg(feature = "mpi")]
+        if let Some(ranks) = mpi::started() {
+            ranks.finish(code, message);
+        }
+        #[cfg(not(feature = "mpi"))]
+        let _ = (code, message);
+    }
+}
+
+#[cfg(feature = "cli")]
+impl Drop for Started {
+    fn drop(&mut self) {
+        #[cfg(feature = "mpi")]
+        if let (true, Some(ranks)) = (std::thread::panicking(), mpi::started()) {
+            ranks.panicked();
+        }
+    }
+}
