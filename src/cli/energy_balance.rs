@@ -1,10 +1,12 @@
 //! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
 
+use super::console::json_number;
 use crate::assembly::ConstraintId;
 use crate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Values};
 use crate::integrators::{StartRecord, StepRecord};
 use crate::io::number;
 use crate::scenes::Prepared;
+use serde_json::{Value, json};
 
 /// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.
 pub struct Ledger {
@@ -35,6 +37,12 @@ impl EnergyBalance {
     /// As a share of all that was turned over; `None` where that is next to nothing.
     pub fn share(&self) -> Option<f64> {
         (self.size > 0.0).then(|| self.left().abs() / self.size)
+    }
+
+    /// As JSON.
+    pub fn json(&self) -> Value {
+        let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()].map(json_number);
+        json!({"change": change, "forces": forces, "drivers": drivers, "left": left})
     }
 
     /// In words.

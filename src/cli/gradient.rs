@@ -134,11 +134,8 @@ fn run_one(
     check_history(&prepared.keep, &options.scene.folder(scene))?;
     let mut simulation = simulate(&prepared, &options.scene)?;
     let output = options.scene.output(scene);
-    let reported = || {
-        let page = Page::by_command(scene, "simulation and gradient");
-        page.with_simulation(&prepared, &simulation.shown(&prepared))
-    };
-    let mut page = options.scene.reports().then(reported);
+    let begun = || Page::by_command(scene, "simulation and gradient");
+    let mut page = options.scene.reports().then(|| begun().with_simulation(&prepared, &simulation.shown(&prepared)));
     if simulation.stopped.is_some() {
         simulation.conclude(page, simulation.json(&prepared).into());
         report(&simulation, &prepared);

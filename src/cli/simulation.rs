@@ -429,14 +429,7 @@ impl Simulation {
         for (name, (share, t)) in changes {
             object.insert(name.into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
         }
-        if let Some(balance) = &self.balance {
-            let EnergyBalance { change, forces, drivers, .. } = *balance;
-            let [change, forces, drivers, left] = [change, forces, drivers, balance.left()].map(json_number);
-            object.insert(
-                "energy_balance_J".into(),
-                json!({"change": change, "forces": forces, "drivers": drivers, "left": left}),
-            );
-        }
+        self.balance.iter().for_each(|balance| drop(object.insert("energy_balance_J".into(), balance.json())));
         object.insert("files".into(), names(&self.files));
         if let Some(failure) = &self.stopped {
             object.insert("error".into(), json!(failure.message));
