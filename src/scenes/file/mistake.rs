@@ -11,6 +11,11 @@ impl Mistake {
     pub fn new(at: usize, what: impl Into<String>) -> Self {
         Mistake { at, what: what.into() }
     }
+
+    /// What it says but for numbers.
+    fn kind(&self) -> String {
+        self.what.chars().filter(|own| !own.is_ascii_digit()).collect()
+    }
 }
 
 /// Most mistakes of one file that are told.
@@ -38,12 +43,24 @@ impl Source {
         format!("{}: {}", self.place(mistake.at), mistake.what)
     }
 
-    /// All mistakes in the order of the file, a line each.
+    /// All mistakes in the order of the file, a line each; one for those at one place that differ by numbers alone, as copies of an entry do.
     pub fn all_told(&self, mut mistakes: Vec<Mistake>) -> String {
         mistakes.sort_by_key(|mistake| mistake.at);
         mistakes.dedup();
-        let mut text = mistakes.iter().take(MOST_TOLD).map(|one| self.told(one)).collect::<Vec<_>>().join("\n");
-        if let Some(more) = mistakes.len().checked_sub(MOST_TOLD + 1) {
+        let mut told: Vec<(Mistake, usize)> = Vec::new();
+        for own in mistakes {
+            let kind = own.kind();
+            match told.iter_mut().rev().take_while(|(known, _)| known.at == own.at).find(|(known, _)| known.kind() == kind) {
+                Some((_, copies)) => *copies += 1,
+                None => told.push((own, 0)),
+            }
+        }
+        let line = |(own, copies): &(Mistake, usize)| match copies {
+            0 => self.told(own),
+            copies => format!("{} (and {copies} more like it here)", self.told(own)),
+        };
+        let mut text = told.iter().take(MOST_TOLD).map(line).collect::<Vec<_>>().join("\n");
+        if let Some(more) = told.len().checked_sub(MOST_TOLD + 1) {
             let _ = write!(text, "\nand {} more", more + 1);
         }
         text
@@ -53,6 +70,16 @@ impl Source {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn mistakes_of_copies_are_told_once() {
+        let source = Source { name: "a.toml".into(), text: "x = 1\ny = 2\n".into() };
+        let all = ["\"bar 0\": no i", "\"bar 0\": no k", "\"bar 1\": no i", "\"bar 12\": no i"];
+        let mistakes = all.iter().map(|what| Mistake::new(4, *what)).chain([Mistake::new(10, "\"bar 3\": no i")]);
+        let told = source.all_told(mistakes.collect());
+        let expected = "a.toml:1:5: \"bar 0\": no i (and 2 more like it here)\na.toml:1:5: \"bar 0\": no k\na.toml:2:5: \"bar 3\": no i";
+        assert_eq!(told, expected);
+    }
 
     #[test]
     fn places_are_lines_and_columns_of_characters() {
