@@ -47,24 +47,10 @@ impl EnergyBalance {
 
     /// In words.
     pub fn in_words(&self) -> String {
+        let drivers = if self.drivers == 0.0 { String::new() } else { format!(", drivers {} J", number(self.drivers)) };
         let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of what was turned over"));
-        format!(
-            "energy {} J = work of loads and losses {} J and of drivers {} J; left {} J{left}",
-            Short(self.change),
-            Short(self.forces),
-            Short(self.drivers),
-            number(self.left())
-        )
-    }
-}
-
-/// A number with its sign.
-struct Short(f64);
-
-impl std::fmt::Display for Short {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let sign = if self.0 < 0.0 { "-" } else { "+" };
-        write!(f, "{sign}{}", number(self.0.abs()))
+        let [change, forces, apart] = [self.change, self.forces, self.left()].map(number);
+        format!("energy changes by {change} J, loads and losses work {forces} J{drivers}: {apart} J apart{left}")
     }
 }
 

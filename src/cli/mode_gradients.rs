@@ -10,6 +10,8 @@ use crate::scenes::{DifferentiatedModes, ModeGradient, Prepared};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
+/// What is shown as zero, relative.
+const ROUND_OFF: f64 = 1e-14;
 /// Modes of the printed table.
 const SHOWN: usize = 6;
 
@@ -38,10 +40,13 @@ impl Gradients<'_> {
             let named = &self.prepared.variables[variable];
             let mut row = vec![named.name.clone(), named.unit.to_string()];
             for (mode, own) in &shown {
-                let (derivative, omega) = (own.frequency[variable], self.own.modes[*mode].frequency);
-                let relative = relative_effect(self.prepared.x[variable], derivative, omega).map_or("-".into(), number);
+                let (x, value) = (self.prepared.x[variable], &self.own.modes[*mode]);
+                let size = value.frequency.hypot(value.growth) / x.abs();
+                let shown = |derivative: f64| if derivative.abs() < ROUND_OFF * size { 0.0 } else { derivative };
+                let derivative = shown(own.frequency[variable]);
+                let relative = relative_effect(x, derivative, value.frequency).map_or("-".into(), number);
                 row.extend([number(derivative), relative]);
-                row.extend(self.are_complex.then(|| number(own.growth[variable])));
+                row.extend(self.are_complex.then(|| number(shown(own.growth[variable]))));
             }
             row
         };
