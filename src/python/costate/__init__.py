@@ -11,7 +11,7 @@ from .errors import CheckError, Error, InputError, InternalError, RecordingError
 from .model import Model
 from .numbers import floor, less, maximum, minimum, rotation, sign, where
 from .parts import Constraint, Element, Parameter, Quantity, State, non_negative, number, positive
-from .results import Gradient, History, JointHistory, NodeHistory, Report, Run
+from .results import Gradient, History, JointHistory, Mode, NodeHistory, Report, Run
 from .scene_function import Variable, scene, variable
 from .scenes import DesignVariable, Functional, Scene, built_in, built_in_names, load, loads, value_and_grad
 
@@ -27,6 +27,7 @@ __all__ = [
     "InputError",
     "InternalError",
     "JointHistory",
+    "Mode",
     "Model",
     "NodeHistory",
     "Parameter",

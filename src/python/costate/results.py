@@ -58,6 +58,31 @@ class NodeHistory(_Arrays):
     axes: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """A small vibration: the real part of a shape times exp((growth + i frequency) t)."""
+
+    #: omega [rad/s]; 0 for a rigid motion.
+    frequency: float
+    #: [1/s]; negative for one that fades.
+    growth: float
+    #: Of a steady turn: from 1, circles with its sense, to -1, circles against it; ``None`` elsewhere.
+    whirl: float | None
+    #: d omega / dx for each design variable, if derivatives were asked for; ``None`` for a rigid motion.
+    frequency_gradient: Array | None
+    #: d growth / dx.
+    growth_gradient: Array | None
+    #: How many modes have this value: of several each variable alone parts the values as the derivatives say, the lowest
+    #: omega first; they do not add up. ``None`` without derivatives.
+    equal: int | None
+
+    @property
+    def damping_ratio(self) -> float:
+        """Share of the critical damping."""
+        size = float(np.hypot(self.growth, self.frequency))
+        return -self.growth / size if size > 0 else 0.0
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class JointHistory(_Arrays):
     """What a joint or driver does to the last of its nodes that moves, in the world, at the start and at the end of

@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _costate
 from .errors import InputError, RunWarning, user_level
 from .parts import Part, describe
 from .progress import Bar, Progress, told
-from .results import Array, Gradient, Run
+from .results import Array, Gradient, Mode, Run
 
 #: Lines of the text that a builder made, and where in Python they come from.
 Places = Mapping[int, tuple[str, int]]
@@ -182,6 +183,46 @@ class Scene:
         finally:
             if isinstance(tell, Bar):
                 tell.close()
+
+    def modes(
+        self, x: Any = None, *, count: int = 6, damped: bool = False, static: bool = False, gradients: bool = False
+    ) -> list[Mode]:
+        """Small vibrations about the equilibrium of a design: up to ``count`` whose omega^2 are nearest to zero.
+
+        * ``damped``: with dampers, states of first order and what else depends on velocities; about a steady turn always
+        * ``static``: about the equilibrium after the scene's load steps instead of its start
+        * ``gradients``: with derivatives by all design variables, exact to round-off, through the equilibrium
+
+        Raises ``InputError`` and ``RunError``.
+        """
+        if not isinstance(count, Integral) or isinstance(count, bool) or count < 1:
+            raise InputError(f"count of modes: {count!r}; it must be a whole number from 1 on")
+        with self._told():
+            found = self._native.modes(self._still(x, static), int(count), bool(damped), bool(gradients))
+        modes = []
+        for frequency, growth, whirl, derivatives in found:
+            by_frequency, by_growth, equal = derivatives if derivatives is not None else (None, None, None)
+            rows = [None if own is None else np.array(own) for own in (by_frequency, by_growth)]
+            modes.append(Mode(frequency, growth, whirl, rows[0], rows[1], equal))
+        return modes
+
+    def response(self, by: str, rates: Any, x: Any = None, *, static: bool = False) -> NDArray[np.complex128]:
+        """Complex amplitudes of all functionals, by the design variable ``by``, where it varies by a small
+        d cos(omega t) about the equilibrium of ``modes``: an array ``(rates, functionals)`` for rates omega [rad/s].
+
+        Raises ``InputError`` and ``RunError``.
+        """
+        own = np.atleast_1d(_reals(rates, "rates"))
+        if own.ndim != 1:
+            raise InputError(f"rates of shape {own.shape}: a list of numbers is wanted")
+        with self._told():
+            parts = self._native.response(self._still(x, static), by, own.tolist())
+        numbers = np.array(parts, dtype=float).reshape(len(own), len(self.functionals), 2)
+        return np.asarray(numbers[..., 0] + 1j * numbers[..., 1])
+
+    def _still(self, x: Any, static: bool) -> tuple[list[float], dict[str, Any]]:
+        method = "static" if static else None
+        return self.design(x).tolist(), {**_OPTIONS, "keep_steps": False, "method": method, "progress": None}
 
     def _run(self, x: Array, *, keep_steps: bool = True, **options: Any) -> Run:
         with self._told():

@@ -5,8 +5,9 @@ use crate::interrupt::Signals;
 use crate::parts::own_parts;
 use crate::run::{Run, RunOf};
 use costate::history::Keep;
+use costate::integrators::Mode;
 use costate::prelude::RunError;
-use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};
+use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, Prepared, Settings, built_in};
 use costate::sensitivity::Forward;
 use pyo3::prelude::*;
 use self_cell::self_cell;
@@ -64,6 +65,28 @@ pub struct Scene {
 
 /// Name, initial value, bounds, unit.
 type Variable = (String, f64, (f64, f64), String);
+
+/// Frequency, growth, whirl; then d omega/dx, d growth/dx and how many modes have the value, if they are asked for and there.
+type ModeNumbers = (f64, f64, Option<f64>, Option<(Vec<f64>, Vec<f64>, usize)>);
+
+/// Modes of a scene at rest or in a steady turn.
+fn modes(prepared: &Prepared, count: usize, damped: bool, gradients: bool) -> Result<Vec<ModeNumbers>, RunError> {
+    let is_complex = damped || prepared.spin_rate().is_some();
+    let found = match (gradients, is_complex) {
+        (true, _) => prepared.modes_with_gradients(count, damped)?,
+        (false, is_complex) => {
+            let find = if is_complex { Prepared::complex_modes_with_state } else { Prepared::modes_with_state };
+            let (q, modes) = find(prepared, count)?;
+            DifferentiatedModes { q, modes, gradients: Vec::new() }
+        }
+    };
+    let mut derivatives = found.gradients.into_iter();
+    let mut one = |mode: &Mode| {
+        let gradient = derivatives.next().flatten().map(|own| (own.frequency, own.growth, own.equal));
+        (mode.frequency, mode.growth, prepared.whirl(&found.q, mode), gradient)
+    };
+    Ok(found.modes.iter().map(&mut one).collect())
+}
 
 impl Scene {
     fn of(source: Source) -> Self {
@@ -152,6 +175,37 @@ impl Scene {
     fn scenarios(&self) -> Vec<(String, Scene)> {
         let names = self.source.scene().scenarios().into_iter().map(|own| own.name).enumerate();
         names.map(|(place, name)| (name, Scene::of(Source::Scenario(self.source.clone(), place)))).collect()
+    }
+
+    /// Modes about the equilibrium of a design, its own without one.
+    fn modes(
+        &self,
+        py: Python<'_>,
+        at: (Option<Vec<f64>>, Options),
+        count: usize,
+        damped: bool,
+        gradients: bool,
+    ) -> PyResult<Vec<ModeNumbers>> {
+        let find = || {
+            let prepared = self.prepared(at.0, &at.1).map_err(run_error)?;
+            modes(prepared.borrow_dependent(), count, damped, gradients).map_err(run_error)
+        };
+        py.detach(|| guarded(find))
+    }
+
+    /// Complex amplitudes of the functionals where a variable varies harmonically, for each rate.
+    fn response(
+        &self,
+        py: Python<'_>,
+        at: (Option<Vec<f64>>, Options),
+        by: String,
+        rates: Vec<f64>,
+    ) -> PyResult<Vec<Vec<[f64; 2]>>> {
+        let find = || {
+            let prepared = self.prepared(at.0, &at.1).map_err(run_error)?;
+            prepared.borrow_dependent().frequency_response(&by, &rates).map_err(run_error)
+        };
+        py.detach(|| guarded(find))
     }
 
     /// Simulates it at a design, its own without one, and says what ended the run where that was a signal.
