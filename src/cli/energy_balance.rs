@@ -1,6 +1,7 @@
 //! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
 
 use super::console::json_number;
+use super::measured_moments::ENERGY_ROUNDING;
 use crate::assembly::ConstraintId;
 use crate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Values};
 use crate::integrators::{StartRecord, StepRecord};
@@ -26,6 +27,8 @@ pub struct EnergyBalance {
     pub drivers: f64,
     /// What all of these turned over \[J\].
     size: f64,
+    /// What rounding may leave \[J\].
+    round_off: f64,
 }
 
 impl EnergyBalance {
@@ -34,9 +37,9 @@ impl EnergyBalance {
         self.change - self.forces - self.drivers
     }
 
-    /// As a share of all that was turned over; `None` where that is next to nothing.
+    /// As a share of all that was turned over; `None` where nothing but rounding is left.
     pub fn share(&self) -> Option<f64> {
-        (self.size > 0.0).then(|| self.left().abs() / self.size)
+        (self.left().abs() > self.round_off).then(|| self.left().abs() / self.size)
     }
 
     /// As JSON.
@@ -91,7 +94,7 @@ impl Ledger {
     /// What sees the run.
     pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> Course<'l> {
         let values = Values::new(&self.functionals, prepared.model(), &prepared.method.table, &self.p);
-        Course { values, works: vec![0.0; self.functionals.len() - ENERGIES], size: 0.0 }
+        Course { values, works: vec![0.0; self.functionals.len() - ENERGIES], size: 0.0, held: 0.0 }
     }
 }
 
@@ -102,6 +105,8 @@ pub struct Course<'l> {
     works: Vec<f64>,
     /// All that they have put in and taken out.
     size: f64,
+    /// Largest reaction times largest coordinate: energies of this size are differences of what joints hold.
+    held: f64,
 }
 
 impl Course<'_> {
@@ -116,13 +121,18 @@ impl Course<'_> {
             self.size += (own - *before).abs();
             *before = own;
         }
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let reactions = step.stages.last().map_or(0.0, |stage| largest(&stage.solve.unknowns.mu));
+        self.held = self.held.max(reactions * largest(&step.q));
     }
 
-    /// At the end of the last step.
-    pub fn finish(self) -> EnergyBalance {
+    /// At the end of the last step; `None` of a run without steps.
+    pub fn finish(self) -> Option<EnergyBalance> {
         let (values, ..) = self.values.finish();
         let (energies, works) = values.split_at(ENERGIES);
         let (change, drivers) = (energies[1] - energies[0], works[1..].iter().sum());
-        EnergyBalance { change, forces: works[0], drivers, size: self.size.max(change.abs()) }
+        let round_off = ENERGY_ROUNDING * energies.iter().fold(self.held, |most, own| most.max(own.abs()));
+        let size = self.size.max(change.abs());
+        change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, size, round_off })
     }
 }

@@ -20,7 +20,7 @@ pub struct EnergyCourse {
 }
 
 /// Share of the energies up to which a change is round-off: bodies at rest have nothing but that.
-const ENERGY_ROUNDING: f64 = 1e-12;
+pub const ENERGY_ROUNDING: f64 = 1e-12;
 
 impl EnergyCourse {
     fn new(start: f64, t: f64) -> Self {

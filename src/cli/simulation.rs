@@ -109,7 +109,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
-    let (energy, balance) = (results.energy_course(), balance.map(Course::finish));
+    let (energy, balance) = (results.energy_course(), balance.and_then(Course::finish));
     let Finished { files, unwritten, charts, moments } = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
