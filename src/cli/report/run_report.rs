@@ -8,7 +8,8 @@ use crate::cli::simulation::energy_in_words;
 use crate::integrators::RunError;
 use crate::scenes::Run;
 
-/// The page that `costate run` and `costate gradient` write, of a run that a program made; it is whole in itself and needs no network.
+/// The page that `costate run` and `costate gradient` write, of a run that a program made, without the balance of energies, which they add up
+/// while it goes on; it is whole in itself and needs no network.
 pub struct RunReport<'r> {
     /// What is shown.
     pub run: &'r Run<'r>,

@@ -1975,6 +1975,23 @@ class _Functional:
         * ``load`` ("force" or "moment" or "force_norm" or "moment_norm"): which
         * ``direction`` (vector, optional): direction in the world at the start; needed but for norms [-]
         """
+    def joint_power(
+        self,
+        name: str,
+        /,
+        *,
+        over: Literal['initial', 'terminal', 'integral'] | Table,
+        joint: str,
+        on: str | None = None,
+    ) -> str:
+        """Power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J].
+        A number that a run gives, with its gradient.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
+        * ``joint`` (text): name of a joint or driver
+        * ``on`` (text, optional): one of its nodes, to which the joint hands on so much; all
+        """
     def energy(
         self,
         name: str,
@@ -1987,6 +2004,21 @@ class _Functional:
 
         * ``name`` (text): name, by which others refer to it
         * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
+        """
+    def power(
+        self,
+        name: str,
+        /,
+        *,
+        over: Literal['initial', 'terminal', 'integral'] | Table,
+        of: str | Sequence[str] | None = None,
+    ) -> str:
+        """Power of loads, dampers, actuators and losses, of all that is in no energy [W]; an integral is a work [J].
+        A number that a run gives, with its gradient.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
+        * ``of`` (text, or list of text, optional): names of loads, springs, dampers, parts of one's own, members or groups; everything
         """
     def mass(
         self,

@@ -159,6 +159,8 @@ def test_a_report_has_the_tables_of_the_command_line(command_line, tmp_path):
     subprocess.run([command_line, "run", "five-bar", "--out", str(tmp_path)], check=True, capture_output=True)
     page = costate.results.Report("five-bar", (tmp_path / "report.html").read_text(encoding="utf-8"))
     theirs, ours = data_of(page), data_of(costate.built_in("five-bar").run().report())
+    # the balance of energies is added up while a command runs
+    theirs["facts"] = [fact for fact in theirs["facts"] if fact[0] != "balance"]
     for part in ("title", "summary", "what", "facts", "tables", "charts", "clips", "space"):
         assert ours[part] == theirs[part], part
 
