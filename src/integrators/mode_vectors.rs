@@ -31,6 +31,10 @@ const MOST_ITERATIONS: usize = 12;
 const LEFT: f64 = 1e-9;
 /// ... and what is round-off.
 const ROUND_OFF: f64 = 1e-15;
+/// Iterations of one more vector, ...
+const CHECKS: usize = 3;
+/// ... and how much of it may lie outside of those of the known modes.
+const MISSING: f64 = 1e-3;
 
 /// A vector of the system: coordinates of the model, multipliers of its constraints, those inside nodes last.
 #[derive(Clone, Debug)]
@@ -141,6 +145,12 @@ fn vectors(
             lambda.norm()
         ))
     };
+    let missing = || {
+        RunError::Input(format!(
+            "{PLACE}: more modes than were found have the value at {:.6e} rad/s: ask for more modes",
+            lambda.norm()
+        ))
+    };
     // along the real axis the matrix of an undamped mode would get another structure
     let beside = BESIDE.iter().map(|share| lambda * (1.0 + share)).find(|beside| amplitudes.set(*beside).is_ok());
     let beside = beside.ok_or_else(unsettled)?;
@@ -162,7 +172,21 @@ fn vectors(
             }
             before = own;
         }
-        (own.min(before) <= LEFT).then_some(vectors).ok_or_else(unsettled)
+        if !(own.min(before) <= LEFT) {
+            return Err(unsettled());
+        }
+        // one more that does not lie in them has the same value: the modes were not all known
+        let mut other = start(count);
+        for _ in 0..CHECKS {
+            let rhs = pencil.slope(beside, &other, transposed);
+            other = if transposed { amplitudes.solve_transposed(&rhs) } else { amplitudes.solve(&rhs) };
+            orthonormalize(std::slice::from_mut(&mut other));
+        }
+        for known in &vectors {
+            subtract_share(&mut other, known);
+        }
+        let is_missing = other.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt() > MISSING;
+        if is_missing { Err(missing()) } else { Ok(vectors) }
     };
     Ok([of_side(false)?, of_side(true)?])
 }
@@ -172,14 +196,19 @@ fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Subtracts what a vector has along another one of length 1.
+fn subtract_share(own: &mut [Complex64], known: &[Complex64]) {
+    let share: Complex64 = known.iter().zip(&*own).map(|(known, own)| known.conj() * own).sum();
+    own.iter_mut().zip(known).for_each(|(own, known)| *own -= share * *known);
+}
+
 /// Makes vectors such that a^H b = 0 and a^H a = 1.
 fn orthonormalize(vectors: &mut [Vec<Complex64>]) {
     for k in 0..vectors.len() {
         let (known, rest) = vectors.split_at_mut(k);
         let own = &mut rest[0];
         for known in known {
-            let share: Complex64 = known.iter().zip(&*own).map(|(known, own)| known.conj() * own).sum();
-            own.iter_mut().zip(known).for_each(|(own, known)| *own -= share * *known);
+            subtract_share(own, known);
         }
         let size = own.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
         own.iter_mut().for_each(|own| *own /= size);
