@@ -56,8 +56,6 @@ pub struct Functional {
 pub struct Sample<S> {
     /// Time \[s\].
     pub t: S,
-    /// Weight in an integral \[s\]; h b_i for a one-step table.
-    pub weight: S,
     /// Accelerations, velocities, coordinates.
     pub at: VectorsAvq<S>,
     /// Multipliers: of least norm where constraints are redundant.
@@ -73,24 +71,17 @@ impl<S: RunScalar> Sample<S> {
     pub fn initial(start: &StartRecord<S>) -> Self {
         let (dropped, start) = (start.dropped.clone(), &start.acceleration);
         let mu = start.unknowns.mu.clone();
-        Sample { t: S::from(start.t), weight: S::zero(), at: start.point(), mu, solved_mu: Vec::new(), dropped }
+        Sample { t: S::from(start.t), at: start.point(), mu, solved_mu: Vec::new(), dropped }
     }
 
     /// Room for a sample.
     pub fn empty() -> Self {
-        Sample {
-            t: S::zero(),
-            weight: S::zero(),
-            at: VectorsAvq::default(),
-            mu: Vec::new(),
-            solved_mu: Vec::new(),
-            dropped: Vec::new(),
-        }
+        Sample { t: S::zero(), at: VectorsAvq::default(), mu: Vec::new(), solved_mu: Vec::new(), dropped: Vec::new() }
     }
 
     /// Moves to the end of a step: its state, with acceleration and multipliers of the last stage (none without stages).
     pub fn set_terminal(&mut self, step: &StepRecord<S>) {
-        (self.t, self.weight) = (S::from(step.t + step.h), S::zero());
+        self.t = S::from(step.t + step.h);
         self.at.v.clone_from(&step.v);
         self.at.q.clone_from(&step.q);
         self.solved_mu.clear();
@@ -101,10 +92,10 @@ impl<S: RunScalar> Sample<S> {
         }
     }
 
-    /// Moves to a stage, with its weight in an integral.
-    pub fn set_stage(&mut self, step: &StepRecord<S>, stage: usize, weight: f64) {
+    /// Moves to a stage.
+    pub fn set_stage(&mut self, step: &StepRecord<S>, stage: usize) {
         let solve = &step.stages[stage].solve;
-        (self.t, self.weight) = (S::from(solve.t), S::from(weight));
+        self.t = S::from(solve.t);
         self.at.a.resize(solve.base.a.len(), S::zero());
         self.at.v.resize(solve.base.v.len(), S::zero());
         self.at.q.resize(solve.base.q.len(), S::zero());
@@ -118,7 +109,6 @@ impl<S: RunScalar> Sample<S> {
     pub(super) fn follow(&mut self, clock: Option<Clock<S>>) {
         let Some(clock) = clock else { return };
         self.t = clock.time(self.t.value());
-        self.weight *= clock.length();
         clock.set_pace(&mut self.at);
     }
 

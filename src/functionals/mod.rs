@@ -42,4 +42,4 @@ pub(crate) use reactions::multipliers_without_forces;
 pub use shell_quantity::{OfShells, ShellQuantity};
 pub(crate) use step_ends::StepEnds;
 pub(crate) use values::Values;
-pub(crate) use weights::QuadratureWeights;
+pub(crate) use weights::{QuadratureWeights, StageWeight};

@@ -1,5 +1,5 @@
 use super::aggregate::{SUMS, Totals};
-use super::{Aggregate, AggregateKind, PointWeights};
+use super::{Aggregate, AggregateKind, PointWeights, StageWeight};
 use crate::scalar::Scalar;
 
 /// What is made over time of the values that are measured, one or those of many points.
@@ -52,6 +52,15 @@ impl Over {
     /// Whether each sample in time counts 1, whatever the integrator's weights are.
     pub(crate) fn counts_samples(&self) -> bool {
         self.aggregate().is_some_and(|aggregate| aggregate.kind == AggregateKind::UpperMaximum)
+    }
+
+    /// How much a stage counts, in units of time unless samples are counted.
+    pub(crate) fn time_weight(&self, weight: StageWeight) -> f64 {
+        match self {
+            _ if self.counts_samples() => 1.0,
+            Over::Aggregate { .. } => weight.aggregate,
+            _ => weight.integral,
+        }
     }
 
     /// When it reads.

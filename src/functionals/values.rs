@@ -1,7 +1,7 @@
 use super::aggregate::{SUMS, Totals};
 use super::extremes::{Extreme, Extremes, Seen, follow};
 use super::measured_group::GroupWork;
-use super::{Functional, Measured, Sample, Times};
+use super::{Functional, Measured, Sample, StageWeight, Times};
 use crate::assembly::{Clock, Model};
 use crate::elements::RunScalar;
 use crate::integrators::{Clocks, Combination, StartRecord, StepRecord, Table, clock_at};
@@ -28,8 +28,6 @@ pub struct Values<'f, S> {
     /// The end of the last step.
     last: Option<Sample<S>>,
     sample: Sample<S>,
-    /// For each functional, whether each sample in time counts 1.
-    counting: Vec<bool>,
     /// Whether any functional reads multipliers.
     reading: bool,
     work: GroupWork<S>,
@@ -58,7 +56,6 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sums: functionals.iter().map(sums).collect(),
             last: None,
             sample: Sample::empty(),
-            counting: functionals.iter().map(|functional| functional.over.counts_samples()).collect(),
             reading: functionals.iter().any(Functional::reads_multipliers),
             work: GroupWork::default(),
             clocks: None,
@@ -84,10 +81,18 @@ impl<'f, S: RunScalar> Values<'f, S> {
         let Functional { measured, over, .. } = &self.functionals[k];
         let (sums, offset, work) = (&mut self.sums[k], &mut self.offsets[k], &mut self.work);
         measured.write_values(self.model, sample, self.p, over.points(), work);
-        if let Some(aggregate) = over.aggregate().filter(|_| self.following) {
-            follow(&mut self.seen[k], sample.t.value(), work.values.iter().map(|[y, _]| y.value()));
+        if let Some(aggregate) = over.aggregate() {
+            if self.following {
+                follow(&mut self.seen[k], sample.t.value(), work.values.iter().map(|[y, _]| y.value()));
+            }
+            if weight.value() == 0.0 {
+                // far above all others it would make nothing of them as the offset, and infinity of itself without
+                return;
+            }
             let before = *offset;
-            *offset = aggregate.following(before, &work.values);
+            if self.following {
+                *offset = aggregate.following(before, &work.values);
+            }
             if *offset > before {
                 let smaller = aggregate.kernel(before, *offset);
                 sums.iter_mut().for_each(|sums| sums[..2].iter_mut().for_each(|sum| *sum *= S::from(smaller)));
@@ -137,9 +142,10 @@ impl<'f, S: RunScalar> Values<'f, S> {
         if self.at(Times::Run).next().is_none() {
             return;
         }
-        let Combination { carried, stages } = &self.table.scheme(step.scheme).quadrature;
+        let scheme = self.table.scheme(step.scheme);
+        let Combination { carried, stages } = &scheme.quadrature;
         for k in self.at(Times::Run) {
-            if self.counting[k] {
+            if self.functionals[k].over.counts_samples() {
                 continue;
             }
             let sums = &mut self.sums[k];
@@ -148,15 +154,20 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sums[0] = latest;
         }
         let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
-        for (stage, weight) in stages.iter().enumerate() {
-            sample.set_stage(step, stage, step.h * weight);
+        for (stage, (integral, aggregate)) in stages.iter().zip(&scheme.aggregate_weights).enumerate() {
+            sample.set_stage(step, stage);
             sample.follow(clock);
             if self.reading {
                 sample.share(self.model, self.p);
             }
+            let weight = StageWeight { integral: step.h * integral, aggregate: step.h * aggregate };
             for k in self.at(Times::Run) {
-                let weight = if self.counting[k] { S::one() } else { sample.weight };
-                self.add(k, &sample, weight);
+                let over = &self.functionals[k].over;
+                let mut in_time = S::from(over.time_weight(weight));
+                if let Some(clock) = clock.filter(|_| !over.counts_samples()) {
+                    in_time *= clock.length();
+                }
+                self.add(k, &sample, in_time);
             }
         }
         self.sample = sample;

@@ -1,6 +1,15 @@
 use crate::integrators::{Combination, StepRecord, Table};
 use std::collections::VecDeque;
 
+/// How much one stage of a step counts over a run.
+#[derive(Clone, Copy, Debug)]
+pub struct StageWeight {
+    /// In an integral.
+    pub integral: f64,
+    /// In an aggregate, never negative: see [`Table::aggregate_weights`].
+    pub aggregate: f64,
+}
+
 /// Weights of stages in an integral over a run, handed out from the last step to the first: the table's recursion for z' = f,
 /// transposed.
 ///
@@ -19,11 +28,14 @@ impl<'t> QuadratureWeights<'t> {
     }
 
     /// Goes back through a step: the weight of each of its stages \[s\].
-    pub fn back_through<S>(&mut self, step: &StepRecord<S>) -> Vec<f64> {
-        let Combination { carried, stages } = &self.table.scheme(step.scheme).quadrature;
+    pub fn back_through<S>(&mut self, step: &StepRecord<S>) -> Vec<StageWeight> {
+        let scheme = self.table.scheme(step.scheme);
+        let Combination { carried, stages } = &scheme.quadrature;
         let own = self.latest.pop_front().unwrap_or(0.0);
         self.latest.resize(self.latest.len().max(carried.len()), 0.0);
         self.latest.iter_mut().zip(carried).for_each(|(earlier, factor)| *earlier += own * factor);
-        stages.iter().map(|weight| own * (step.h * weight)).collect()
+        let over = |weight: &f64| own * (step.h * weight);
+        let pairs = stages.iter().zip(&scheme.aggregate_weights);
+        pairs.map(|(integral, aggregate)| StageWeight { integral: over(integral), aggregate: over(aggregate) }).collect()
     }
 }

@@ -1,3 +1,4 @@
+use super::positive_weights::positive_weights;
 use super::{Carried, Combination, Embedded, Stage, Table};
 
 /// A Runge-Kutta tableau with a lower-triangular matrix, and what it claims of itself.
@@ -186,6 +187,7 @@ impl Butcher {
             carried,
             stages,
             update,
+            aggregate_weights: positive_weights(&self.b, &c, self.order),
             quadrature: Combination { carried: vec![1.0], stages: self.b },
             rates,
             stiffly_accurate,

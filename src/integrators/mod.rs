@@ -27,6 +27,7 @@ mod mode_vectors;
 mod newton;
 mod not_finite;
 mod pause;
+mod positive_weights;
 mod prediction;
 pub(crate) mod record;
 mod redundancy;

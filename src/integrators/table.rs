@@ -67,6 +67,8 @@ pub struct Table {
     pub update: Vec<Combination>,
     /// The integral z of a functional's quantity f at the end of a step, z = sum of earlier z (latest first) + h sum of stage f.
     pub quadrature: Combination,
+    /// What takes the place of the quadrature's stages in aggregates, whose weights must not be negative; the same where none of those is.
+    pub aggregate_weights: Vec<f64>,
     /// First-order coefficients a_ij, and b in the last row: how rate corrections of the velocity level enter q.
     pub rates: Vec<Vec<f64>>,
     /// The last stage lies at the end of the step and is the new state.

@@ -75,13 +75,7 @@ impl<'o> Optimization<'o> {
                 extremes[place] = forward.extremes[own].clone();
             }
         }
-        match values.iter().position(|value| !value.is_finite()) {
-            Some(k) => Err(RunError::Input(format!(
-                "functional \"{}\" is {}; a smooth maximum needs steps that resolve its peak: try a smaller step or sharpness",
-                self.functionals[k].0, values[k]
-            ))),
-            None => Ok(Simulated { design: design.to_vec(), values, extremes, runs }),
-        }
+        Ok(Simulated { design: design.to_vec(), values, extremes, runs })
     }
 
     fn case_run(
@@ -103,6 +97,7 @@ impl<'o> Optimization<'o> {
             return Err(RunError::Interrupted { steps: forward.history.steps() });
         }
         stopped.map_or(Ok(()), Err)?;
+        prepared.analysis().check_values(&forward)?;
         Ok(CaseRun { prepared, forward, places })
     }
 

@@ -7,7 +7,9 @@ use super::solvers::StepSolvers;
 use super::transposed::{Backward, SolutionBar, TransposedSolver, add, set_zero_vectors, set_zeros};
 use crate::assembly::{System, VectorsAvq};
 use crate::design::ModelNumbers;
-use crate::functionals::{Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, Times, Totals};
+use crate::functionals::{
+    Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, StageWeight, Times, Totals,
+};
 use crate::history::{History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
@@ -286,11 +288,6 @@ impl<'m> Sweep<'m> {
         self.functionals[k].functional.over.times()
     }
 
-    /// How much a sample counts for functional `k` that has a weight in time.
-    fn weight(&self, k: usize, in_time: f64) -> f64 {
-        if self.functionals[k].functional.over.counts_samples() { 1.0 } else { in_time }
-    }
-
     /// Shares the forces of redundant constraints, if a functional reads them.
     fn share(&self, sample: &mut Sample<f64>) {
         if self.functionals.iter().any(|own| own.functional.reads_multipliers()) {
@@ -340,7 +337,7 @@ impl<'m> Sweep<'m> {
         &mut self,
         step: &StepRecord<f64>,
         last_step: bool,
-        weights: &[f64],
+        weights: &[StageWeight],
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
@@ -427,7 +424,7 @@ impl<'m> Sweep<'m> {
     fn stage(
         &mut self,
         step: &StepRecord<f64>,
-        (stage, weight): (usize, f64),
+        (stage, weight): (usize, StageWeight),
         back: &mut [Backward],
         stages: &mut [Vec<SolutionBar>],
         solvers: &mut StepSolvers<'m>,
@@ -440,11 +437,12 @@ impl<'m> Sweep<'m> {
         let mut measured = std::mem::take(&mut self.measured);
         measured.resize_with(back.len(), Measured::default);
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
-        let weights: SmallVec<[f64; 8]> = (0..back.len()).map(|k| self.weight(k, weight)).collect();
+        let weights: SmallVec<[f64; 8]> =
+            self.functionals.iter().map(|own| own.functional.over.time_weight(weight)).collect();
         let reads: SmallVec<[bool; 8]> = (0..back.len()).map(|k| weights[k] != 0.0 && self.times(k) == Times::Run).collect();
         if reads.contains(&true) {
             let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
-            sample.set_stage(step, stage, weight);
+            sample.set_stage(step, stage);
             self.share(&mut sample);
             let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
             for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate().filter(|(k, _)| reads[*k]) {

@@ -6,7 +6,7 @@ use super::signature::Signature;
 use crate::assembly::{Laws, Model};
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
-use crate::functionals::{Extremes, Functional, Over, Sample, StepEnds, Totals, Values};
+use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
@@ -278,14 +278,9 @@ impl<'m> Analysis<'m> {
     pub fn check_values(&self, forward: &Forward) -> Result<(), RunError> {
         self.check_signature(forward)?;
         let Some(k) = forward.values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
-        let (functional, value) = (&self.functionals[k], forward.values[k]);
-        let why = match functional.over {
-            Over::Aggregate { .. } => {
-                "an aggregate needs steps that resolve its peak, all the more where a method has negative weights; try a smaller step or sharpness"
-            }
-            _ => "what it measures is no number at a state of the run: look at its formula and parameters",
-        };
-        Err(RunError::Input(format!("functional \"{}\" is {value}: {why}", functional.name)))
+        let (name, value) = (&self.functionals[k].name, forward.values[k]);
+        let why = "what it measures is no number at a state of the run: look at its formula and parameters";
+        Err(RunError::Input(format!("functional \"{name}\" is {value}: {why}")))
     }
 
     /// Gradients of all functionals by the discrete adjoint, for any number of variables at the price of one sweep.

@@ -1,5 +1,6 @@
 //! Which table makes a step, steps chosen by their error, and the motion between steps.
 
+use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::history::Keep;
 use costate::integrators::{
     ConstraintLevel, Method, NewtonTolerance, Scheme, StepControl, StepRecord, Table, TimeGrid, tables,
@@ -67,6 +68,29 @@ impl Scene for Swinging {
     }
 }
 
+/// The same, with all aggregates so sharp that one sample alone counts.
+struct SharplySwinging;
+
+impl Scene for SharplySwinging {
+    fn name(&self) -> String {
+        "sharply swinging".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Scene::variables(&Swinging::default())
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(2.0, 20)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let node = m.coordinates("swing", &[S::one()], &[S::zero()]);
+        m.element("swing", &[node], Oscillator { jump: Some(1.03), declared: true, wall: f64::INFINITY }, x);
+        for kind in Aggregate::KINDS {
+            m.coordinate_functional(&format!("{kind:?}"), Aggregate::new(kind, 1e5).at(Times::Run), node, 0);
+        }
+        Ok(())
+    }
+}
+
 fn named(name: &str) -> Table {
     table_named(name).expect("sound").expect("listed")
 }
@@ -110,13 +134,36 @@ fn weights_of_an_integral_are_exact_for_the_powers_below_the_order() {
         let prepared = prepared(&scene, &table.name, Scene::settings(&scene)).expect("sound");
         let steps = steps_over(&prepared, &prepared.grid);
         let mut from_the_end = QuadratureWeights::at_end(&table);
-        let mut weights: Vec<Vec<f64>> = steps.iter().rev().map(|step| from_the_end.back_through(step)).collect();
+        let mut weights: Vec<Vec<_>> = steps.iter().rev().map(|step| from_the_end.back_through(step)).collect();
         weights.reverse();
-        for power in 0..table.order as i32 {
+        let weights = weights.concat();
+        let [integral, aggregate]: [Vec<f64>; 2] = [
+            weights.iter().map(|weight| weight.integral).collect(),
+            weights.iter().map(|weight| weight.aggregate).collect(),
+        ];
+        assert!(aggregate.iter().all(|&weight| weight >= 0.0), "{}: {aggregate:?}", table.name);
+        // three stages with a weight that is not negative are too few for order 3: straight lines are always exact
+        let aggregates = (0..table.order.min(2) as i32).map(|power| (power, &aggregate));
+        for (power, weights) in (0..table.order as i32).map(|power| (power, &integral)).chain(aggregates) {
             let times = steps.iter().map(|step| step.stages.iter().map(|stage| stage.solve.t));
-            let terms = times.flatten().zip(weights.iter().flatten()).map(|(t, weight)| weight * t.powi(power));
+            let terms = times.flatten().zip(weights).map(|(t, weight)| weight * t.powi(power));
             let (sum, exact) = (terms.sum::<f64>(), 2f64.powi(power + 1) / f64::from(power + 1));
             assert!((sum - exact).abs() < 1e-12, "{}: integral of t^{power} is {sum}, not {exact}", table.name);
+        }
+    }
+}
+
+/// The sample that counts may be one whose weight in an integral is negative, or none.
+#[test]
+fn aggregates_of_any_sharpness_are_numbers_near_the_largest_value() {
+    for table in tables() {
+        let prepared = prepared(&SharplySwinging, &table.name, Scene::settings(&SharplySwinging)).expect("sound");
+        let forward = prepared.analysis().forward(&prepared.x).expect("runs");
+        for ((kind, value), extremes) in Aggregate::KINDS.iter().zip(&forward.values).zip(&forward.extremes) {
+            let largest = extremes.as_ref().expect("of an aggregate").largest.value;
+            let squared = matches!(kind, AggregateKind::SquaredExponential | AggregateKind::SquaredPower);
+            let largest = if squared { largest * largest } else { largest };
+            assert!((value - largest).abs() < 1e-3, "{}, {kind:?}: {value}, of values up to {largest}", table.name);
         }
     }
 }
@@ -135,8 +182,8 @@ fn values_summed_on_the_way_and_weights_handed_out_from_the_end_agree() {
         for step in steps.iter().rev() {
             for (stage, weight) in step.stages.iter().zip(from_the_end.back_through(step)) {
                 let q = stage.solve.point().q[0];
-                integral += weight * q;
-                largest += weight * (3.0 * q).exp();
+                integral += weight.integral * q;
+                largest += weight.aggregate * (3.0 * q).exp();
             }
         }
         let expected = [integral, (largest / 2.0).ln() / 3.0];

@@ -117,7 +117,7 @@ fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_
         let reference = *first.get_or_insert(momentum);
         worst = momentum.iter().zip(reference).fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
         let mut sample = Sample::empty();
-        sample.set_stage(step, 0, 0.0);
+        sample.set_stage(step, 0);
         energies.push(energy.value(problem.model, &sample, &problem.p));
         true
     });

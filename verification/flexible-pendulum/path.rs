@@ -58,7 +58,7 @@ pub fn path(scene: &dyn AnyScene, method: &str, end: f64, steps: usize) -> Resul
         index += 1;
         // a variational integrator has its velocities at the quadrature points
         if variational {
-            sample.set_stage(step, 0, 0.0)
+            sample.set_stage(step, 0)
         } else {
             sample.set_terminal(step)
         }

@@ -120,7 +120,7 @@ fn gradients(report: &mut Report) -> Result<(), RunError> {
 /// Kinetic and potential energy at a step's quadrature point.
 fn energy(measured: &Measured, problem: &Problem<f64>, step: &StepRecord<f64>) -> f64 {
     let mut sample = Sample::empty();
-    sample.set_stage(step, 0, 0.0);
+    sample.set_stage(step, 0);
     measured.value(problem.model, &sample, &problem.p)
 }
 

@@ -57,6 +57,7 @@ pub fn bdf(order: usize) -> Table {
         stages: vec![Stage { c: 1.0, a, v, q, known: None }],
         update,
         quadrature: Combination { carried: alpha.to_vec(), stages: vec![beta] },
+        aggregate_weights: vec![beta],
         rates: vec![vec![beta], vec![beta]],
         stiffly_accurate: true,
         embedded: None,

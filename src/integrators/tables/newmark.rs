@@ -53,6 +53,7 @@ pub fn generalized_alpha(name: &str, radius: f64) -> Table {
         stages: vec![start, end],
         update: vec![q, v, a, alpha],
         quadrature: Combination { carried: vec![1.0], stages: vec![0.5, 0.5] },
+        aggregate_weights: vec![0.5, 0.5],
         rates: rates_of_the_new_state(),
         stiffly_accurate: true,
         embedded: None,

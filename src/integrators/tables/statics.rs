@@ -16,6 +16,7 @@ pub fn statics() -> Table {
         stages: vec![Stage { c: 1.0, a: still.clone(), v: still.clone(), q: q.clone(), known: None }],
         update: vec![q, still],
         quadrature: Combination { carried: vec![1.0], stages: vec![1.0] },
+        aggregate_weights: vec![1.0],
         rates: vec![vec![1.0], vec![1.0]],
         stiffly_accurate: true,
         embedded: None,
