@@ -41,6 +41,7 @@ pub use mesh_data::{FilePlace, MeshData};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
+use scene::built;
 pub use scene::{AnyScene, Output, Scenario, Scene};
 pub use signal::Signal;
 pub(crate) use sketch::{Drawn, NodePoint};

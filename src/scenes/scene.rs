@@ -27,14 +27,6 @@ pub trait Scene {
     fn output(&self) -> Output {
         Output::default()
     }
-    /// What reading it left out or made of its files, in words.
-    fn notes(&self) -> Vec<String> {
-        Vec::new()
-    }
-    /// Where a part of this name is described, as messages say it: file, line and column of a scene from a file.
-    fn place_of(&self, _part: &str) -> Option<String> {
-        None
-    }
     /// The circumstances in which it is run, one by one, instead of by itself; none by default.
     fn scenarios(&self) -> Vec<Scenario<'_>> {
         Vec::new()
@@ -77,7 +69,8 @@ pub struct Output {
     pub film: bool,
 }
 
-/// A scene with its type erased; every [`Scene`] is one, with the same names. Where both traits are in scope, take `&dyn AnyScene`.
+/// A scene with its type erased; every [`Scene`] is one, with the same names, and a [`FileScene`](super::FileScene). Where both traits are in scope, take
+/// `&dyn AnyScene`.
 pub trait AnyScene: Sync {
     /// Name on the command line.
     fn name(&self) -> String;
@@ -92,9 +85,13 @@ pub trait AnyScene: Sync {
     /// What its runs write.
     fn output(&self) -> Output;
     /// What reading it left out or made of its files, in words.
-    fn notes(&self) -> Vec<String>;
-    /// Where a part of this name is described.
-    fn place_of(&self, part: &str) -> Option<String>;
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// Where a part of this name is described, as messages say it: file, line and column of a scene from a file.
+    fn place_of(&self, _part: &str) -> Option<String> {
+        None
+    }
     /// The circumstances in which it is run.
     fn scenarios(&self) -> Vec<Scenario<'_>>;
     /// In real numbers.
@@ -103,9 +100,12 @@ pub trait AnyScene: Sync {
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String>;
 }
 
-fn built<T: Scene + ?Sized, S: Scalar>(scene: &T, x: &[S]) -> Result<MechanismBuilder<S>, String> {
+/// The finished mechanism of what builds one.
+pub(super) fn built<S: Scalar>(
+    build: impl FnOnce(&mut MechanismBuilder<S>) -> Result<(), String>,
+) -> Result<MechanismBuilder<S>, String> {
     let mut mechanism = MechanismBuilder::default();
-    scene.build(x, &mut mechanism)?;
+    build(&mut mechanism)?;
     mechanism.finish()
 }
 
@@ -128,19 +128,13 @@ impl<T: Scene + Sync> AnyScene for T {
     fn output(&self) -> Output {
         Scene::output(self)
     }
-    fn notes(&self) -> Vec<String> {
-        Scene::notes(self)
-    }
-    fn place_of(&self, part: &str) -> Option<String> {
-        Scene::place_of(self, part)
-    }
     fn scenarios(&self) -> Vec<Scenario<'_>> {
         Scene::scenarios(self)
     }
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
-        built(self, x)
+        built(|m| self.build(x, m))
     }
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
-        built(self, x)
+        built(|m| self.build(x, m))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::wrong_files::refusal;
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::FileScene;
 
 /// A plate whose thickness goes along a spline, one of strips, a mass between values, and a force through all of them.

@@ -2,6 +2,7 @@
 
 use costate::integrators::{Table, tables};
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::FileScene;
 use costate::sensitivity::Analysis;
 
@@ -48,7 +49,7 @@ fn nothing_at(t: f64) -> String {
 /// Height at the end, and the largest force in the hinge.
 fn heights_and_forces(scene: &FileScene, table: &Table, level: ConstraintLevel) -> (f64, f64) {
     let place = format!("{}, {level:?}", table.name);
-    let settings = Scene::settings(scene).without_method();
+    let settings = AnyScene::settings(scene).without_method();
     let prepared = Prepared::with(scene, &[], Method::new(table.clone(), level), settings).expect(&place);
     let run = prepared.run().unwrap_or_else(|error| panic!("{place}: {error}"));
     let forces = run.joint("hinge").expect("a joint").forces;
@@ -103,7 +104,7 @@ over = "terminal"
         // at the other levels multipliers of many tables have errors of order 1 or 0 of their own
         for level in ConstraintLevel::ALL.into_iter().filter(|level| *level == ConstraintLevel::Acceleration) {
             let method = Method::new(table.clone(), level);
-            let prepared = Prepared::with(&scene, &[], method, Scene::settings(&scene).without_method()).expect("sound");
+            let prepared = Prepared::with(&scene, &[], method, AnyScene::settings(&scene).without_method()).expect("sound");
             let run = prepared.run().expect("runs");
             let (joint, bob) = (run.joint("rod").expect("a joint"), run.node("bob").expect("a node"));
             for ((&t, force), place) in joint.times.iter().zip(&joint.forces).zip(&bob.positions) {
@@ -218,7 +219,7 @@ fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_o
     for table in tables().into_iter().filter(|table| !table.is_static()) {
         for level in ConstraintLevel::ALL {
             let method = Method::new(table.clone(), level);
-            let prepared = Prepared::with(&scene, &x, method, Scene::settings(&scene).without_method()).expect("sound");
+            let prepared = Prepared::with(&scene, &x, method, AnyScene::settings(&scene).without_method()).expect("sound");
             let analysis = prepared.analysis();
             let forward = analysis.forward(&x).expect("runs");
             let adjoint = analysis.adjoint(&x, &forward).expect("has a gradient").rows;
@@ -260,7 +261,7 @@ fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_o
 fn breakpoints_that_pass_each_other_lay_steps_anew_and_those_that_coincide_have_no_derivative() {
     let scene = FileScene::parse("lifted.toml", LIFTED).expect("sound");
     let at = |x: &[f64]| {
-        Prepared::with(&scene, x, Prepared::default_method(), Scene::settings(&scene).without_method()).expect("sound")
+        Prepared::with(&scene, x, Prepared::default_method(), AnyScene::settings(&scene).without_method()).expect("sound")
     };
     let (prepared, other) = (at(&[0.43, 0.27, 1.0]), [0.2, 0.27, 1.0]);
     let values = prepared.analysis().values(&other).expect("runs");

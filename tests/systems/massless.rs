@@ -1,6 +1,7 @@
 //! Bodies without inertia that joints and drivers hold, and reactions that a model does not determine.
 
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::FileScene;
 use costate::sensitivity::largest_difference;
 

@@ -2,6 +2,7 @@
 
 use costate::integrators::{ArcLength, StabilityCourse, StepControl, Verdict};
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::{FileScene, Settings, built_in};
 use std::f64::consts::PI;
 

@@ -3,6 +3,7 @@
 use crate::verification::Report;
 use costate::integrators::{StepError, tables};
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::FileScene;
 
 /// Difference of adjoint and complex step, but for round-off that steps hand on, and of complex step and difference quotients, as shares of
@@ -80,7 +81,7 @@ fn method(case: usize) -> Method {
 
 /// A run of the bar: values, and whether the estimated error of its steps asks for a warning.
 fn run(scene: &FileScene, x: &[f64], method: Method, steps: usize) -> Result<(Vec<f64>, bool), RunError> {
-    let settings = Settings { steps, ..Scene::settings(scene).without_method() };
+    let settings = Settings { steps, ..AnyScene::settings(scene).without_method() };
     let forward = Prepared::with(scene, x, method, settings)?.analysis().forward(x)?;
     Ok((forward.values, forward.error.is_some_and(|error| error.share > StepError::COARSE)))
 }
@@ -89,7 +90,7 @@ fn run(scene: &FileScene, x: &[f64], method: Method, steps: usize) -> Result<(Ve
 /// coordinates: accelerations that follow from constraints on coordinates are off by it over h2, and a rule that does not damp sums these up.
 fn derivatives(x: &[f64; 2], case: usize) -> Result<Outcome, RunError> {
     let (scene, method) = (lifted_bar("").map_err(RunError::Input)?, method(case));
-    let settings = Scene::settings(&scene).without_method();
+    let settings = AnyScene::settings(&scene).without_method();
     let prepared = Prepared::with(&scene, x, method.clone(), settings)?;
     let analysis = prepared.analysis();
     let forward = analysis.forward(x)?;

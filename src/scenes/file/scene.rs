@@ -13,11 +13,12 @@ use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
+use crate::program::Recorded;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::unknown;
 use crate::scenes::{
-    FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scenario, Scene, Sense,
-    Settings,
+    AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scenario, Sense,
+    Settings, built,
 };
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -551,7 +552,8 @@ impl FileScene {
 /// Sections whose entries have mass: weight follows them.
 const WITH_MASS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 
-impl Scene for FileScene {
+// not as a `Scene`, which would be compiled anew in each program that has files
+impl AnyScene for FileScene {
     fn name(&self) -> String {
         self.name.clone()
     }
@@ -586,6 +588,15 @@ impl Scene for FileScene {
         let item = PARTS.into_iter().find_map(|space| items().find(|item| name_space(item.section) == space))?;
         Some(self.source.place(item.fields.at))
     }
+    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
+        built(|m| self.build(x, m))
+    }
+    fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
+        built(|m| self.build(x, m))
+    }
+}
+
+impl FileScene {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let Contents { top, items, order, own, .. } = &self.contents;
         if x.len() != self.variables.len() {
