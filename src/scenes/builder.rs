@@ -46,6 +46,7 @@ use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::entries::{Placed, no_body, nowhere, unit};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
+use crate::program::Recorded;
 use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 use std::collections::{HashMap, HashSet};
@@ -551,5 +552,26 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push("the scene has no node that can move".into());
         }
         if self.mistakes.is_empty() { Ok(self) } else { Err(self.mistakes.join("; ")) }
+    }
+}
+
+impl MechanismBuilder<Recorded> {
+    /// The finished mechanism with values in place of what is recorded.
+    pub(super) fn in_real_numbers(self) -> MechanismBuilder<f64> {
+        let MechanismBuilder { model, functionals, drawings, solids, nodes_of_members, outlined, shells, .. } = self;
+        let ModelNumbers { p, q, v } = self.numbers;
+        let [p, q, v] = [p, q, v].map(|numbers| numbers.into_iter().map(Recorded::number).collect());
+        let numbers = ModelNumbers { p, q, v };
+        MechanismBuilder {
+            model,
+            numbers,
+            functionals,
+            drawings,
+            solids,
+            nodes_of_members,
+            outlined,
+            shells,
+            ..Default::default()
+        }
     }
 }

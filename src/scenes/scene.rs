@@ -94,16 +94,19 @@ pub trait AnyScene: Sync {
     }
     /// The circumstances in which it is run.
     fn scenarios(&self) -> Vec<Scenario<'_>>;
-    /// In real numbers.
-    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// Recorded, with values.
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String>;
+    /// In real numbers: those that are recorded where none of the variables is, so that what builds a scene is compiled once.
+    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
+        let constants: Vec<Recorded> = x.iter().map(|&own| own.into()).collect();
+        self.build_recorded(&constants).map(MechanismBuilder::in_real_numbers)
+    }
 }
 
 /// The finished mechanism of what builds one.
-pub(super) fn built<S: Scalar>(
-    build: impl FnOnce(&mut MechanismBuilder<S>) -> Result<(), String>,
-) -> Result<MechanismBuilder<S>, String> {
+pub(super) fn built(
+    build: impl FnOnce(&mut MechanismBuilder<Recorded>) -> Result<(), String>,
+) -> Result<MechanismBuilder<Recorded>, String> {
     let mut mechanism = MechanismBuilder::default();
     build(&mut mechanism)?;
     mechanism.finish()
@@ -130,9 +133,6 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn scenarios(&self) -> Vec<Scenario<'_>> {
         Scene::scenarios(self)
-    }
-    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
-        built(|m| self.build(x, m))
     }
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
         built(|m| self.build(x, m))

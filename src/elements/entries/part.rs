@@ -3,7 +3,7 @@ use super::{Example, Given, Values};
 use crate::elements::forces::Soft;
 use crate::elements::{AnyConstraint, AnyElement, Constraint, Element};
 use crate::program::Recorded;
-use crate::scalar::{Complex64, Quaternion, Scalar, Tangents, Vector3};
+use crate::scalar::{Quaternion, Scalar, Vector3};
 use std::any::{Any, type_name};
 use std::fmt::{Debug, Formatter};
 use std::marker::PhantomData;
@@ -152,10 +152,7 @@ fn make_in_any<E: MadeEntry, L: ?Sized + 'static>(
     given: &mut dyn Any,
     erase: fn(E::Law) -> Box<L>,
 ) -> Option<Box<dyn Any>> {
-    make::<E, f64, L>(entry, given, erase)
-        .or_else(|| make::<E, Recorded, L>(entry, given, erase))
-        .or_else(|| make::<E, Complex64, L>(entry, given, erase))
-        .or_else(|| make::<E, Tangents, L>(entry, given, erase))
+    make::<E, f64, L>(entry, given, erase).or_else(|| make::<E, Recorded, L>(entry, given, erase))
 }
 
 /// The parts of entries whose formulas are of a kind: of one that is a type, and of one that is made while the program runs.

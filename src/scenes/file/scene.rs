@@ -588,9 +588,6 @@ impl AnyScene for FileScene {
         let item = PARTS.into_iter().find_map(|space| items().find(|item| name_space(item.section) == space))?;
         Some(self.source.place(item.fields.at))
     }
-    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
-        built(|m| self.build(x, m))
-    }
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
         built(|m| self.build(x, m))
     }
