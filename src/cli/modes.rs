@@ -11,7 +11,7 @@ use super::snapshot::Snapshot;
 use super::still::StillOptions;
 use crate::integrators::{Mode, RunError};
 use crate::io::{Cell, Table, number as number_of, write_file};
-use crate::scenes::{DifferentiatedModes, Prepared};
+use crate::scenes::{DifferentiatedModes, PeriodicModes, Prepared};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
@@ -28,6 +28,9 @@ pub struct ModesOptions {
     /// With dampers, states of first order and what else depends on velocities: complex modes; about a steady turn they are that anyway
     #[arg(long)]
     damped: bool,
+    /// About the motion of a run that is one period long and ends as it began (Floquet): rotors on supports that differ by direction, periodic drives
+    #[arg(long, conflicts_with_all = ["damped", "gradients", "speed"])]
+    periodic: bool,
     /// Derivatives of frequencies and growth by all design variables, through the equilibrium
     #[arg(long)]
     gradients: bool,
@@ -59,13 +62,33 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     let scene = prepared.scene;
     let folder = options.still.folder(scene);
     let spins = prepared.spin_rate().is_some();
-    let kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
-    let found = find(options, &prepared, kind).map_err(named)?;
+    let mut kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
+    let found = if options.periodic {
+        let PeriodicModes { period, gap, q, modes, faded } = prepared.periodic_modes(options.count).map_err(named)?;
+        kind = Kind::Periodic { period, gap, faded };
+        DifferentiatedModes { q, modes, gradients: Vec::new() }
+    } else {
+        find(options, &prepared, kind).map_err(named)?
+    };
     let DifferentiatedModes { q, modes, .. } = &found;
-    let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
+    let about = match kind {
+        Kind::Periodic { .. } => "motion of a period",
+        _ if prepared.method.table.is_static() => "equilibrium",
+        _ => "start",
+    };
     say(format_args!("{}: {}", scene.name(), scene.summary()));
     say_about(&prepared, kind, scene.settings().end);
     say_modes(&prepared, (q, kind), modes);
+    if let Kind::Periodic { period, faded, .. } = kind {
+        let share = number_of(TAU / period);
+        say(format_args!(
+            "omega is known up to multiples of 2 pi by the period, {share} rad/s: the next ones stand beside it"
+        ));
+        if faded > 0 {
+            say(format_args!("{} fade to nothing within a period", count(faded, "more mode")));
+        }
+        say("");
+    }
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
     } else if modes.len() < options.count {
@@ -80,7 +103,7 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         files.extend(branches.write(format!("{}: modes over the rate of the turn", scene.name()), &folder)?);
     }
     let mut page = page(&prepared, (q, kind), modes, about);
-    let gradients = Gradients { prepared: &prepared, own: &found, are_complex: kind == Kind::Complex };
+    let gradients = Gradients { prepared: &prepared, own: &found, are_complex: kind != Kind::Undamped };
     if options.gradients {
         gradients.say();
         gradients.add_to(&mut page);
@@ -93,7 +116,8 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         "scene": scene.name(),
         "about": about,
         "design": Value::from(design.collect::<Map<_, _>>()),
-        "kind": if kind == Kind::Complex { "complex" } else { "undamped" },
+        "kind": kind.word(),
+        "period_s": kind.period().map(json_number),
         "modes": modes.iter().map(|mode| json_of(&prepared, q, mode)).collect::<Vec<_>>(),
         "gradients": options.gradients.then(|| (0..modes.len()).map(|mode| gradients.json(mode)).collect::<Vec<_>>()),
         "speeds": branches.as_ref().map(Branches::json),
@@ -104,14 +128,14 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     Ok(())
 }
 
-/// The modes, with their derivatives if they are asked for.
+/// The modes about a state, with their derivatives if they are asked for.
 fn find(options: &ModesOptions, prepared: &Prepared, kind: Kind) -> Result<DifferentiatedModes, RunError> {
     if options.gradients {
         return prepared.modes_with_gradients(options.count, kind == Kind::Complex);
     }
     let (q, modes) = match kind {
         Kind::Undamped => prepared.modes_with_state(options.count)?,
-        Kind::Complex => prepared.complex_modes_with_state(options.count)?,
+        _ => prepared.complex_modes_with_state(options.count)?,
     };
     Ok(DifferentiatedModes { q, modes, gradients: Vec::new() })
 }
@@ -128,6 +152,13 @@ fn follow(options: &ModesOptions, prepared: &mut Prepared) -> Result<Option<Bran
 
 /// What vibrates, and about which state.
 fn say_about(prepared: &Prepared, kind: Kind, end: f64) {
+    if let Kind::Periodic { period, gap, .. } = kind {
+        let [period, gap] = [period, gap].map(number_of);
+        say(format_args!(
+            "small motions about one that repeats itself after {period} s (it returns within {gap} of its size)\n"
+        ));
+        return;
+    }
     let what = if kind == Kind::Complex { "small vibrations with damping" } else { "small undamped vibrations" };
     if prepared.method.table.is_static() {
         say(format_args!("{what} about the equilibrium at the load factor {end}\n"));
@@ -189,15 +220,39 @@ fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result
 }
 
 /// Which modes.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Undamped,
     Complex,
+    /// Period, by how much the motion does not return, number of modes that are not told.
+    Periodic {
+        period: f64,
+        gap: f64,
+        faded: usize,
+    },
 }
 
 impl Kind {
+    fn word(self) -> &'static str {
+        match self {
+            Kind::Undamped => "undamped",
+            Kind::Complex => "complex",
+            Kind::Periodic { .. } => "periodic",
+        }
+    }
+
+    fn period(self) -> Option<f64> {
+        match self {
+            Kind::Periodic { period, .. } => Some(period),
+            _ => None,
+        }
+    }
+
     fn columns(self) -> &'static [&'static str] {
         match self {
+            Kind::Periodic { .. } => {
+                &["mode", "omega [rad/s]", "next below [rad/s]", "next above [rad/s]", "growth [1/s]", "moves most"]
+            }
             Kind::Undamped => &["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "moves most"],
             Kind::Complex => {
                 &["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "damping ratio", "whirl", "moves most"]
@@ -214,8 +269,15 @@ fn mode_rows(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode]) -> 
         let growth = match kind {
             _ if mode.is_unstable() => format!("{} unstable", long_number(mode.growth)),
             Kind::Undamped => "0".into(),
-            Kind::Complex => long_number(mode.growth),
+            _ => long_number(mode.growth),
         };
+        if let Some(period) = kind.period() {
+            let beside = [TAU / period - mode.frequency, TAU / period + mode.frequency].map(long_number);
+            let mut row = vec![(place + 1).to_string(), long_number(mode.frequency)];
+            row.extend(beside);
+            row.extend([growth, largest.map_or_else(String::new, |dof| model.dof_name(dof))]);
+            return row;
+        }
         let mut row = vec![(place + 1).to_string(), long_number(mode.frequency), long_number(mode.frequency / TAU), growth];
         if kind == Kind::Complex {
             let whirl = prepared.whirl(q, mode).map_or_else(String::new, |whirl| format!("{whirl:+.2}"));

@@ -149,7 +149,7 @@ impl<'m> Analysis<'m> {
         Digest::of(&(laws, words, numbers)).finish()
     }
 
-    fn run(
+    pub(super) fn run(
         &self,
         x: &[f64],
         numbers: ModelNumbers<f64>,

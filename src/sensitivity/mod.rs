@@ -9,6 +9,7 @@ mod over_time;
 mod quotients;
 mod signature;
 mod solvers;
+mod transition;
 mod transposed;
 
 pub use analysis::{Analysis, Forward, Gradient};
@@ -16,3 +17,4 @@ pub use checks::{TaylorTest, largest_difference};
 pub(crate) use mode_gradients::{Still, ValueBars, value_rates};
 pub use over_time::GradientCourse;
 pub use quotients::Quotient;
+pub(crate) use transition::Transition;

@@ -11,6 +11,7 @@ mod meshes;
 mod mode_gradients;
 mod mutations;
 mod own_parts;
+mod periodic_modes;
 mod power;
 mod response;
 mod runge_kutta;

@@ -1,0 +1,69 @@
+//! Modes about motions that repeat themselves: closed forms, and the published case of ground resonance.
+
+use costate::integrators::Mode;
+use costate::scenes::{AnyScene, FileScene, PeriodicModes, Prepared};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+fn periodic(scene: &FileScene, count: usize) -> Result<PeriodicModes, String> {
+    let prepared = Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"));
+    prepared.periodic_modes(count).map_err(|why| why.to_string())
+}
+
+fn parsed(text: &str) -> FileScene {
+    FileScene::parse("periodic.toml", text).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// What stands still repeats itself after any time: the modes are those of a damped mass and of a first-order lag.
+const STILL: &str = r#"
+version = 1
+settings = { end = 0.3, steps = 150, method = "esdirk5" }
+body = [{ name = "mass", mass = 2, inertia = [1, 1, 1] }]
+joint = [{ name = "slide", type = "prismatic", between = ["ground", "mass"], axis = [1, 0, 0] }]
+spring = [{ name = "spring", type = "slide", between = ["ground", "mass"], axis = [1, 0, 0], stiffness = 200, damping = 8 }]
+state = [{ name = "lag", initial = { z = 0 }, rate = { z = "-z / 0.05" }, nodes = { mass = "mass" } }]
+"#;
+
+#[test]
+fn what_stands_still_has_the_modes_of_its_closed_form() {
+    let PeriodicModes { period, gap, modes, faded, .. } = periodic(&parsed(STILL), 5).unwrap();
+    assert!((period, gap, faded, modes.len()) == (0.3, 0.0, 0, 2), "{period} {gap} {faded} {modes:?}");
+    let expected = [(-2.0, (100.0_f64 - 4.0).sqrt()), (-20.0, 0.0)];
+    for (Mode { growth, frequency, .. }, (own_growth, own_frequency)) in modes.iter().zip(expected) {
+        assert!((growth - own_growth).abs() < 1e-9 && (frequency - own_frequency).abs() < 1e-9, "{growth} {frequency}");
+    }
+}
+
+#[test]
+fn a_motion_that_does_not_return_is_refused_with_the_coordinate() {
+    let text = STILL.replace(r#"name = "mass", "#, r#"name = "mass", velocity = [1, 0, 0], "#);
+    let text = text.split("state =").next().unwrap();
+    let why = periodic(&parsed(text), 2).unwrap_err();
+    assert!(why.contains("does not repeat itself") && why.contains("\"mass\", x"), "{why}");
+    let why = periodic(&parsed(&text.replace("esdirk5", "static").replace(", velocity = [1, 0, 0]", "")), 2).unwrap_err();
+    assert!(why.contains("equilibria have no period"), "{why}");
+}
+
+/// Hammond (1974), four blades at 29 rad/s, dampers at a tenth; the figures by an integration of the linear equations of hub and lag angles
+/// (Floquet), kept apart.
+#[test]
+fn ground_resonance_grows_as_fast_as_hammonds_equations() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/ground-resonance.toml");
+    let scene = FileScene::read(&file).unwrap_or_else(|why| panic!("{why}"));
+    let PeriodicModes { period, gap, modes, faded, .. } = periodic(&scene, 20).unwrap();
+    assert!(gap < 1e-11 && faded == 0, "{gap:e} {faded}");
+    // twelve states: six pairs, or real ones
+    assert!((6..=12).contains(&modes.len()), "{}", modes.len());
+    let first = &modes[0];
+    let regressing = TAU / period - first.frequency;
+    assert!((first.growth - 0.8361868786).abs() < 2e-9, "{}", first.growth);
+    assert!((regressing - 19.9367071).abs() < 1e-7, "{regressing}");
+    assert!(modes[1..].iter().all(|mode| mode.growth < 0.0));
+    // with the whole dampers it is stable
+    let mut settings = scene.settings();
+    settings.steps = 90;
+    let method = Prepared::method_of(&settings).unwrap();
+    let prepared = Prepared::with(&scene, &[4067.5], method, settings).unwrap();
+    let modes = prepared.periodic_modes(1).unwrap().modes;
+    assert!(modes[0].growth < -0.4, "{}", modes[0].growth);
+}
