@@ -11,6 +11,7 @@ use costate::scalar::Quaternion;
 use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
 use costate::sensitivity::Quotient;
 use series::blade_frequencies;
+use std::f64::consts::TAU;
 use std::time::Instant;
 use swash_plate::pitch;
 
@@ -35,7 +36,11 @@ const SLIGHT: f64 = 1e-4;
 /// Turns over which joints are watched.
 const TURNS: usize = 10;
 
+/// Growth and rate of ground resonance against figures of ten digits.
+const RESONANCE: f64 = 1e-8;
+
 const HUB: &str = include_str!("../../examples/scenes/rotor-hub.toml");
+const GROUND_RESONANCE: &str = include_str!("../../examples/scenes/ground-resonance.toml");
 const FLIGHTS: [(&str, [f64; 3]); 3] =
     [("collective", [0.05, 0.05, 0.05]), ("longitudinal", [0.025, 0.025, 0.05]), ("lateral", [0.025, 0.05, 0.025])];
 
@@ -55,6 +60,7 @@ impl Study for RotorHub {
     fn run(&self, report: &mut Report) -> Result<(), String> {
         blade_extension(report)?;
         turning_beam(report)?;
+        ground_resonance(report)?;
         swash_plate(report)?;
         flights(report)
     }
@@ -94,7 +100,7 @@ fn rod_tip(young: f64, density: f64, omega: f64, [root, tip]: [f64; 2]) -> f64 {
 }
 
 fn blade_extension(report: &mut Report) -> Result<(), String> {
-    eprintln!("[1/4] extension of a blade");
+    eprintln!("[1/5] extension of a blade");
     let (root, tip) = (0.44, 2.0);
     let expected = rod_tip(70e9, 2500.0, 109.12, [root, tip]) - tip;
     report.inform("blade/extension of a rod [mm]", 1e3 * expected);
@@ -142,7 +148,7 @@ fn beam(rate: f64) -> String {
 }
 
 fn turning_beam(report: &mut Report) -> Result<(), String> {
-    eprintln!("[2/4] frequencies of a turning beam");
+    eprintln!("[2/5] frequencies of a turning beam");
     let mut first = Vec::new();
     for rate in [0.0, 2.0, 4.0, 6.0, 8.0, 10.0] {
         let scene = FileScene::parse("beam.toml", &beam(rate))?;
@@ -166,6 +172,25 @@ fn turning_beam(report: &mut Report) -> Result<(), String> {
     let [(_, still), (rate, turning), ..] = first[..] else { return Err("no rates".into()) };
     let southwell = (turning * turning - still * still) / (rate * rate);
     report.compare("turning beam/Southwell's coefficient of the first flapping mode", southwell / 1.193, 1.0, SOUTHWELL);
+    Ok(())
+}
+
+/// Four blades with lag hinges on a support that differs by direction (Hammond 1974) at 29 rad/s with a tenth of the lag dampers: growth \[1/s\] and rate
+/// of the regressing mode [rad/s], by an integration of the linear equations of hub and lag angles over a turn, kept apart.
+const HAMMOND: [f64; 2] = [0.8361868786, 19.9367071];
+
+fn ground_resonance(report: &mut Report) -> Result<(), String> {
+    eprintln!("[3/5] ground resonance");
+    let scene = FileScene::parse("ground-resonance.toml", GROUND_RESONANCE)?;
+    let prepared = Prepared::new(&scene).map_err(told)?;
+    let found = prepared.periodic_modes(2).map_err(told)?;
+    let [first, second] = &found.modes[..] else { return Err("two modes are wanted".into()) };
+    let [growth, rate] = HAMMOND;
+    report.compare("ground resonance/growth by that of Hammond's equations", first.growth / growth, 1.0, RESONANCE);
+    let regressing = TAU / found.period - first.frequency;
+    report.compare("ground resonance/rate by theirs", regressing / rate, 1.0, RESONANCE);
+    report.inform("ground resonance/growth of the next mode [1/s]", second.growth);
+    report.inform("ground resonance/by how much the motion does not return, share", found.gap);
     Ok(())
 }
 
@@ -193,7 +218,7 @@ fn rigid_hub(lifts: [f64; 3], turns: usize) -> Result<String, String> {
 }
 
 fn swash_plate(report: &mut Report) -> Result<(), String> {
-    eprintln!("[3/4] swash plate and pitch links");
+    eprintln!("[4/5] swash plate and pitch links");
     for (flight, lifts) in FLIGHTS {
         let turns = if flight == "collective" && !report.is_short() { TURNS } else { 1 };
         let scene = FileScene::parse("rigid-hub.toml", &rigid_hub(lifts, turns)?)?;
@@ -233,7 +258,7 @@ fn swash_plate(report: &mut Report) -> Result<(), String> {
 }
 
 fn flights(report: &mut Report) -> Result<(), String> {
-    eprintln!("[4/4] three flights of the hub with blades");
+    eprintln!("[5/5] three flights of the hub with blades");
     let scene = FileScene::parse("rotor-hub.toml", HUB)?;
     let short = report.is_short();
     for Scenario { name, scene } in scene.scenarios().into_iter().take(if short { 1 } else { 3 }) {
