@@ -61,7 +61,17 @@ pub fn eigenpairs(size: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Ve
     pairs.iter().all(is_finite).then_some(pairs)
 }
 
-/// The same of the symmetric part of a matrix, whatever the rest is: what round-off adds to a symmetric one would make a complex pair of two
+/// Eigenvalues of a small complex matrix; `None` if the iteration does not converge, and with numbers that are not finite.
+pub fn complex_eigenvalues(matrix: DMatrix<Complex64>) -> Option<Vec<Complex64>> {
+    if matrix.is_empty() || !matrix.iter().all(|value| value.is_finite()) {
+        return matrix.is_empty().then(Vec::new);
+    }
+    let (mut vectors, mut t) = Hessenberg::new(matrix).unpack();
+    triangularize(&mut t, &mut vectors)?;
+    Some(t.diagonal().iter().copied().collect())
+}
+
+/// The same of the symmetric part of a real matrix, whatever the rest is: what round-off adds to a symmetric one would make a complex pair of two
 /// equal values.
 pub fn symmetric_part_eigenpairs(size: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Vec<Eigenpair>> {
     let matrix = DMatrix::from_fn(size, size, |i, j| 0.5 * (entry(i, j) + entry(j, i)));
@@ -198,7 +208,9 @@ fn is_finite(pair: &Eigenpair) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Eigenpair, eigenpairs};
+    use super::{Eigenpair, complex_eigenvalues, eigenpairs};
+    use nalgebra::DMatrix;
+    use num_complex::Complex64;
 
     /// Largest entry of A v - lambda v, and the difference of the length of v from one.
     fn residual(matrix: &[Vec<f64>], pair: &Eigenpair) -> f64 {
@@ -229,6 +241,32 @@ mod tests {
         assert!(count == size || is_torn && count == size + 1, "{count} of {size}");
         pairs.sort_by(|a, b| a.value[0].total_cmp(&b.value[0]));
         pairs
+    }
+
+    /// Upper triangular in an orthonormal frame, with values that are equal, and others that are round-off beside them.
+    #[test]
+    fn complex_values_are_those_of_a_turned_triangle() {
+        let turn = |k: usize| Complex64::from_polar(1.0, 0.7 * k as f64);
+        let values = [Complex64::new(1e3, 2.0), Complex64::new(1e3, 2.0), Complex64::new(-4.0, 1e-9), Complex64::ZERO];
+        let triangle = DMatrix::from_fn(4, 4, |i, j| match i.cmp(&j) {
+            std::cmp::Ordering::Less => turn(i + 2 * j),
+            std::cmp::Ordering::Equal => values[i],
+            std::cmp::Ordering::Greater => Complex64::ZERO,
+        });
+        let frame =
+            DMatrix::from_fn(4, 4, |i, j| turn(3 * i * j + j) + Complex64::from((i as f64 - j as f64).cos())).qr().q();
+        let mut found = complex_eigenvalues(&frame * triangle * frame.adjoint()).expect("convergence");
+        found.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        // two equal ones that share a vector move by the root of round-off
+        let expected = [values[0], values[1], values[3], values[2]];
+        for (own, (value, limit)) in found.iter().zip(expected.into_iter().zip([1e-4, 1e-4, 1e-12, 1e-12])) {
+            assert!((own - value).norm() < limit, "{own} {value}");
+        }
+        assert!(complex_eigenvalues(DMatrix::from_element(2, 2, Complex64::from(f64::NAN))).is_none());
+        assert_eq!(
+            complex_eigenvalues(DMatrix::from_element(3, 3, Complex64::ZERO)).expect("zeros"),
+            vec![Complex64::ZERO; 3]
+        );
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod sparse_pattern;
 mod vectors;
 
 pub use dense::DenseLu;
-pub(crate) use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
+pub(crate) use eigen::{Eigenpair, complex_eigenvalues, eigenpairs, symmetric_part_eigenpairs};
 pub use factorization::Backend;
 pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
 pub(crate) use multifrontal::SMALL_FILL;

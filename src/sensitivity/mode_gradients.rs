@@ -23,6 +23,7 @@ use crate::assembly::{
     StageSystem, System, Unknowns, VectorsAvq,
 };
 use crate::integrators::{Amplitude, Counters, Method, ModeGroup, ModeVectors, RunError, SolveRecord};
+use crate::linalg::complex_eigenvalues;
 use crate::scalar::{COMPLEX_STEP, Complex64};
 use nalgebra::DMatrix;
 
@@ -187,7 +188,7 @@ pub(crate) fn value_rates(group: &ModeGroup, by_variable: &DMatrix<Complex64>) -
     let inverse = group.slope.clone().try_inverse()?;
     let mut rates: Vec<Complex64> = match group.right.len() {
         1 => vec![-(by_variable[(0, 0)] * inverse[(0, 0)])],
-        _ => (-(inverse * by_variable)).schur().unpack().1.diagonal().iter().copied().collect(),
+        _ => complex_eigenvalues(-(inverse * by_variable))?,
     };
     rates.sort_by(|a, b| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
     rates.iter().all(|own| own.is_finite()).then_some(rates)
