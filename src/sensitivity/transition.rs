@@ -4,7 +4,7 @@ use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::design::ModelNumbers;
 use crate::elements::RunScalar;
-use crate::history::Observer;
+use crate::history::{Keep, Observer};
 use crate::integrators::{Recorder, RunError, StartPlan, StartRecord, StepRecord};
 use crate::scalar::{TANGENTS, Tangents};
 use nalgebra::DMatrix;
@@ -41,7 +41,9 @@ impl<'m> Analysis<'m> {
             )));
         }
         let mut begun = Ends::default();
-        let without = Analysis { functionals: &[], ..*self };
+        // runs with derivative parts go along its steps
+        let keep = Keep::default();
+        let without = Analysis { functionals: &[], keep: &keep, ..*self };
         without.run(&[], numbers.clone(), &mut FirstStep(&mut begun))?;
         let ModelNumbers { q, v, .. } = begun.start;
         let numbers = ModelNumbers { p: numbers.p.clone(), q, v };

@@ -185,20 +185,34 @@ class Scene:
                 tell.close()
 
     def modes(
-        self, x: Any = None, *, count: int = 6, damped: bool = False, static: bool = False, gradients: bool = False
+        self,
+        x: Any = None,
+        *,
+        count: int = 6,
+        damped: bool = False,
+        static: bool = False,
+        periodic: bool = False,
+        gradients: bool = False,
     ) -> list[Mode]:
         """Small vibrations about the equilibrium of a design: up to ``count`` whose omega^2 are nearest to zero.
 
         * ``damped``: with dampers, states of first order and what else depends on velocities; about a steady turn always
         * ``static``: about the equilibrium after the scene's load steps instead of its start
+        * ``periodic``: about the motion of a run that is one period long and ends as it began (Floquet), those first that
+          grow fastest; their frequencies are known up to multiples of 2 pi by the period, and are the least of these
         * ``gradients``: with derivatives by all design variables, exact to round-off, through the equilibrium
 
         Raises ``InputError`` and ``RunError``.
         """
         if not isinstance(count, Integral) or isinstance(count, bool) or count < 1:
             raise InputError(f"count of modes: {count!r}; it must be a whole number from 1 on")
+        if periodic and (damped or static or gradients):
+            raise InputError(
+                "modes about a periodic motion have dampers anyway, no equilibrium and no derivatives: leave the others out"
+            )
         with self._told():
-            found = self._native.modes(self._still(x, static), int(count), bool(damped), bool(gradients))
+            about = (bool(damped), bool(periodic))
+            found = self._native.modes(self._still(x, static), int(count), about, bool(gradients))
         modes = []
         for frequency, growth, whirl, derivatives in found:
             by_frequency, by_growth, equal = derivatives if derivatives is not None else (None, None, None)

@@ -7,7 +7,7 @@ use crate::run::{Run, RunOf};
 use costate::history::Keep;
 use costate::integrators::Mode;
 use costate::prelude::RunError;
-use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, Prepared, Settings, built_in};
+use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, PeriodicModes, Prepared, Settings, built_in};
 use costate::sensitivity::Forward;
 use pyo3::prelude::*;
 use self_cell::self_cell;
@@ -69,12 +69,24 @@ type Variable = (String, f64, (f64, f64), String);
 /// Frequency, growth, whirl; then d omega/dx, d growth/dx and how many modes have the value, if they are asked for and there.
 type ModeNumbers = (f64, f64, Option<f64>, Option<(Vec<f64>, Vec<f64>, usize)>);
 
+/// What vibrates, and about which state.
+#[derive(Clone, Copy, PartialEq)]
+enum About {
+    Undamped,
+    Damped,
+    Periodic,
+}
+
 /// Modes of a scene at rest or in a steady turn.
-fn modes(prepared: &Prepared, count: usize, damped: bool, gradients: bool) -> Result<Vec<ModeNumbers>, RunError> {
-    let is_complex = damped || prepared.spin_rate().is_some();
-    let found = match (gradients, is_complex) {
-        (true, _) => prepared.modes_with_gradients(count, damped)?,
-        (false, is_complex) => {
+fn modes(prepared: &Prepared, count: usize, about: About, gradients: bool) -> Result<Vec<ModeNumbers>, RunError> {
+    let is_complex = about == About::Damped || prepared.spin_rate().is_some();
+    let found = match (about, gradients) {
+        (About::Periodic, _) => {
+            let PeriodicModes { q, modes, .. } = prepared.periodic_modes(count)?;
+            DifferentiatedModes { q, modes, gradients: Vec::new() }
+        }
+        (_, true) => prepared.modes_with_gradients(count, is_complex)?,
+        _ => {
             let find = if is_complex { Prepared::complex_modes_with_state } else { Prepared::modes_with_state };
             let (q, modes) = find(prepared, count)?;
             DifferentiatedModes { q, modes, gradients: Vec::new() }
@@ -183,12 +195,17 @@ impl Scene {
         py: Python<'_>,
         at: (Option<Vec<f64>>, Options),
         count: usize,
-        damped: bool,
+        (damped, periodic): (bool, bool),
         gradients: bool,
     ) -> PyResult<Vec<ModeNumbers>> {
+        let about = match (periodic, damped) {
+            (true, _) => About::Periodic,
+            (_, true) => About::Damped,
+            _ => About::Undamped,
+        };
         let find = || {
             let prepared = self.prepared(at.0, &at.1).map_err(run_error)?;
-            modes(prepared.borrow_dependent(), count, damped, gradients).map_err(run_error)
+            modes(prepared.borrow_dependent(), count, about, gradients).map_err(run_error)
         };
         py.detach(|| guarded(find))
     }

@@ -52,6 +52,14 @@ def test_without_derivatives_there_are_none(slider):
     assert mode.frequency_gradient is None and mode.growth_gradient is None and mode.equal is None
 
 
+def test_what_stands_still_is_a_motion_of_any_period(slider):
+    (mode,) = costate.loads(SLIDER.replace("end = 1, steps = 10", "end = 0.2, steps = 100")).modes(periodic=True)
+    assert mode.growth == pytest.approx(-2, rel=1e-6) and mode.frequency == pytest.approx(96**0.5, rel=1e-6)
+    for others in ({"damped": True}, {"gradients": True}, {"static": True}):
+        with pytest.raises(costate.InputError, match="leave the others out"):
+            slider.modes(periodic=True, **others)
+
+
 def test_a_response_is_the_receptance(slider):
     rates = np.array([0.0, 3.0, 10.0, 50.0])
     own = slider.response("push", rates)
