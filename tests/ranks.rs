@@ -339,13 +339,26 @@ fn a_scenario_that_fails_on_one_rank_is_told_by_all() {
 
 /// Starts a long run, does something to its second rank, and returns how it ended, which it must soon.
 fn fault(name: &str, (ranks, longest_wait): (usize, &str), signal: &str, later: Duration) -> Output {
+    let run = ["run", "plate.toml", "--no-report", "--out", "results"];
+    fault_of((&run, "results/histories.unfinished.csv"), name, (ranks, longest_wait), signal, later)
+}
+
+/// The same of a command that has begun its work when there is a file.
+fn fault_of(
+    (arguments, file): (&[&str], &str),
+    name: &str,
+    (ranks, longest_wait): (usize, &str),
+    signal: &str,
+    later: Duration,
+) -> Output {
     let folder = Folder::new(name, 10_000);
-    let mut command = folder.command(ranks, &["run", "plate.toml", "--no-report", "--out", "results"]);
+    fs::write(folder.0.join("stone.toml"), STONE).unwrap();
+    let mut command = folder.command(ranks, arguments);
     command.env("COSTATE_LONGEST_WAIT", longest_wait).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().expect("mpirun is installed where the feature mpi is tested");
     let mut running = Running(child);
     let process = folder.process_of(1).to_string();
-    let table = folder.0.join("results/histories.unfinished.csv");
+    let table = folder.0.join(file);
     let begun = Instant::now();
     while !table.exists() {
         assert!(begun.elapsed() < FIRST_STEP && running.0.try_wait().unwrap().is_none(), "no step is made");
@@ -374,6 +387,18 @@ fn all_ranks_end_where_one_sleeps() {
         let said = text(&output.stderr);
         assert!(said.contains("error: rank") && said.contains(&format!("within {LONGEST_WAIT} s")), "{said}");
         assert_eq!(output.status.code(), Some(70), "{said}");
+    }
+}
+
+#[test]
+fn a_sweep_ends_where_a_rank_sleeps_or_is_killed() {
+    let sweep = ["sweep", "stone.toml", "--vary", "load=0:1:1000", "--vary", "lift=1:8:1000", "--out", "results"];
+    for signal in ["-STOP", "-KILL"] {
+        let name = format!("sweep{signal}");
+        let begun = (&sweep[..], "results/sweep.csv");
+        let output = fault_of(begun, &name, (2, LONGEST_WAIT), signal, Duration::from_secs(1));
+        let said = text(&output.stderr);
+        assert_eq!(said.contains("no sign of rank 1 within"), signal == "-STOP", "{said}");
     }
 }
 

@@ -169,7 +169,7 @@ impl Drop for Raised<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::on_ranks;
+    use crate::exchange::{on_ranks, on_ranks_within};
 
     #[test]
     fn results_of_all_ranks_come_in_their_order() {
@@ -199,6 +199,33 @@ mod tests {
             of_first_at_work(world, (world.rank() == 0).then_some(seen))
         });
         assert_eq!(per_rank, vec![vec![0, 1, 4, 9, 16, 25, 36]; 3]);
+    }
+
+    #[test]
+    fn work_may_take_longer_than_ranks_wait() {
+        let limit = Duration::from_millis(800);
+        let work = |world: &dyn Exchange| std::thread::sleep(if world.rank() == 1 { 3 * limit } else { Duration::ZERO });
+        let gathered = on_ranks_within(limit, 3, |world| {
+            let all = gather_work(world, || {
+                work(world);
+                world.rank()
+            });
+            let mut seen = 0;
+            let see = |_, rank: usize| {
+                seen += rank;
+                true
+            };
+            see_work(
+                world,
+                |found| {
+                    work(world);
+                    found(0, world.rank());
+                },
+                see,
+            );
+            (all, of_first_at_work(world, (world.rank() == 0).then_some(seen)))
+        });
+        assert_eq!(gathered, vec![(vec![0, 1, 2], 3); 3]);
     }
 
     #[test]

@@ -18,7 +18,7 @@ mod threads;
 pub(crate) use dealt::{gather_work, of_first_at_work, see_work};
 pub(crate) use sent::{Sent, sent_by_fields, sent_by_variants};
 #[cfg(test)]
-pub(crate) use threads::on_ranks;
+pub(crate) use threads::{on_ranks, on_ranks_within};
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
