@@ -69,6 +69,11 @@ pub struct Work {
     pub fill: usize,
 }
 
+fn work_of(solver: &MultifrontalLu) -> Work {
+    let analysis = solver.analysis();
+    Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries }
+}
+
 /// Largest number of unknowns of a small system: above, what the tree of fronts saves is more than it costs.
 const SMALL: usize = 8;
 
@@ -154,8 +159,7 @@ impl Factorization {
         };
         let multifrontal = || {
             let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
-            let analysis = solver.analysis();
-            let work = Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries };
+            let work = work_of(&solver);
             let ranks = (solver.ranks(), solver.own_unknowns().map(Arc::new));
             (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks)
         };
@@ -174,7 +178,8 @@ impl Factorization {
         let solver = MultifrontalLu::on(pattern, world);
         let own = solver.own_unknowns().map(Arc::new);
         let (unknowns, entries) = (pattern.size, pattern.rows.len());
-        let plan = SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work: None, ranks: world.ranks() };
+        let work = Some(work_of(&solver));
+        let plan = SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work, ranks: world.ranks() };
         Self { own, ..Self::of(Box::new(solver), plan, pattern.clone(), Scaling::new(pattern.clone())) }
     }
 

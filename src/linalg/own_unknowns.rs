@@ -148,7 +148,7 @@ mod tests {
         for case in 0..40 {
             let pattern = match case % 4 {
                 0 => chain(12 + case),
-                1 => shell(9 + case / 5, 10),
+                1 => shell(9 + case / 10 * 2, 10),
                 kind => random_pattern(&mut noise, 10 + case, kind),
             };
             let (mut values, b) = (dominant(&mut noise, &pattern), noise.vector(3 * pattern.size));
