@@ -132,10 +132,11 @@ mod tests {
         let mut noise = Noise(100 + rank as u64);
         let mut values = values.to_vec();
         for column in 0..pattern.size {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                let row = pattern.rows[place] as usize;
+            let places = pattern.column_starts[column]..pattern.column_starts[column + 1];
+            for (value, &row) in values[places.clone()].iter_mut().zip(&pattern.rows[places]) {
+                let row = row as usize;
                 if !own.has_any(column..column + 1) && !own.has_any(row..row + 1) {
-                    values[place] = 1e9 * noise.vector(1)[0];
+                    *value = 1e9 * noise.vector(1)[0];
                 }
             }
         }
@@ -175,6 +176,6 @@ mod tests {
                 cases += 1;
             }
         }
-        assert!(failed >= 5 && failed < 20, "{failed} of {cases} cases failed");
+        assert!((5..20).contains(&failed), "{failed} of {cases} cases failed");
     }
 }
