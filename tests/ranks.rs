@@ -392,7 +392,7 @@ fn all_ranks_end_where_one_sleeps() {
 
 #[test]
 fn a_sweep_ends_where_a_rank_sleeps_or_is_killed() {
-    let sweep = ["sweep", "stone.toml", "--vary", "load=0:1:1000", "--vary", "lift=1:8:1000", "--out", "results"];
+    let sweep = ["sweep", "stone.toml", "--vary", "load=0:1:300", "--vary", "lift=1:8:300", "--out", "results"];
     for signal in ["-STOP", "-KILL"] {
         let name = format!("sweep{signal}");
         let begun = (&sweep[..], "results/sweep.csv");
