@@ -124,6 +124,11 @@ fn json(output: &Output) -> Value {
     serde_json::from_str(object).unwrap()
 }
 
+/// The line of stderr that tells what went wrong; `mpirun` has more to say.
+fn error_of(output: &Output) -> String {
+    text(&output.stderr).lines().find(|line| line.starts_with("error: ")).unwrap_or_default().into()
+}
+
 #[test]
 fn states_values_and_gradients_have_the_bits_of_one_process() {
     let folder = Folder::new("bits", 2);
@@ -173,15 +178,187 @@ fn one_rank_says_what_is_wrong_with_the_input() {
     }
 }
 
+/// A stone whose mass vanishes where the load is 2.
+const STONE: &str = r#"
+version = 1
+gravity = [0, 0, -10]
+[variable]
+load = { initial = 1, bounds = [0, 3], unit = "kg" }
+lift = { initial = 3, bounds = [1, 8], unit = "m/s" }
+[settings]
+end = 0.5
+steps = 10
+[[point]]
+name = "stone"
+mass = "2 - load"
+position = [0, 0, 0]
+velocity = [0, 0, "lift"]
+[[functional]]
+name = "height"
+type = "position"
+on = "stone"
+direction = [0, 0, 1]
+over = "terminal"
+"#;
+
+#[test]
+fn a_sweep_has_the_rows_of_one_process_failed_ones_named_and_is_resumed() {
+    let folder = Folder::new("sweep", 1);
+    fs::write(folder.0.join("stone.toml"), STONE).unwrap();
+    let sweep = |ranks: usize, code: i32, out: &str, resume: &[&str]| {
+        let designs = ["--vary", "load=0.5:2.5:3", "--vary", "lift=2:5:4", "--gradient", "--no-report", "--json"];
+        let arguments = [&["sweep", "stone.toml", "--out", out, "--threads", "1"], &designs[..], resume].concat();
+        let output = folder.run(ranks, &arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert_eq!(said.matches("error: ").count(), 1, "{said}");
+        (output, fs::read_to_string(folder.0.join(out).join("sweep.csv")).unwrap())
+    };
+    let (one, rows) = sweep(1, 1, "of-1", &[]);
+    assert!(text(&one.stderr).contains("4 of 12 designs failed"), "{}", text(&one.stderr));
+    for ranks in 2..=4 {
+        let out = format!("of-{ranks}");
+        let (several, other) = sweep(ranks, 1, &out, &[]);
+        assert_eq!(other, rows, "{ranks} ranks");
+        assert_eq!(error_of(&several), error_of(&one));
+        assert!(text(&several.stdout).contains(&format!("1 thread of each of {ranks} ranks")), "{}", text(&several.stdout));
+        // a sweep that ended early leaves rows in any order, and the last one in pieces
+        let lines: Vec<&str> = rows.split_inclusive('\n').collect();
+        let left = [lines[0], lines[9], lines[2], lines[5], &lines[3][..20]].concat();
+        fs::write(folder.0.join(&out).join("sweep.csv"), left).unwrap();
+        let (output, resumed) = sweep(ranks, 1, &out, &["--resume"]);
+        assert_eq!(resumed, rows, "{ranks} ranks go on");
+        assert!(text(&output.stdout).contains("of which 3 are finished"), "{}", text(&output.stdout));
+    }
+    let (output, _) = sweep(2, 2, "of-2", &["--resume", "--set", "lift=3"]);
+    assert!(text(&output.stderr).contains("lift"), "{}", text(&output.stderr));
+}
+
+/// A cantilever whose width and height carry three loads.
+const BRACKET: &str = r#"
+version = 1
+name = "bracket"
+[variable]
+width = { initial = 0.03, bounds = [0.005, 0.1], unit = "m" }
+height = { initial = 0.03, bounds = [0.005, 0.1], unit = "m" }
+[define]
+push = 100
+[material]
+steel = { young = 2e11, poisson = 0.3, density = 7800 }
+[section]
+bar = { type = "rectangle", width = "width", height = "height", material = "steel" }
+[[beam]]
+name = "beam"
+from = [0, 0, 0]
+to = [1, 0, 0]
+second_axis = [0, 1, 0]
+elements = 3
+section = "bar"
+clamped = ["start"]
+[[force]]
+name = "load"
+on = "beam.end"
+direction = [0, 0, -1]
+size = { type = "constant_rate", offset = 0, rate = "push" }
+[[functional]]
+name = "mass"
+type = "mass"
+over = "initial"
+[[functional]]
+name = "way"
+type = "target"
+on = "beam.end"
+target = [1, 0, 0]
+over = "terminal"
+[settings]
+method = "static"
+steps = 1
+[[scenario]]
+name = "down"
+define.push = 300
+[[scenario]]
+name = "aside"
+force.load = { direction = [0, 1, 0], size = { type = "smooth_ramp", to = "2 * push", duration = 1 } }
+settings.steps = 2
+[[scenario]]
+name = "little"
+define.push = 30
+[optimization]
+minimize = "mass [down]"
+constraint = [{ functional = "way", at_most = 1e-4 }]
+"#;
+
+/// A table without its times.
+fn untimed(table: &str) -> Vec<Vec<&str>> {
+    let timed: Vec<bool> = table.lines().next().unwrap().split(',').map(|name| name.ends_with("time [s]")).collect();
+    table.lines().map(|line| line.split(',').zip(&timed).filter(|own| !own.1).map(|own| own.0).collect()).collect()
+}
+
+#[test]
+fn scenarios_and_starts_that_are_dealt_have_the_bits_of_one_process() {
+    let folder = Folder::new("dealt", 1);
+    fs::write(folder.0.join("bracket.toml"), BRACKET).unwrap();
+    let table = |out: &str, file: &str| fs::read_to_string(folder.0.join(out).join(file)).unwrap();
+    let optimize = |ranks: usize, out: &str, threads: &str, further: &[&str]| {
+        let common = ["optimize", "bracket.toml", "--iterations", "4", "--no-report", "--json", "--out", out];
+        let mut command = folder.command(ranks, &[&common[..], further].concat());
+        let output = command.env("RAYON_NUM_THREADS", threads).output().unwrap();
+        let words = text(&output.stdout);
+        let object: Value = serde_json::from_str(words.lines().last().unwrap()).unwrap();
+        (output.status.code(), object["design"].clone(), error_of(&output))
+    };
+    let one = optimize(1, "of-1", "1", &[]);
+    let expected = table("of-1", "optimization.csv");
+    for (ranks, threads) in [(1, "3"), (2, "1"), (3, "2"), (4, "1")] {
+        let out = format!("of-{ranks}-{threads}");
+        assert_eq!(optimize(ranks, &out, threads, &[]), one, "{ranks} ranks");
+        assert_eq!(untimed(&table(&out, "optimization.csv")), untimed(&expected), "{ranks} ranks");
+    }
+    let starts = ["--starts", "3"];
+    let one = optimize(1, "starts-1", "1", &starts);
+    for ranks in [2, 4] {
+        let out = format!("starts-{ranks}");
+        assert_eq!(optimize(ranks, &out, "1", &starts), one, "{ranks} ranks");
+        for file in ["optimization", "optimization.start-1", "optimization.start-2", "optimization.start-3"] {
+            let file = format!("{file}.csv");
+            assert_eq!(untimed(&table(&out, &file)), untimed(&table("starts-1", &file)), "{file} of {ranks} ranks");
+        }
+    }
+}
+
+#[test]
+fn a_scenario_that_fails_on_one_rank_is_told_by_all() {
+    let folder = Folder::new("failing", 1);
+    let bad = BRACKET.replace("define.push = 30\n", "settings.steps = 1\ndefine.push = 1e12\n");
+    fs::write(folder.0.join("bracket.toml"), bad).unwrap();
+    let run = |ranks: usize| folder.run(ranks, &["optimize", "bracket.toml", "--no-report", "--out", "failed"]);
+    let (one, three) = (run(1), run(3));
+    assert!(text(&one.stderr).contains("scenario \"little\""), "{}", text(&one.stderr));
+    assert_eq!((error_of(&one), one.status.code()), (error_of(&three), three.status.code()));
+}
+
 /// Starts a long run, does something to its second rank, and returns how it ended, which it must soon.
 fn fault(name: &str, (ranks, longest_wait): (usize, &str), signal: &str, later: Duration) -> Output {
+    let run = ["run", "plate.toml", "--no-report", "--out", "results"];
+    fault_of((&run, "results/histories.unfinished.csv"), name, (ranks, longest_wait), signal, later)
+}
+
+/// The same of a command that has begun its work when there is a file.
+fn fault_of(
+    (arguments, file): (&[&str], &str),
+    name: &str,
+    (ranks, longest_wait): (usize, &str),
+    signal: &str,
+    later: Duration,
+) -> Output {
     let folder = Folder::new(name, 10_000);
-    let mut command = folder.command(ranks, &["run", "plate.toml", "--no-report", "--out", "results"]);
+    fs::write(folder.0.join("stone.toml"), STONE).unwrap();
+    let mut command = folder.command(ranks, arguments);
     command.env("COSTATE_LONGEST_WAIT", longest_wait).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = command.spawn().expect("mpirun is installed where the feature mpi is tested");
     let mut running = Running(child);
     let process = folder.process_of(1).to_string();
-    let table = folder.0.join("results/histories.unfinished.csv");
+    let table = folder.0.join(file);
     let begun = Instant::now();
     while !table.exists() {
         assert!(begun.elapsed() < FIRST_STEP && running.0.try_wait().unwrap().is_none(), "no step is made");
@@ -210,6 +387,18 @@ fn all_ranks_end_where_one_sleeps() {
         let said = text(&output.stderr);
         assert!(said.contains("error: rank") && said.contains(&format!("within {LONGEST_WAIT} s")), "{said}");
         assert_eq!(output.status.code(), Some(70), "{said}");
+    }
+}
+
+#[test]
+fn a_sweep_ends_where_a_rank_sleeps_or_is_killed() {
+    let sweep = ["sweep", "stone.toml", "--vary", "load=0:1:300", "--vary", "lift=1:8:300", "--out", "results"];
+    for signal in ["-STOP", "-KILL"] {
+        let name = format!("sweep{signal}");
+        let begun = (&sweep[..], "results/sweep.csv");
+        let output = fault_of(begun, &name, (2, LONGEST_WAIT), signal, Duration::from_secs(1));
+        let said = text(&output.stderr);
+        assert_eq!(said.contains("no sign of rank 1 within"), signal == "-STOP", "{said}");
     }
 }
 

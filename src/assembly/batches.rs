@@ -34,6 +34,22 @@ pub(super) struct Batch<L> {
 
 /// Elements.
 pub(super) type ElementBatch = Batch<ElementLayout>;
+impl<L: Copy> Batch<L> {
+    /// Some of its parts, by their places in it, whose programs are those of the whole.
+    pub fn of_chosen(&self, chosen: &[usize]) -> Self {
+        let bases = self.bases.iter().map(|sides| sides.each_ref().map(|starts| starts.of_chosen(chosen)));
+        Batch {
+            parts: chosen.iter().map(|&place| self.parts[place]).collect(),
+            nodes: self.nodes.clone(),
+            formula: self.formula.clone(),
+            layout: self.layout,
+            places: self.places.of_chosen(chosen),
+            bases: bases.collect(),
+            programs: ProgramCache::default(),
+        }
+    }
+}
+
 /// Constraints.
 pub(super) type ConstraintBatch = Batch<ConstraintLayout>;
 

@@ -8,6 +8,8 @@ use super::numbering::{ScatterMap, System, add_at};
 use super::reduction::Columns;
 use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
+use crate::exchange::digest;
+use crate::linalg::{Factorization, OwnUnknowns, Singular};
 use crate::program::Program;
 use crate::scalar::larger;
 use std::sync::Arc;
@@ -27,6 +29,32 @@ pub struct Jacobian {
     /// Stresses that a search keeps, less those at its point.
     relief: Relief,
     is_relieved: bool,
+    own: Option<OwnElements>,
+    /// By which ranks that have divided the matrix tell whether it is of the same point.
+    mark: f64,
+}
+
+/// Elements that touch unknowns of this rank.
+struct OwnElements {
+    unknowns: Arc<OwnUnknowns>,
+    batches: [Option<Vec<ElementBatch>>; Force::KINDS],
+}
+
+impl OwnElements {
+    /// Those of each batch of all.
+    fn batches(&mut self, system: &System, force: Force) -> &[ElementBatch] {
+        self.batches[force.kind()].get_or_insert_with(|| {
+            let is_own = |part: &usize| {
+                let nodes = &system.element_parts[*part].nodes;
+                nodes.iter().any(|&node| self.unknowns.has_any(system.nodes[node].columns.clone()))
+            };
+            let of_batch = |batch: &ElementBatch| {
+                let chosen: Vec<usize> = (0..batch.parts.len()).filter(|&place| is_own(&batch.parts[place])).collect();
+                batch.of_chosen(&chosen)
+            };
+            system.element_batches(force).iter().map(of_batch).collect()
+        })
+    }
 }
 
 /// See [`Jacobian::relieve`].
@@ -134,6 +162,25 @@ impl Jacobian {
         system.model.elements.iter().any(|element| element.physics.has_strains())
     }
 
+    /// From now on only what the rows and columns of this rank's unknowns take is evaluated, or all again. It is for one system.
+    pub(crate) fn divide(&mut self, unknowns: Option<&Arc<OwnUnknowns>>) {
+        if self.own.as_ref().map(|own| Arc::as_ptr(&own.unknowns)) != unknowns.map(Arc::as_ptr) {
+            let own = |unknowns: &Arc<_>| OwnElements { unknowns: Arc::clone(unknowns), batches: Default::default() };
+            self.own = unknowns.map(own);
+        }
+    }
+
+    /// Factors the matrix, all of it or what this rank has.
+    ///
+    /// # Errors
+    /// As for [`Factorization::factor`].
+    pub(crate) fn factor_in(&mut self, factorization: &mut Factorization) -> Result<(), Singular> {
+        match &self.own {
+            Some(_) => factorization.factor_own(&mut self.values, self.mark),
+            None => factorization.factor(&self.values),
+        }
+    }
+
     /// Differentiates the system at the point where `residual` was evaluated last.
     pub fn assemble<S: RunScalar>(
         &mut self,
@@ -147,6 +194,11 @@ impl Jacobian {
         let mut point = std::mem::take(&mut self.point);
         point.set(residual, unknowns);
         self.bases.set(system, equations, &point);
+        if self.own.is_some() {
+            let Unknowns { mu, eta, .. } = &point.unknowns;
+            let lists = [&point.at.a[..], &point.at.v, &point.at.q, &point.constraint_at.q, mu, eta, p, &[t]];
+            self.mark = digest(&lists.map(digest));
+        }
         self.values.clear();
         self.values.resize(system.pattern.rows.len(), 0.0);
         self.add_elements(system, (equations, Force::of(equations)), &point, p, t);
@@ -188,11 +240,14 @@ impl Jacobian {
 
     fn add_elements(&mut self, system: &System, (equations, force): (&Equations, Force), point: &Point, p: &[f64], t: f64) {
         let (shift, moves) = numbers_of(equations.residual);
-        for batch in system.element_batches(force) {
+        let mut own = self.own.take();
+        let whole = system.element_batches(force);
+        let chosen = own.as_mut().map_or(whole, |own| own.batches(system, force));
+        for (whole, batch) in whole.iter().zip(chosen) {
             let layout = batch.layout;
-            let program = element_matrix(batch, system.options.stabilized, moves);
-            self.evaluated += batch.parts.len();
-            if program.outputs() == 0 {
+            let program = element_matrix(whole, system.options.stabilized, moves);
+            self.evaluated += whole.parts.len();
+            if program.outputs() == 0 || batch.parts.is_empty() {
                 continue;
             }
             let Jacobian { values, bases, work, relief, .. } = self;
@@ -216,6 +271,7 @@ impl Jacobian {
                 },
             );
         }
+        self.own = own;
     }
 
     fn add_constraints(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {

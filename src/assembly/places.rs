@@ -29,7 +29,7 @@ impl Starts {
     }
 
     /// Those of some parts.
-    fn of_chosen(&self, chosen: &[usize]) -> Self {
+    pub fn of_chosen(&self, chosen: &[usize]) -> Self {
         let places = chosen.iter().map(|&part| self.places[part]).collect();
         Starts { places, length: self.length }.filled_up()
     }

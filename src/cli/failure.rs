@@ -1,3 +1,4 @@
+use crate::exchange::sent_by_fields;
 use crate::integrators::RunError;
 use crate::io::IoError;
 
@@ -9,6 +10,7 @@ pub struct Failure {
     /// What goes to stderr.
     pub message: String,
 }
+sent_by_fields!(Failure { code, message });
 
 /// Exit code of an optimization that its limit of iterations ended.
 pub const LIMIT_REACHED: u8 = 3;

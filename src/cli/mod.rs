@@ -231,15 +231,15 @@ impl<'p> CommandLine<'p> {
         ExitCode::from(failure.code)
     }
 
-    /// Of commands that several ranks run, each does all, but for the systems that they solve together.
+    /// Of commands that several ranks run, each does all, but for what they share.
     ///
     /// # Errors
     /// Bad input where other processes would do the same for nothing.
     fn check_ranks(&self, command: &Command) -> Result<(), Failure> {
         match command {
-            Command::Run(_) | Command::Gradient(_) | Command::Optimize(_) => Ok(()),
+            Command::Run(_) | Command::Gradient(_) | Command::Optimize(_) | Command::Sweep(_) => Ok(()),
             _ if !exchange::is_shared() => Ok(()),
-            _ => Err(Failure::input("ranks share the work of run, gradient and optimize: start this without mpirun")),
+            _ => Err(Failure::input("ranks share the work of run, gradient, optimize and sweep: start this without mpirun")),
         }
     }
 

@@ -1,22 +1,28 @@
 //! Ranks: processes that run the same program on the same numbers, and share the work of it.
 //!
 //! Every rank has all vectors, and decides what it does next by the same bits as the others. Between them go pieces of factors and of
-//! solutions alone, which come back to all of them: what uses a solver does not know of ranks. One process is all there is unless the program
-//! was built with the feature `mpi`, started by `mpirun`, and asked for ranks with [`start`].
+//! solutions, which come back to all of them, and what comes of work that is dealt, of which each rank does other parts for itself: what uses a
+//! solver does not know of ranks. One process is all there is unless the program was built with the feature `mpi`, started by `mpirun`, and
+//! asked for ranks with [`start`].
 
 // the library of MUMPS for one process brings functions of MPI of its own, and which ones are called would be chance
 #[cfg(all(feature = "mpi", feature = "mumps"))]
 compile_error!("the features mpi and mumps exclude each other");
 
+mod dealt;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod sent;
 #[cfg(test)]
 mod threads;
 
+pub(crate) use dealt::{gather_work, of_first_at_work, see_work};
+pub(crate) use sent::{Sent, sent_by_fields, sent_by_variants};
 #[cfg(test)]
-pub(crate) use threads::on_ranks;
+pub(crate) use threads::{on_ranks, on_ranks_within};
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 /// Messages among ranks, each of which calls the same functions in the same order as far as they concern another one.
 ///
@@ -32,10 +38,18 @@ pub(crate) trait Exchange: Sync {
     fn hurry(&self) {}
     /// The next message of another rank, as soon as it is there.
     fn receive(&self, from: usize) -> Vec<f64>;
+    /// The next message of another rank, if it is there already.
+    fn receive_if_there(&self, from: usize) -> Option<Vec<f64>>;
+    /// The longest wait for a message.
+    fn longest_wait(&self) -> Duration;
     /// Numbers of all ranks, one after the other; each gives so many.
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64>;
     /// Ends the programs of all ranks, for a reason.
     fn end(&self, reason: &str) -> !;
+    /// Ends the programs of all ranks where one waited for another for too long.
+    fn waited_in_vain(&self, what: &str) -> ! {
+        self.end(&format!("no {what} within {} s", self.longest_wait().as_secs_f64()))
+    }
 
     /// Lists of all ranks, of any lengths.
     fn gather_lists(&self, own: &[f64]) -> Vec<Vec<f64>> {
@@ -66,6 +80,12 @@ impl Exchange for Alone {
     fn receive(&self, from: usize) -> Vec<f64> {
         unreachable!("rank {from} of one")
     }
+    fn receive_if_there(&self, from: usize) -> Option<Vec<f64>> {
+        unreachable!("rank {from} of one")
+    }
+    fn longest_wait(&self) -> Duration {
+        Duration::MAX
+    }
     fn gather(&self, own: &[f64], _: &[usize]) -> Vec<f64> {
         own.to_vec()
     }
@@ -92,6 +112,15 @@ pub(crate) fn apart<R>(work: impl FnOnce() -> R) -> R {
     let result = work();
     APART.fetch_sub(1, Ordering::Relaxed);
     result
+}
+
+/// How many processes `mpirun` started, whatever they do now.
+pub(crate) fn processes() -> usize {
+    #[cfg(feature = "mpi")]
+    if let Some(ranks) = mpi::started() {
+        return ranks.ranks();
+    }
+    1
 }
 
 /// Whether this process prints, and writes files: the first of all ranks.

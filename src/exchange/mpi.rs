@@ -133,8 +133,7 @@ impl Mpi {
 
     fn wait_for(&self, what: impl Fn() -> String, is_there: impl FnMut() -> bool) {
         if !self.wait(self.longest_wait, is_there) {
-            let limit = self.longest_wait.as_secs_f64();
-            self.end(&format!("no {} within {limit} s ({LONGEST_WAIT} sets this limit)", what()));
+            self.waited_in_vain(&what());
         }
     }
 
@@ -182,6 +181,30 @@ impl Mpi {
         self.abort(code)
     }
 
+    /// The next message of another rank, if there is one.
+    fn found(&self, calls: &Calls, from: usize) -> Option<(ffi::MPI_Message, ffi::MPI_Status)> {
+        let mut is_there = 0;
+        // SAFETY: both are numbers and pointers of C, of which all bits may be zero.
+        let (mut message, mut status): (ffi::MPI_Message, ffi::MPI_Status) = unsafe { std::mem::zeroed() };
+        // SAFETY: all pointers are to variables here.
+        unsafe { ffi::MPI_Improbe(from as c_int, 0, calls.world, &mut is_there, &mut message, &mut status) };
+        (is_there != 0).then_some((message, status))
+    }
+
+    /// The numbers of a message that was found, while the caller has the lock.
+    fn fetched(&self, (mut message, status): (ffi::MPI_Message, ffi::MPI_Status), from: usize) -> Vec<f64> {
+        let (mut count, mut request) = (0, request());
+        // SAFETY: pointers to variables here; the list is as long as the message, and lives until the request is done or the process ends.
+        let values = unsafe {
+            ffi::MPI_Get_count(&status, ffi::RSMPI_DOUBLE, &mut count);
+            let mut values = vec![0.0_f64; count as usize];
+            ffi::MPI_Imrecv(values.as_mut_ptr().cast(), count, ffi::RSMPI_DOUBLE, &mut message, &mut request);
+            values
+        };
+        self.wait_for(|| format!("message of rank {from}"), || is_done(&mut request));
+        values
+    }
+
     /// A number of numbers as MPI counts it.
     fn count(&self, numbers: usize) -> c_int {
         let most = || self.end(&format!("{numbers} numbers are more than one message of MPI takes"));
@@ -217,25 +240,24 @@ impl Exchange for Mpi {
 
     fn receive(&self, from: usize) -> Vec<f64> {
         let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: both are numbers and pointers of C, of which all bits may be zero.
-        let (mut message, mut status): (ffi::MPI_Message, ffi::MPI_Status) = unsafe { std::mem::zeroed() };
-        let what = || format!("message of rank {from}");
-        self.wait_for(what, || {
-            let mut is_there = 0;
-            // SAFETY: all pointers are to variables here.
-            unsafe { ffi::MPI_Improbe(from as c_int, 0, calls.world, &mut is_there, &mut message, &mut status) };
-            is_there != 0
-        });
-        let (mut count, mut request) = (0, request());
-        // SAFETY: as above; the list is as long as the message, and lives until the request is done or the process ends.
-        let values = unsafe {
-            ffi::MPI_Get_count(&status, ffi::RSMPI_DOUBLE, &mut count);
-            let mut values = vec![0.0_f64; count as usize];
-            ffi::MPI_Imrecv(values.as_mut_ptr().cast(), count, ffi::RSMPI_DOUBLE, &mut message, &mut request);
-            values
-        };
-        self.wait_for(what, || is_done(&mut request));
-        values
+        let mut found = None;
+        self.wait_for(
+            || format!("message of rank {from}"),
+            || {
+                found = self.found(&calls, from);
+                found.is_some()
+            },
+        );
+        found.map_or_else(Vec::new, |found| self.fetched(found, from))
+    }
+
+    fn receive_if_there(&self, from: usize) -> Option<Vec<f64>> {
+        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        self.found(&calls, from).map(|found| self.fetched(found, from))
+    }
+
+    fn longest_wait(&self) -> Duration {
+        self.longest_wait
     }
 
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {
@@ -259,6 +281,11 @@ impl Exchange for Mpi {
     fn end(&self, reason: &str) -> ! {
         let _ = writeln!(std::io::stderr(), "error: rank {} of {}: {reason}", self.rank, self.ranks);
         self.abort(OUT_OF_STEP)
+    }
+
+    fn waited_in_vain(&self, what: &str) -> ! {
+        let limit = self.longest_wait.as_secs_f64();
+        self.end(&format!("no {what} within {limit} s ({LONGEST_WAIT} sets this limit)"))
     }
 }
 

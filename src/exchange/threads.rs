@@ -5,12 +5,13 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
-/// After which a rank that failed is not waited for.
+/// After which a rank that failed is not waited for, where a test does not say.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 /// Messages that are on their way between two ranks, by receivers and senders.
 struct Post {
     ranks: usize,
+    longest_wait: Duration,
     waiting: Mutex<Vec<VecDeque<Vec<f64>>>>,
     came: Condvar,
 }
@@ -39,10 +40,16 @@ impl Exchange for Thread {
             if let Some(message) = waiting[own].pop_front() {
                 return message;
             }
-            let (lock, waited) = self.post.came.wait_timeout(waiting, LONGEST_WAIT).expect("no rank has failed");
+            let (lock, waited) = self.post.came.wait_timeout(waiting, self.post.longest_wait).expect("no rank has failed");
             assert!(!waited.timed_out(), "rank {}: no message of rank {from}", self.rank);
             waiting = lock;
         }
+    }
+    fn receive_if_there(&self, from: usize) -> Option<Vec<f64>> {
+        self.post.waiting.lock().expect("no rank has failed")[self.rank * self.post.ranks + from].pop_front()
+    }
+    fn longest_wait(&self) -> Duration {
+        self.post.longest_wait
     }
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {
         assert_eq!(own.len(), counts[self.rank]);
@@ -58,8 +65,17 @@ impl Exchange for Thread {
 
 /// What each of some ranks gives, which all run the same.
 pub(crate) fn on_ranks<R: Send>(ranks: usize, run: impl Fn(&'static dyn Exchange) -> R + Sync) -> Vec<R> {
+    on_ranks_within(LONGEST_WAIT, ranks, run)
+}
+
+/// The same for ranks that do not wait longer for each other.
+pub(crate) fn on_ranks_within<R: Send>(
+    longest_wait: Duration,
+    ranks: usize,
+    run: impl Fn(&'static dyn Exchange) -> R + Sync,
+) -> Vec<R> {
     // ranks live as long as the process, as those of `mpirun` do
-    let post = Post { ranks, waiting: Mutex::new(vec![VecDeque::new(); ranks * ranks]), came: Condvar::new() };
+    let post = Post { ranks, longest_wait, waiting: Mutex::new(vec![VecDeque::new(); ranks * ranks]), came: Condvar::new() };
     let post: &'static Post = Box::leak(Box::new(post));
     std::thread::scope(|scope| {
         let start = |rank: usize| -> &'static dyn Exchange { Box::leak(Box::new(Thread { rank, post })) };

@@ -58,7 +58,7 @@ impl Keep {
     /// As [`Keep::Auto`] for each of several runs at once.
     pub fn shared_by(runs: usize) -> Self {
         // ranks may share the memory of a machine; what one of them computes again, all have to
-        let runs = runs * exchange::world().ranks();
+        let runs = runs * exchange::processes();
         let free = exchange::of_first(free_memory::free_memory().map_or(f64::NAN, |free| free as f64));
         if free.is_nan() { Keep::Memory } else { Keep::Within((SHARE * free / runs as f64) as usize) }
     }

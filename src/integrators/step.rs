@@ -161,7 +161,8 @@ fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[
 }
 
 pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
-    Newton::new(system.clone(), method.tolerance, method.backend).map_err(|singular| RunError::of_pattern("start", singular))
+    let newton = Newton::new(system.clone(), method.tolerance, method.backend).map(Newton::divided);
+    newton.map_err(|singular| RunError::of_pattern("start", singular))
 }
 
 /// Real unknowns without derivative parts.

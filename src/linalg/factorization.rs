@@ -10,7 +10,8 @@ pub use symmetric::Signs;
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
 use super::simd::multiply_add;
-use super::{DenseLu, Kernel, LinearSolver, Singular, dispatch};
+use super::{DenseLu, Kernel, LinearSolver, OwnUnknowns, Singular, dispatch};
+use crate::exchange::digest;
 use crate::linalg::SparsePattern;
 use crate::scalar::larger;
 use std::sync::Arc;
@@ -68,6 +69,11 @@ pub struct Work {
     pub fill: usize,
 }
 
+fn work_of(solver: &MultifrontalLu) -> Work {
+    let analysis = solver.analysis();
+    Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries }
+}
+
 /// Largest number of unknowns of a small system: above, what the tree of fronts saves is more than it costs.
 const SMALL: usize = 8;
 
@@ -105,6 +111,14 @@ pub enum TransposedSolution {
     NeedsFactors,
 }
 
+/// Values of a matrix.
+enum Values<'v> {
+    /// All of them.
+    Whole(&'v [f64]),
+    /// The rows and columns of this rank's own unknowns.
+    Own(&'v mut [f64], Arc<OwnUnknowns>),
+}
+
 /// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
     pattern: Arc<SparsePattern>,
@@ -112,6 +126,8 @@ pub struct Factorization {
     solver: Box<dyn LinearSolver>,
     scaled: Vec<f64>,
     scaling: Scaling,
+    /// Unknowns of each rank, where some share each system.
+    own: Option<Arc<OwnUnknowns>>,
     /// Largest of the values given last.
     largest: f64,
     /// Whether unknowns that multipliers tie to far stiffer ones count as weak.
@@ -139,26 +155,37 @@ impl Factorization {
         let of_dense = (n as f64).powi(3) / 3.0;
         let dense = || {
             let work = Work { multiplications: of_dense, fill: n * n };
-            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, 1)
+            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, (1, None))
         };
         let multifrontal = || {
             let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
-            let analysis = solver.analysis();
-            let work = Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries };
-            let ranks = solver.ranks();
+            let work = work_of(&solver);
+            let ranks = (solver.ranks(), solver.own_unknowns().map(Arc::new));
             (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks)
         };
-        let (solver, work, backend, ranks) = match backend {
+        let (solver, work, backend, (ranks, own)) = match backend {
             Backend::Dense => dense(),
             Backend::Automatic if n <= SMALL => dense(),
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks };
-        Ok(Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())))
+        Ok(Self { own, ..Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())) })
+    }
+
+    /// Shared by ranks, whatever its size.
+    #[cfg(test)]
+    pub(super) fn on(pattern: &Arc<SparsePattern>, world: &'static dyn crate::exchange::Exchange) -> Self {
+        let solver = MultifrontalLu::on(pattern, world);
+        let own = solver.own_unknowns().map(Arc::new);
+        let (unknowns, entries) = (pattern.size, pattern.rows.len());
+        let work = Some(work_of(&solver));
+        let plan = SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work, ranks: world.ranks() };
+        Self { own, ..Self::of(Box::new(solver), plan, pattern.clone(), Scaling::new(pattern.clone())) }
     }
 
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>, scaling: Scaling) -> Self {
         Factorization {
+            own: None,
             plan,
             solver,
             scaled: Vec::new(),
@@ -182,7 +209,8 @@ impl Factorization {
     /// As for [`Factorization::new`].
     pub fn another(&self) -> Result<Self, Singular> {
         let Some(solver) = self.solver.another() else { return Factorization::new(&self.pattern, self.plan.backend) };
-        Ok(Self::of(solver, self.plan, self.pattern.clone(), self.scaling.another()))
+        let another = Self::of(solver, self.plan, self.pattern.clone(), self.scaling.another());
+        Ok(Self { own: self.own.clone(), ..another })
     }
 
     /// Factors values given in the order of the pattern; the first ones are examined for singularity.
@@ -190,11 +218,29 @@ impl Factorization {
     /// # Errors
     /// [`Singular`] with the unknown that the matrix does not determine.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        self.check_finite(values)?;
-        self.factor_finite(values)
+        self.check_finite(values, || digest(values))?;
+        self.factor_finite(&mut Values::Whole(values))
     }
 
-    fn factor_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
+    /// The same for values of which each rank has the rows and columns of its own unknowns, and any numbers besides; all have the same mark. Some
+    /// rows and columns of others are added.
+    ///
+    /// # Errors
+    /// As for [`Factorization::factor`], on all ranks.
+    pub fn factor_own(&mut self, values: &mut [f64], mark: f64) -> Result<(), Singular> {
+        self.check_finite(values, || mark)?;
+        match self.own.clone() {
+            Some(own) => self.factor_finite(&mut Values::Own(values, own)),
+            None => self.factor_finite(&mut Values::Whole(values)),
+        }
+    }
+
+    /// Unknowns of each rank, where some share each system.
+    pub(crate) fn own_unknowns(&self) -> Option<&Arc<OwnUnknowns>> {
+        self.own.as_ref()
+    }
+
+    fn factor_finite(&mut self, values: &mut Values) -> Result<(), Singular> {
         (self.is_stale, self.has_factors) = (false, false);
         let factored = self.factor_scaled(values);
         if factored.is_ok() || self.is_careful {
@@ -208,8 +254,17 @@ impl Factorization {
         again.or(factored)
     }
 
-    fn factor_scaled(&mut self, values: &[f64]) -> Result<(), Singular> {
-        self.scaling.set(values, self.largest, self.is_careful);
+    fn factor_scaled(&mut self, values: &mut Values) -> Result<(), Singular> {
+        let values = match values {
+            Values::Whole(values) => {
+                self.scaling.set(values, self.largest, self.is_careful);
+                *values
+            }
+            Values::Own(values, own) => {
+                self.scaling.set_own(values, self.largest, self.is_careful, own);
+                &**values
+            }
+        };
         self.scaled.resize(values.len(), 0.0);
         self.scaling.apply(values, &mut self.scaled);
         self.solver.factor(&self.scaled)?;
@@ -237,7 +292,7 @@ impl Factorization {
     /// # Errors
     /// [`Singular`] with the column of a value that is not a number.
     pub fn keep_factors(&mut self, values: &[f64]) -> Result<bool, Singular> {
-        self.check_finite(values)?;
+        self.check_finite(values, || 0.0)?;
         if self.has_factors {
             self.is_stale = true;
             self.scaling.apply(values, &mut self.scaled);
@@ -247,7 +302,19 @@ impl Factorization {
 
     /// # Errors
     /// [`Singular`] with the column of a value that is not a number.
-    fn check_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
+    fn check_finite(&mut self, values: &[f64], mark: impl FnOnce() -> f64) -> Result<(), Singular> {
+        if let Some(own) = &self.own {
+            let (mut largest, mut first) = (0.0, None);
+            for &column in own.own() {
+                match largest_finite(&values[self.entries(column as usize)]) {
+                    Some(size) => largest = larger(largest, size),
+                    None => first = first.or(Some(column as usize)),
+                }
+            }
+            let (largest, first) = own.agree(largest, first, mark());
+            self.largest = largest;
+            return first.map_or(Ok(()), |unknown| Err(Singular { unknown }));
+        }
         if let Some(largest) = largest_finite(values) {
             self.largest = largest;
             return Ok(());
@@ -403,7 +470,7 @@ impl Factorization {
 
     /// The same for `W` columns or fewer, whose numbers are laid side by side.
     fn set_residual_columns<const MEASURED: bool, const W: usize>(&mut self, given: &[f64], x: &[f64], r: &mut [f64]) {
-        let Factorization { pattern, scaled, scaling, beside, errors, .. } = self;
+        let Factorization { pattern, scaled, scaling, beside, errors, own, .. } = self;
         let (n, columns) = (pattern.size, x.len() / pattern.size);
         beside.resize(n * W, 0.0);
         let (rows, _) = beside.as_chunks_mut::<W>();
@@ -416,7 +483,11 @@ impl Factorization {
             rows.iter_mut().for_each(|row| row[columns..].fill(0.0));
         }
         let scales = &scaling.columns;
-        let worst = dispatch(Residuals::<MEASURED, W> { pattern, scaled, scales, beside: rows, least, given, r });
+        let own = own.as_deref();
+        let mut worst = dispatch(Residuals::<MEASURED, W> { pattern, scaled, scales, beside: rows, least, given, r, own });
+        if let Some(own) = own {
+            own.gather_columns(r, &mut worst);
+        }
         errors.extend(&worst[..columns]);
     }
 
@@ -442,16 +513,20 @@ struct Residuals<'f, const MEASURED: bool, const W: usize> {
     least: [f64; W],
     given: &'f [f64],
     r: &'f mut [f64],
+    /// Where ranks share the columns of the matrix, each computes the numbers of its own.
+    own: Option<&'f OwnUnknowns>,
 }
 
 impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W> {
     type Output = [f64; W];
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> [f64; W] {
-        let Residuals { pattern, scaled, scales, beside, least, given, r } = self;
+        let Residuals { pattern, scaled, scales, beside, least, given, r, own } = self;
         let (n, columns) = (pattern.size, r.len() / pattern.size);
         let mut worst = [0.0_f64; W];
-        for column in 0..n {
+        let own = own.map(OwnUnknowns::own);
+        for number in 0..own.map_or(n, <[u32]>::len) {
+            let column = own.map_or(number, |own| own[number] as usize);
             let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
             // sums of every other entry do not wait for each other
             let [mut sums, mut sizes] = [[[0.0_f64; W]; 2]; 2];

@@ -3,9 +3,9 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::SparsePattern;
 use super::column_groups::{ColumnGroups, FETCHED, fetch};
 use super::vectors::{Instructions, Vector, VectorKernel, dispatch_vectors};
+use super::{OwnUnknowns, SparsePattern};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -105,15 +105,40 @@ impl Scaling {
     /// * `largest`    of the values
     /// * `is_careful` whether unknowns that multipliers tie to far stiffer ones count as weak
     pub fn set(&mut self, values: &[f64], largest: f64, is_careful: bool) {
-        let size = self.pattern.size;
-        [&mut self.rows, &mut self.columns].into_iter().for_each(|scales| scales.resize(size, 1.0));
-        let found = dispatch_vectors(ByDiagonals { scaling: self, values, largest });
-        if !found {
+        if !self.scale_by_diagonals(values, largest) {
             self.find_weak();
         }
         if is_careful && self.release(values) {
             self.find_weak();
         }
+        self.scale_weak(values, is_careful);
+    }
+
+    /// The same for values of which each rank has the rows and columns of its own unknowns: those of weak ones are brought together.
+    pub fn set_own(&mut self, values: &mut [f64], largest: f64, is_careful: bool, own: &OwnUnknowns) {
+        self.scale_by_diagonals(values, largest);
+        own.gather(&mut self.rows);
+        self.columns.copy_from_slice(&self.rows);
+        let weak = (0..self.pattern.size as u32).filter(|&unknown| self.columns[unknown as usize] == 0.0);
+        if !weak.eq(self.weak.iter().copied()) {
+            self.find_weak();
+        }
+        own.complete(values, &self.pattern, &self.weak_entries, &self.weak);
+        if is_careful && self.release(values) {
+            self.find_weak();
+            own.complete(values, &self.pattern, &self.weak_entries, &self.weak);
+        }
+        self.scale_weak(values, is_careful);
+    }
+
+    /// Returns whether unknowns without a scale by their diagonal are those that are listed.
+    fn scale_by_diagonals(&mut self, values: &[f64], largest: f64) -> bool {
+        let size = self.pattern.size;
+        [&mut self.rows, &mut self.columns].into_iter().for_each(|scales| scales.resize(size, 1.0));
+        dispatch_vectors(ByDiagonals { scaling: self, values, largest })
+    }
+
+    fn scale_weak(&mut self, values: &[f64], is_careful: bool) {
         if !is_careful {
             // listed once as a rule
             self.listed = Vec::new();

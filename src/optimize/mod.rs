@@ -19,6 +19,7 @@ mod program;
 mod quadratic;
 pub(crate) mod runs_at_once;
 mod scaling;
+mod sent;
 mod simulated;
 mod sqp;
 mod starts;

@@ -1,6 +1,33 @@
-use crate::exchange::apart;
+use crate::exchange::{Sent, apart, gather_work, world};
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The rank that does each of some jobs; `None` where all ranks do the only one together.
+pub(crate) fn owners(count: usize) -> Vec<Option<usize>> {
+    let ranks = world().ranks();
+    (0..count).map(|number| (count > 1).then_some(number % ranks)).collect()
+}
+
+/// What a function gives for the number of each job: several at once, on all threads of the ranks that do them, each for itself. `None` where
+/// nothing was given.
+pub(crate) fn results_of_all<T: Sent + Send>(owners: &[Option<usize>], run: impl Fn(usize) -> T + Sync) -> Vec<Option<T>> {
+    let world = world();
+    if let ([None], _) | ([_], 1) = (owners, world.ranks()) {
+        return vec![Some(run(0))];
+    }
+    let own: Vec<usize> = (0..owners.len()).filter(|&number| owners[number] == Some(world.rank())).collect();
+    let work = || {
+        let results: Vec<Mutex<Option<T>>> = own.iter().map(|_| Mutex::new(None)).collect();
+        run_at_once(own.len(), rayon::current_num_threads(), |place| {
+            let result = run(own[place]);
+            *results[place].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+        });
+        results.into_iter().map(|own| own.into_inner().unwrap_or_else(PoisonError::into_inner)).collect::<Vec<_>>()
+    };
+    let mut by_ranks: Vec<_> = gather_work(world, work).into_iter().map(Vec::into_iter).collect();
+    owners.iter().map(|owner| by_ranks[(*owner)?].next().flatten()).collect()
+}
 
 /// Calls `run` once with each number below `count`, in their order, several at once: of all `threads` each call has its
 /// share for itself. What a run gives has the same bits on any number of threads.
@@ -24,6 +51,5 @@ pub(crate) fn run_at_once(count: usize, threads: usize, run: impl Fn(usize) + Sy
             }
         });
     };
-    // whatever the number of threads of a rank: all ranks are to do the same
-    if count > 1 { apart(run_all) } else { run_all() }
+    apart(run_all);
 }

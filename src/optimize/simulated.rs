@@ -2,14 +2,15 @@
 
 use super::Work;
 use super::optimization::{Case, GradientBy, Optimization};
-use super::runs_at_once::run_at_once;
+use super::runs_at_once::{owners, results_of_all};
 use super::scaling::Scaling;
+use crate::exchange::{Sent, sent_by_fields};
 use crate::functionals::Extremes;
 use crate::history::Watch;
-use crate::integrators::{RunError, StepRecord};
+use crate::integrators::{Counters, RunError, StepRecord};
 use crate::scenes::Prepared;
 use crate::sensitivity::Forward;
-use std::sync::Mutex;
+use std::sync::OnceLock;
 
 /// A simulated design, as its gradient needs it.
 pub(super) struct Simulated<'s> {
@@ -23,11 +24,28 @@ pub(super) struct Simulated<'s> {
 
 /// A case in which the problem measures something.
 struct CaseRun<'s> {
+    found: Found,
+    /// The rank that has its steps, if not all have them.
+    owner: Option<usize>,
+    kept: OnceLock<Kept<'s>>,
+}
+
+/// What its gradient needs, where it was simulated.
+struct Kept<'s> {
     prepared: Prepared<'s>,
     forward: Forward,
-    /// Numbers of its functionals among those of the problem.
-    places: Vec<usize>,
 }
+
+/// What all ranks know of it.
+struct Found {
+    /// Of its functionals.
+    values: Vec<f64>,
+    extremes: Vec<Option<Extremes>>,
+    /// Their numbers among those of the problem.
+    places: Vec<usize>,
+    counters: Counters,
+}
+sent_by_fields!(Found { values, extremes, places, counters });
 
 /// What a gradient is made with.
 pub(super) struct Differentiation<'p> {
@@ -38,20 +56,13 @@ pub(super) struct Differentiation<'p> {
     pub wants_to_stop: &'p (dyn Fn() -> bool + Sync),
 }
 
-/// Calls a function for each number below `count`, several at once where there are several; the first error counts.
-fn all_at_once<T: Send>(count: usize, run: impl Fn(usize) -> Result<T, RunError> + Sync) -> Result<Vec<T>, RunError> {
-    if count == 1 {
-        return Ok(vec![run(0)?]);
-    }
-    let results: Vec<Mutex<Option<Result<T, RunError>>>> = (0..count).map(|_| Mutex::new(None)).collect();
-    run_at_once(count, rayon::current_num_threads(), |number| {
-        let result = run(number);
-        if let Ok(mut own) = results[number].lock() {
-            *own = Some(result);
-        }
-    });
+/// Calls a function for each job, several at once where there are several; the first error counts.
+fn all_at_once<T: Sent + Send>(
+    owners: &[Option<usize>],
+    run: impl Fn(usize) -> Result<T, RunError> + Sync,
+) -> Result<Vec<T>, RunError> {
     let missing = || Err(RunError::Input("a case was not run".into()));
-    results.into_iter().map(|own| own.into_inner().ok().flatten().unwrap_or_else(missing)).collect()
+    results_of_all(owners, run).into_iter().map(|own| own.unwrap_or_else(missing)).collect()
 }
 
 impl<'o> Optimization<'o> {
@@ -63,18 +74,24 @@ impl<'o> Optimization<'o> {
     ) -> Result<Simulated<'o>, RunError> {
         let measures = |case: &usize| self.places.iter().any(|place| place.0 == *case);
         let cases: Vec<usize> = (0..self.cases.len()).filter(measures).collect();
-        let runs = all_at_once(cases.len(), |number| {
+        let owners = owners(cases.len());
+        let mut kept: Vec<OnceLock<Kept>> = cases.iter().map(|_| OnceLock::new()).collect();
+        let found = all_at_once(&owners, |number| {
             let case = &self.cases[cases[number]];
             let run = self.case_run(cases[number], design, wants_to_stop);
-            run.map_err(|error| in_case(case, error))
+            let (own, found) = run.map_err(|error| in_case(case, error))?;
+            kept[number].get_or_init(|| own);
+            Ok(found)
         })?;
         let (mut values, mut extremes) = (vec![f64::NAN; self.places.len()], vec![None; self.places.len()]);
-        for CaseRun { forward, places, .. } in &runs {
-            for (own, &place) in places.iter().enumerate() {
-                values[place] = forward.values[own];
-                extremes[place] = forward.extremes[own].clone();
+        for own in &found {
+            for (&place, (&value, extreme)) in own.places.iter().zip(own.values.iter().zip(&own.extremes)) {
+                values[place] = value;
+                extremes[place] = extreme.clone();
             }
         }
+        let runs = found.into_iter().zip(owners).zip(kept.drain(..));
+        let runs = runs.map(|((found, owner), kept)| CaseRun { found, owner, kept }).collect();
         Ok(Simulated { design: design.to_vec(), values, extremes, runs })
     }
 
@@ -83,7 +100,7 @@ impl<'o> Optimization<'o> {
         number: usize,
         design: &[f64],
         wants_to_stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<CaseRun<'o>, RunError> {
+    ) -> Result<(Kept<'o>, Found), RunError> {
         let Case { scene, method, settings, .. } = &self.cases[number];
         let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
         let known = |name: &str| self.places.iter().position(|place| place.0 == number && place.1 == name);
@@ -98,7 +115,8 @@ impl<'o> Optimization<'o> {
         }
         stopped.map_or(Ok(()), Err)?;
         prepared.analysis().check_values(&forward)?;
-        Ok(CaseRun { prepared, forward, places })
+        let (values, extremes, counters) = (forward.values.clone(), forward.extremes.clone(), forward.counters);
+        Ok((Kept { prepared, forward }, Found { values, extremes, places, counters }))
     }
 
     /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
@@ -108,17 +126,19 @@ impl<'o> Optimization<'o> {
         how: &Differentiation,
         work: &mut Work,
     ) -> Result<Vec<Vec<f64>>, RunError> {
-        let counts = |run: &&CaseRun| run.places.iter().any(|&place| how.wanted[place]);
+        let counts = |run: &&CaseRun| run.found.places.iter().any(|&place| how.wanted[place]);
         let runs: Vec<&CaseRun> = simulated.runs.iter().filter(counts).collect();
-        let made = all_at_once(runs.len(), |number| {
-            let mut own = Work::default();
-            let rows = runs[number].rows(self.gradient, how, &mut own)?;
+        let owners: Vec<Option<usize>> = runs.iter().map(|run| run.owner).collect();
+        let made = all_at_once(&owners, |number| {
+            let (mut own, CaseRun { found, kept, .. }) = (Work::default(), runs[number]);
+            let kept = kept.get().ok_or_else(|| RunError::Input("a case was not kept".into()))?;
+            let rows = kept.rows(&found.places, self.gradient, how, &mut own)?;
             Ok((rows, own))
         })?;
         let mut all = vec![vec![0.0; simulated.design.len()]; simulated.values.len()];
         for (run, (rows, own)) in runs.into_iter().zip(made) {
             *work += own;
-            for (&place, row) in run.places.iter().zip(rows).filter(|(place, _)| how.wanted[**place]) {
+            for (&place, row) in run.found.places.iter().zip(rows).filter(|(place, _)| how.wanted[**place]) {
                 all[place] = row;
             }
         }
@@ -138,14 +158,20 @@ fn in_case(case: &Case, error: RunError) -> RunError {
 impl Simulated<'_> {
     /// The work of all its runs.
     pub fn add_counters(&self, work: &mut Work) {
-        self.runs.iter().for_each(|run| work.simulation += run.forward.counters);
+        self.runs.iter().for_each(|run| work.simulation += run.found.counters);
         work.simulations += self.runs.len();
     }
 }
 
-impl CaseRun<'_> {
-    fn rows(&self, by: GradientBy, how: &Differentiation, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let CaseRun { prepared, forward, places } = self;
+impl Kept<'_> {
+    fn rows(
+        &self,
+        places: &[usize],
+        by: GradientBy,
+        how: &Differentiation,
+        work: &mut Work,
+    ) -> Result<Vec<Vec<f64>>, RunError> {
+        let Kept { prepared, forward } = self;
         let (analysis, x) = (prepared.analysis(), &prepared.x);
         let gradient = match by {
             GradientBy::Adjoint => {
@@ -165,7 +191,7 @@ impl CaseRun<'_> {
 
     /// One simulation for each variable that varies, at a design that differs by a share of its value (of its scale where it is 0).
     fn differences(&self, share: f64, how: &Differentiation, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let CaseRun { prepared, forward, .. } = self;
+        let Kept { prepared, forward } = self;
         let analysis = prepared.analysis().on_steps_of(forward);
         let mut rows = vec![vec![0.0; prepared.x.len()]; forward.values.len()];
         for (&variable, &(_, size)) in how.scaling.varying.iter().zip(&how.scaling.measures) {

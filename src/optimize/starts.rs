@@ -1,4 +1,4 @@
-use super::runs_at_once::run_at_once;
+use super::runs_at_once::{owners, results_of_all};
 use super::{Optimization, Optimized, Optimizer, Watcher};
 use crate::design::latin_hypercube;
 use crate::integrators::RunError;
@@ -33,15 +33,20 @@ impl Optimization<'_> {
         starts: &[Vec<f64>],
         watchers: &mut [impl Watcher + Send],
     ) -> Vec<Result<Optimized, RunError>> {
-        let jobs: Vec<Mutex<_>> = starts.iter().zip(watchers).map(|job| Mutex::new((job, None))).collect();
-        run_at_once(jobs.len(), rayon::current_num_threads(), |number| {
+        let jobs: Vec<Mutex<_>> = starts.iter().zip(watchers).map(Mutex::new).collect();
+        let owners = owners(jobs.len());
+        let ended = results_of_all(&owners, |number| {
             // each job is taken once, so that none waits for another
-            if let Ok(mut job) = jobs[number].lock() {
-                let ((start, watcher), ended) = &mut *job;
-                *ended = Some(self.run(optimizer, start, &mut **watcher));
-            }
+            let (start, watcher) = &mut *jobs[number].lock().ok()?;
+            Some(self.run(optimizer, start, &mut **watcher))
         });
-        let ended = jobs.into_iter().map(|job| job.into_inner().ok().and_then(|(_, ended)| ended));
-        ended.map(|ended| ended.unwrap_or_else(|| Err(RunError::Input("the optimization was not run".into())))).collect()
+        // the first rank has seen its own optimizations alone
+        for ((owner, job), ended) in owners.iter().zip(jobs).zip(&ended) {
+            if let (Some(1..), Ok((_, watcher)), Some(Some(Ok(optimized)))) = (owner, job.into_inner(), ended) {
+                watcher.changed(&optimized.history);
+            }
+        }
+        let missing = || Err(RunError::Input("the optimization was not run".into()));
+        ended.into_iter().map(|ended| ended.flatten().unwrap_or_else(missing)).collect()
     }
 }

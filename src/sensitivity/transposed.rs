@@ -216,15 +216,15 @@ impl<'m> TransposedSolver<'m> {
             return;
         }
         let before = jacobian.evaluated;
+        jacobian.divide(self.factorization.own_unknowns());
         work.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, own, p, *t));
         work.blocks += jacobian.evaluated - before;
-        let values = &self.jacobian.values;
         // those of a stage tell nothing of a projection
         let alike = self
             .has_projection
             .is_some_and(|(metric, at)| metric == equations.metric && (self.is_alone || metric && at == *t));
         let kept = match alike && self.trials[kind(equations)].is_due() {
-            true => self.factorization.keep_factors(values),
+            true => self.factorization.keep_factors(&self.jacobian.values),
             false => Ok(false),
         };
         let outcome = match kept {
@@ -234,8 +234,8 @@ impl<'m> TransposedSolver<'m> {
                 if !self.is_alone {
                     self.factorization.start_afresh(self.is_careful);
                 }
-                let factorization = &mut self.factorization;
-                self.work.timed(Phase::Factorization, || factorization.factor(values))
+                let TransposedSolver { work, jacobian, factorization, .. } = self;
+                work.timed(Phase::Factorization, || jacobian.factor_in(factorization))
             }
             _ => kept.map(|_| ()),
         };
@@ -424,7 +424,7 @@ impl<'m> TransposedSolver<'m> {
         let TransposedSolver { factorization, jacobian, reduced, work, .. } = self;
         let mut refactored = false;
         while work.timed(Phase::Solution, || factorization.solve_transposed(reduced))? == TransposedSolution::NeedsFactors {
-            work.timed(Phase::Factorization, || factorization.factor(&jacobian.values))?;
+            work.timed(Phase::Factorization, || jacobian.factor_in(factorization))?;
             refactored = true;
         }
         let all = &mut self.sweep.adjoints;

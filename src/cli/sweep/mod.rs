@@ -14,10 +14,11 @@ use super::options::SceneOptions;
 use super::results::check_folder;
 use super::simulation::{crossings_in_words, steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
+use crate::exchange::{is_first, of_first_at_work, see_work, world};
 use crate::history::{Keep, Watch};
 use crate::integrators::{Method, StepRecord};
 use crate::io::{Progress, write_file};
-use crate::optimize::runs_at_once::run_at_once;
+use crate::optimize::runs_at_once::{owners, run_at_once};
 use crate::scenes::{AnyScene, Prepared, Settings};
 use clap::Args;
 use rows::{Outcome, Outcomes, Rows, row};
@@ -97,18 +98,12 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     let sweep = Sweep::new(options, scene)?;
     let folder = options.scene.folder(scene);
     let (path, names) = (folder.join("sweep.csv"), sweep.column_names());
-    let (mut rows, mut outcomes) = match options.resume {
-        true => Rows::resume(&path, &names, &sweep.variation)?,
-        false => {
-            check_folder(&folder)?;
-            (Rows::begin(&path, &names)?, vec![None; sweep.variation.points.len()])
-        }
-    };
+    let (mut rows, mut outcomes) = sweep.begin(&folder, &path, &names)?;
     let kept = outcomes.iter().flatten().count();
     let guard = Guard::new();
     sweep.announce(kept);
     sweep.check_kept(&outcomes, &path, &guard)?;
-    rows.cut()?;
+    rows.as_mut().map_or(Ok(()), Rows::cut)?;
     let begun = Instant::now();
     sweep.run_all(rows, &mut outcomes, &guard)?;
     let summary = summary::Summary::new(&sweep, &outcomes, kept, begun.elapsed().as_secs_f64());
@@ -141,6 +136,23 @@ impl<'s> Sweep<'s> {
         let functionals = base.functionals().iter().map(|own| (own.name.clone(), own.value_unit())).collect();
         let threads = options.threads.unwrap_or_else(rayon::current_num_threads);
         Ok(Sweep { options, scene, base, method, settings, variation, functionals, threads })
+    }
+
+    /// The file of the first rank, and what is finished.
+    fn begin(&self, folder: &Path, path: &Path, names: &[String]) -> Result<(Option<Rows>, Outcomes), Failure> {
+        let open = || match self.options.resume {
+            true => Rows::resume(path, names, &self.variation),
+            false => {
+                check_folder(folder)?;
+                Ok((Rows::begin(path, names)?, vec![None; self.variation.points.len()]))
+            }
+        };
+        let (rows, opened) = match is_first().then(open) {
+            Some(Ok((rows, outcomes))) => (Some(rows), Some(Ok(outcomes))),
+            Some(Err(failure)) => (None, Some(Err(failure))),
+            None => (None, None),
+        };
+        Ok((rows, of_first_at_work(world(), opened)?))
     }
 
     fn name(&self) -> String {
@@ -180,7 +192,11 @@ impl<'s> Sweep<'s> {
         let kept = if kept > 0 { format!(", of which {kept} are finished") } else { String::new() };
         let [designs, variables, threads] =
             [(points.len(), "design"), (axes.len(), "variable"), (self.threads, "thread")].map(|(n, word)| count(n, word));
-        say(format_args!("{designs} {words} in {variables}, on {threads}{kept}"));
+        let ranks = match world().ranks() {
+            1 => String::new(),
+            ranks => format!(" of each of {ranks} ranks"),
+        };
+        say(format_args!("{designs} {words} in {variables}, on {threads}{ranks}{kept}"));
         say(format_args!("each design: {}\n", steps_in_words(&self.method, settings)));
     }
 
@@ -246,32 +262,51 @@ impl<'s> Sweep<'s> {
         )))
     }
 
-    /// Runs the designs that are not finished; each row is written when it is there, and all are sorted at the end.
-    fn run_all(&self, rows: Rows, outcomes: &mut Outcomes, guard: &Guard) -> Result<(), Failure> {
+    /// Runs the designs that are not finished, dealt over the ranks; the first one writes each row when it is there, and sorts all at the end.
+    fn run_all(&self, rows: Option<Rows>, outcomes: &mut Outcomes, guard: &Guard) -> Result<(), Failure> {
         let places: Vec<usize> = (0..outcomes.len()).filter(|&place| outcomes[place].is_none()).collect();
         let progress = Progress::new("designs", outcomes.len() as u64);
-        let finished = outcomes.len() - places.len();
+        let mut finished = outcomes.len() - places.len();
         progress.set(finished as u64);
-        let shared = Mutex::new((rows, outcomes, finished, None));
+        let shared = Mutex::new((rows, None));
         let lock = || shared.lock().unwrap_or_else(PoisonError::into_inner);
-        run_at_once(places.len(), self.threads, |number| {
-            let place = places[number];
-            if guard.requested() || lock().3.is_some() {
-                return;
+        let see = |place: usize, outcome: Outcome| {
+            let (rows, unwritten) = &mut *lock();
+            let row = row(place + 1, &self.variation.points[place], &outcome);
+            *unwritten = rows.as_mut().and_then(|rows| rows.add(&row).err());
+            if unwritten.is_none() {
+                outcomes[place] = Some(outcome);
+                finished += 1;
+                progress.set(finished as u64);
             }
-            let Some(outcome) = self.outcome(place, guard) else { return };
-            let (rows, outcomes, finished, unwritten) = &mut *lock();
-            if let Err(error) = rows.add(&row(place + 1, &self.variation.points[place], &outcome)) {
-                *unwritten = Some(error);
-                return;
-            }
-            outcomes[place] = Some(outcome);
-            *finished += 1;
-            progress.set(*finished as u64);
-        });
-        let (rows, outcomes, _, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
-        unwritten.map_or_else(|| rows.sort(outcomes, &self.variation), Err)?;
+            unwritten.is_none()
+        };
+        let owners = places.iter().zip(owners(places.len()));
+        let own: Vec<usize> = owners.filter(|own| own.1.unwrap_or(0) == world().rank()).map(|own| *own.0).collect();
+        let wanted = || !guard.requested() && lock().1.is_none();
+        see_work(world(), |found| self.run_own(&own, guard, &wanted, found), see);
+        let (rows, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        unwritten.map_or(Ok(()), Err)?;
+        *outcomes = of_first_at_work(world(), is_first().then(|| outcomes.clone()));
+        rows.map_or(Ok(()), |rows| rows.sort(outcomes, &self.variation))?;
         Ok(())
+    }
+
+    /// Runs some designs as long as they are wanted.
+    fn run_own(
+        &self,
+        places: &[usize],
+        guard: &Guard,
+        wanted: &(dyn Fn() -> bool + Sync),
+        found: &(dyn Fn(usize, Outcome) + Sync),
+    ) {
+        run_at_once(places.len(), self.threads, |number| {
+            if wanted()
+                && let Some(outcome) = self.outcome(places[number], guard)
+            {
+                found(places[number], outcome);
+            }
+        });
     }
 }
 

@@ -4,6 +4,7 @@
 use super::variation::Variation;
 use crate::cli::earlier::keep_earlier;
 use crate::cli::failure::Failure;
+use crate::exchange::sent_by_fields;
 use crate::history::check_place;
 use crate::io::{IoError, fields, quoted, write_file};
 use std::fs::{File, OpenOptions};
@@ -20,6 +21,8 @@ pub struct Outcome {
     /// Why, or warnings about the run.
     pub message: String,
 }
+
+sent_by_fields!(Outcome { values, failed, message });
 
 /// What came of each design, where it is finished.
 pub type Outcomes = Vec<Option<Outcome>>;

@@ -116,6 +116,8 @@ pub struct Newton<'m, S> {
     pub(super) coordinate_scales: Vec<f64>,
     /// The lever of the latter that stands there.
     pub(super) turning_length: f64,
+    /// Whether ranks that share a system share its matrix, too, of which none has all then.
+    divides: bool,
 }
 
 /// Entries of L and U above which what is needed once is not kept: a few megabytes.
@@ -136,7 +138,13 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// # Errors
     /// As for [`Newton::new`].
     pub fn another(&self) -> Result<Self, Singular> {
-        Ok(Self::of(self.system.clone(), self.tolerance, self.factorization.another()?))
+        let another = Self::of(self.system.clone(), self.tolerance, self.factorization.another()?);
+        Ok(Newton { divides: self.divides, ..another })
+    }
+
+    /// The same for systems whose matrix nobody looks at as a whole.
+    pub(in crate::integrators) fn divided(self) -> Self {
+        Newton { divides: true, ..self }
     }
 
     /// Gives all memory of a large system back: the next search finds what it sets itself and takes new memory; counts, measured round-off and
@@ -166,6 +174,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: None,
             coordinate_scales: vec![1.0; system.model.dofs],
             turning_length: 1.0,
+            divides: false,
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
             is_constant: None,
             allowed: None,
@@ -266,10 +275,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.factorizations += 1;
         let before = self.jacobian.evaluated;
         self.keep_numbers(p, t);
-        let Newton { counters, residual, jacobian, factorization, system, p, .. } = &mut *self;
+        let Newton { counters, residual, jacobian, factorization, system, p, divides, .. } = &mut *self;
+        // whether an equilibrium is stable is seen from all of the matrix
+        jacobian.divide(factorization.own_unknowns().filter(|_| *divides && !equations.is_static()));
         counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
         counters.blocks += jacobian.evaluated - before;
-        counters.timed(Phase::Factorization, || factorization.factor(&jacobian.values))?;
+        counters.timed(Phase::Factorization, || jacobian.factor_in(factorization))?;
         let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
         self.measured_for += 1;
         self.contractions.age = 0;

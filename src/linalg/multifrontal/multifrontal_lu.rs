@@ -12,7 +12,7 @@ use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
 use crate::exchange::{self, Exchange};
 use crate::linalg::SparsePattern;
-use crate::linalg::{LinearSolver, Singular};
+use crate::linalg::{LinearSolver, OwnUnknowns, Singular};
 use std::sync::Arc;
 
 /// Multifrontal LU of matrices of one pattern, whose rows and columns should have the size 1.
@@ -67,11 +67,27 @@ impl MultifrontalLu {
         MultifrontalLu { symbolic, threads, work, factors: Factors::default(), substitution: Substitution::default() }
     }
 
+    /// Shared by ranks, whatever its size.
+    #[cfg(test)]
+    pub(crate) fn on(pattern: &SparsePattern, world: &'static dyn Exchange) -> Self {
+        let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
+        let stretches = Stretches::new(&symbolic, world.ranks());
+        Self::shared(symbolic, stretches, 1, world)
+    }
+
     /// Ranks that share a factorization.
     pub(crate) fn ranks(&self) -> usize {
         match &self.work {
             Work::Alone(_) => 1,
             Work::Shared(share) => share.ranks(),
+        }
+    }
+
+    /// Unknowns of each rank, where some share a factorization: the rows and columns of its own are all that it needs of a matrix.
+    pub(crate) fn own_unknowns(&self) -> Option<OwnUnknowns> {
+        match &self.work {
+            Work::Alone(_) => None,
+            Work::Shared(share) => Some(share.own_unknowns(&self.symbolic)),
         }
     }
 

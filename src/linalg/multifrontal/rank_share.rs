@@ -15,7 +15,7 @@ use super::substitution::{BLOCK, Rows, Side, Substitution};
 use super::symbolic::Symbolic;
 use super::traversal::Piece;
 use crate::exchange::{Exchange, digest};
-use crate::linalg::Singular;
+use crate::linalg::{OwnUnknowns, Singular};
 use std::ops::Range;
 
 /// Pivots of a front that the front above looks for, in another stretch or in one that has fronts of several below.
@@ -110,6 +110,12 @@ impl RankShare {
         self.exchange.ranks()
     }
 
+    /// Unknowns whose pivots each rank looks for, but for those that wait for another one.
+    pub fn own_unknowns(&self, symbolic: &Symbolic) -> OwnUnknowns {
+        let of_rank = |rank| symbolic.order[self.stretches.places(symbolic, rank)].to_vec();
+        OwnUnknowns::new(self.exchange, (0..self.ranks()).map(of_rank).collect())
+    }
+
     /// Pivots of the last factorization that wait for a front of another rank.
     #[cfg(test)]
     pub fn delayed_across_ranks(&self) -> usize {
@@ -153,7 +159,7 @@ impl RankShare {
             self.hand_on(symbolic, root, contribution, &mut delayed);
             self.exchange.hurry();
         }
-        self.agree(symbolic, values, failure, &delayed)
+        self.agree(symbolic, failure, &delayed)
     }
 
     /// Contributions of other ranks to a front, whenever they come.
@@ -200,24 +206,15 @@ impl RankShare {
         }
     }
 
-    /// All ranks have the same matrix, know of the first failure, and of pivots that were delayed.
-    fn agree(
-        &mut self,
-        symbolic: &Symbolic,
-        values: &[f64],
-        failure: Option<Singular>,
-        delayed: &[f64],
-    ) -> Result<(), Singular> {
+    /// All ranks know of the first failure, and of pivots that were delayed.
+    fn agree(&mut self, symbolic: &Symbolic, failure: Option<Singular>, delayed: &[f64]) -> Result<(), Singular> {
         let failed = failure.map_or(BROKEN, |singular| singular.unknown as f64);
-        let all = self.exchange.gather_lists(&[&[digest(values), failed], delayed].concat());
-        if all.iter().any(|other| other[0] != all[0][0]) {
-            self.exchange.end("ranks have different matrices: are all processors, and all programs, the same?");
-        }
-        if let Some(failed) = all.iter().find(|other| other[1] != BROKEN) {
-            return Err(Singular { unknown: failed[1] as usize });
+        let all = self.exchange.gather_lists(&[&[failed], delayed].concat());
+        if let Some(failed) = all.iter().find(|other| other[0] != BROKEN) {
+            return Err(Singular { unknown: failed[0] as usize });
         }
         self.delayed.clear();
-        for mut rest in all.iter().map(|other| &other[2..]) {
+        for mut rest in all.iter().map(|other| &other[1..]) {
             while let [front, count, after @ ..] = rest {
                 let (places, after) = after.split_at(2 * *count as usize);
                 let (rows, columns) = places.split_at(*count as usize);

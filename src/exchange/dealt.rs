@@ -1,0 +1,239 @@
+//! Work that is dealt: each rank does other parts of it, for itself, however long it takes.
+
+use super::{Exchange, Sent, apart};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Signs of life within the longest wait for one.
+const SIGNS: u32 = 4;
+/// Between two looks for messages.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// What a message of a rank at work begins with; a sign of life is empty.
+const RESULT: f64 = 1.0;
+const DONE: f64 = 2.0;
+
+/// Does the work of this rank while the others do theirs, and returns what came of all, by ranks.
+pub(crate) fn gather_work<T: Sent>(world: &dyn Exchange, work: impl FnOnce() -> T) -> Vec<T> {
+    let mut own = Some(at_work(world, others(world), work));
+    tell(world, &own);
+    let of = |rank: usize| if rank == world.rank() { own.take() } else { Some(after_work(world, rank)) };
+    (0..world.ranks()).filter_map(of).collect()
+}
+
+/// Does the work of this rank while the others do theirs. The first one sees each result as soon as it is there, with its number, until it
+/// wants no more; true if it saw all. The function that the work is given shows them. [`of_first_at_work`] has to follow, which reads what signs
+/// of life the first one has sent.
+pub(crate) fn see_work<T: Sent>(
+    world: &dyn Exchange,
+    work: impl FnOnce(&(dyn Fn(usize, T) + Sync)),
+    see: impl FnMut(usize, T) -> bool + Send,
+) -> bool {
+    if world.rank() > 0 {
+        at_work(world, 0..1, || {
+            work(&|number, result| {
+                let mut message = vec![RESULT];
+                (number, result).write(&mut message);
+                world.send(0, message);
+            })
+        });
+        world.send(0, vec![DONE]);
+        return true;
+    }
+    let see = Mutex::new((see, true));
+    let shown = |number: usize, result: T| {
+        let (see, goes_on) = &mut *see.lock().unwrap_or_else(PoisonError::into_inner);
+        *goes_on = *goes_on && see(number, result);
+        *goes_on
+    };
+    at_work(world, others(world), || {
+        let panicked = Flag::default();
+        std::thread::scope(|scope| {
+            let listener = scope.spawn(|| listen(world, &shown, &panicked));
+            let raised = Raised(&panicked);
+            work(&|number, result| {
+                shown(number, result);
+            });
+            std::mem::forget(raised);
+            let _ = listener.join();
+        });
+    });
+    see.into_inner().unwrap_or_else(PoisonError::into_inner).1
+}
+
+/// What the first rank tells all, as soon as it has done its work; its signs of life have come so long.
+pub(crate) fn of_first_at_work<T: Sent>(world: &dyn Exchange, own: Option<T>) -> T {
+    if own.is_some() {
+        tell(world, &own);
+    }
+    own.unwrap_or_else(|| after_work(world, 0))
+}
+
+/// Tells all others what came of this rank's work.
+fn tell<T: Sent>(world: &dyn Exchange, own: &Option<T>) {
+    let mut message = vec![DONE];
+    own.iter().for_each(|own| own.write(&mut message));
+    others(world).for_each(|rank| world.send(rank, message.clone()));
+}
+
+fn others(world: &dyn Exchange) -> impl Iterator<Item = usize> + Clone + use<> {
+    let (own, ranks) = (world.rank(), world.ranks());
+    (0..ranks).filter(move |&rank| rank != own)
+}
+
+/// What a rank has sent behind its signs of life.
+fn after_work<T: Sent>(world: &dyn Exchange, rank: usize) -> T {
+    loop {
+        if let [DONE, result @ ..] = &world.receive(rank)[..] {
+            return T::read(&mut result.iter());
+        }
+    }
+}
+
+/// Shows the first rank what others have found, until all of them are done, or nobody looks any more.
+fn listen<T: Sent>(world: &dyn Exchange, shown: &dyn Fn(usize, T) -> bool, panicked: &Flag) {
+    let mut at_work: Vec<(usize, Instant)> = others(world).map(|rank| (rank, Instant::now())).collect();
+    while !at_work.is_empty() && !panicked.is_raised_within(PAUSE) {
+        let mut goes_on = true;
+        at_work.retain_mut(|(rank, heard)| {
+            while let Some(message) = world.receive_if_there(*rank) {
+                *heard = Instant::now();
+                match &message[..] {
+                    [DONE, ..] => return false,
+                    [RESULT, rest @ ..] => {
+                        let (number, result) = Sent::read(&mut rest.iter());
+                        goes_on &= shown(number, result);
+                    }
+                    _ => {}
+                }
+            }
+            if heard.elapsed() > world.longest_wait() {
+                world.waited_in_vain(&format!("sign of rank {rank}"));
+            }
+            true
+        });
+        if !goes_on {
+            return;
+        }
+    }
+}
+
+/// Work that takes as long as it takes: some others are told that this rank is at it.
+fn at_work<R>(world: &dyn Exchange, others: impl Iterator<Item = usize> + Clone + Sync, work: impl FnOnce() -> R) -> R {
+    if world.ranks() == 1 {
+        return work();
+    }
+    let ended = Flag::default();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut told = Instant::now();
+            while !ended.is_raised_within(PAUSE) {
+                world.hurry();
+                if told.elapsed() > world.longest_wait() / SIGNS {
+                    others.clone().for_each(|rank| world.send(rank, Vec::new()));
+                    told = Instant::now();
+                }
+            }
+        });
+        // a panic ends it, too
+        let _raised = Raised(&ended);
+        apart(work)
+    })
+}
+
+/// Raised once, which others wait for.
+#[derive(Default)]
+struct Flag {
+    raised: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl Flag {
+    fn is_raised_within(&self, limit: Duration) -> bool {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.changed.wait_timeout_while(raised, limit, |raised| !*raised);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+}
+
+/// Raises a flag when dropped.
+struct Raised<'f>(&'f Flag);
+
+impl Drop for Raised<'_> {
+    fn drop(&mut self) {
+        *self.0.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.0.changed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::{on_ranks, on_ranks_within};
+
+    #[test]
+    fn results_of_all_ranks_come_in_their_order() {
+        let per_rank = on_ranks(4, |world| {
+            gather_work(world, || {
+                std::thread::sleep(Duration::from_millis(10 * (4 - world.rank() as u64)));
+                vec![world.rank(); 2 * world.rank()]
+            })
+        });
+        let expected: Vec<Vec<usize>> = (0..4).map(|rank| vec![rank; 2 * rank]).collect();
+        assert!(per_rank.iter().all(|all| *all == expected), "{per_rank:?}");
+    }
+
+    #[test]
+    fn the_first_rank_sees_results_while_others_work_and_tells_all() {
+        let per_rank = on_ranks(3, |world| {
+            let mut seen = vec![0; 7];
+            let all = see_work(
+                world,
+                |found| (world.rank()..7).step_by(3).for_each(|number| found(number, number * number)),
+                |number, result: usize| {
+                    seen[number] += result;
+                    true
+                },
+            );
+            assert!(all);
+            of_first_at_work(world, (world.rank() == 0).then_some(seen))
+        });
+        assert_eq!(per_rank, vec![vec![0, 1, 4, 9, 16, 25, 36]; 3]);
+    }
+
+    #[test]
+    fn work_may_take_longer_than_ranks_wait() {
+        let limit = Duration::from_millis(800);
+        let work = |world: &dyn Exchange| std::thread::sleep(if world.rank() == 1 { 3 * limit } else { Duration::ZERO });
+        let gathered = on_ranks_within(limit, 3, |world| {
+            let all = gather_work(world, || {
+                work(world);
+                world.rank()
+            });
+            let mut seen = 0;
+            let see = |_, rank: usize| {
+                seen += rank;
+                true
+            };
+            see_work(
+                world,
+                |found| {
+                    work(world);
+                    found(0, world.rank());
+                },
+                see,
+            );
+            (all, of_first_at_work(world, (world.rank() == 0).then_some(seen)))
+        });
+        assert_eq!(gathered, vec![(vec![0, 1, 2], 3); 3]);
+    }
+
+    #[test]
+    fn the_first_rank_may_stop_looking() {
+        let all = on_ranks(2, |world| {
+            let work = |found: &(dyn Fn(usize, usize) + Sync)| found(world.rank(), 0);
+            see_work(world, work, |_, _| false)
+        });
+        assert_eq!(all, [false, true]);
+    }
+}
