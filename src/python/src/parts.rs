@@ -127,6 +127,7 @@ impl Description {
         for (name, tape) in &self.formulas {
             let (arguments, results) = match (self.kind, name.as_str()) {
                 (Kind::Element, "residual") => (3 * n + m + 1, n),
+                (Kind::Element, "interpolated") => (3 * n, tape.count()),
                 (Kind::Element, "kinetic") => (2 * n + m, 1),
                 (Kind::Element, "potential" | "strain_energy") => (n + m, 1),
                 (Kind::Element, "force") => (2 * n + m + 1, n),
@@ -202,7 +203,11 @@ impl Element for Law {
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         match self.0.replay("residual", &[s.a, s.v, s.q, p, &[t]]) {
             Some(results) => r.copy_from_slice(&results),
-            None => S::from_energies(),
+            None => {
+                // in the order in which elements of the library record them: sums of derivatives follow it
+                self.0.replay("interpolated", &[s.a, s.v, s.q]);
+                S::from_energies();
+            }
         }
     }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
