@@ -151,8 +151,7 @@ impl<'s> Prepared<'s> {
     pub fn method_of(settings: &Settings) -> Result<Method, RunError> {
         let name = settings.method.as_deref().unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(RunError::Input)?;
-        let table = table
-            .ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
+        let table = table.ok_or_else(|| RunError::Input(unknown("method", name, &table_names())))?;
         let mut method = Method::new(table, settings.level);
         (method.tolerance, method.backend) = (settings.newton, settings.solver);
         Ok(method)
