@@ -1,5 +1,6 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
+use super::unknown;
 use crate::assembly::{Attached, Model, VectorsAvq};
 use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
 use crate::elements::ConstraintPhysics;
@@ -7,7 +8,7 @@ use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
 use crate::integrators::{
     ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, NewtonTolerance, Problem, RunError,
-    STATIC_TABLE, StartPlan, StepControl, Systems, TimeGrid, table_by_name, table_named,
+    STATIC_TABLE, StartPlan, StepControl, Systems, TimeGrid, table_by_name, table_named, table_names,
 };
 use crate::linalg::{Backend, Factorization, SolverPlan};
 use crate::program::Recorded;

@@ -193,7 +193,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     (
         "[[functional]]",
         "[[point]]\nname = \"p {i}\"\nfor = { i = [1, 2] }\nposition = [\"i\", 0, 0]\nmass = 1.0\n\n[[functional]]",
-        "59:13",
+        "59:14",
         &["name \"i\" is not known", "by i is written {i}"],
     ),
     (

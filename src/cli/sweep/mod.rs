@@ -129,7 +129,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     summary.verdict()
 }
 
-/// Removes what an earlier sweep has made of its table: an interrupted one leaves nothing beside its rows that is not of them.
+/// Removes what an earlier sweep has made of its table: one that is killed leaves nothing beside its rows that is not of them.
 fn remove_outdated(folder: &Path) -> Result<(), Failure> {
     let pictures = |stem: &str| ["png", "svg"].map(|ending| folder.join(format!("{stem}.{ending}")));
     let whole = ["sweep.arrow", "sweep.json"].map(|name| folder.join(name)).into_iter().chain(pictures("sensitivity"));
