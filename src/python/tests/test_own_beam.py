@@ -240,3 +240,16 @@ def test_fields_that_make_no_sense_are_refused(field, said):
     with pytest.raises(costate.InputError) as error:
         costate.testing.check_element(field, [3.0, 1.5, 2.0, 0.2])
     assert said in str(error.value)
+
+
+def test_operations_of_euler_parameters_are_those_of_the_matrix():
+    random = np.random.default_rng(3)
+    e, rate, s = random.normal(size=4), random.normal(size=4), random.normal(size=3)
+    e /= np.linalg.norm(e)
+    rate -= e * (e @ rate)
+    matrix = costate.rotation(e)
+    np.testing.assert_allclose(costate.rotate(e, s), matrix @ s, rtol=1e-13)
+    np.testing.assert_allclose(costate.rotate_back(e, s), matrix.T @ s, rtol=1e-13)
+    # dR/dt = R omega~, by a complex step
+    spin = matrix.T @ np.imag(costate.rotation(e + 1e-30j * rate)) / 1e-30
+    np.testing.assert_allclose(2.0 * costate.g_times(e, rate), [spin[2, 1], spin[0, 2], spin[1, 0]], rtol=1e-13)
