@@ -295,8 +295,8 @@ def rotate_back(e: Any, s: Any) -> Any:
 
 
 def g_times(e: Any, rate: Any) -> Any:
-    """G(e) de for Euler parameters ``e`` and their rate: half of the angular velocity in the frame of the body, and along
-    a line half of its curvature."""
+    """G(e) de for Euler parameters ``e`` and their rate: half of the angular velocity in the body's frame; of changes
+    along a line half of its curvature."""
     u, w = np.array([e[1], e[2], e[3]]), np.array([rate[1], rate[2], rate[3]])
     return w * e[0] - u * rate[0] - _cross(u, w)
 
