@@ -10,7 +10,7 @@ from ._costate import __version__
 from .errors import CheckError, Error, InputError, InternalError, RecordingError, RunError, RunWarning, SceneError
 from .model import Model
 from .numbers import floor, g_times, less, maximum, minimum, rotate, rotate_back, rotation, sign, where
-from .parts import Constraint, Element, Field, Parameter, Quantity, State, non_negative, number, positive
+from .parts import Constraint, Element, Field, Parameter, Quantity, State, non_negative, number, point, positive
 from .results import Gradient, History, JointHistory, Mode, NodeHistory, Report, Run
 from .scene_function import Variable, scene, variable
 from .scenes import DesignVariable, Functional, Scene, built_in, built_in_names, load, loads, value_and_grad
@@ -55,6 +55,7 @@ __all__ = [
     "minimum",
     "non_negative",
     "number",
+    "point",
     "positive",
     "rotate",
     "rotate_back",

@@ -32,6 +32,14 @@ class Parameter:
     doc: str = ""
     #: One by which a part is made stronger or heavier: reports colour the part by what a change of it does.
     is_size: bool = False
+    #: Of a point: the node in whose frame it stays.
+    point_of: int | None = None
+
+
+def point(node: int = 0, doc: str = "") -> Parameter:
+    """A point of a node, counted from 0: given by its place in the world at the start, and for formulas three numbers in
+    the frame of the node."""
+    return Parameter("m", "any", doc, point_of=node)
 
 
 def number(unit: str = "-", doc: str = "", *, is_size: bool = False) -> Parameter:
@@ -72,6 +80,16 @@ class Part:
 
     def _formulas(self, recorder: _Recorder) -> dict[str, Any]:
         raise NotImplementedError
+
+    @classmethod
+    def _number_names(cls) -> list[str]:
+        """Names of the numbers that its parameters are."""
+        points = {
+            name for name, own in cls.parameters.items() if isinstance(own, Parameter) and own.point_of is not None
+        }
+        return [
+            own for name in cls.parameters for own in ([f"{name} {x}" for x in "xyz"] if name in points else [name])
+        ]
 
 
 class Element(Part):
@@ -315,7 +333,7 @@ class Quantity(Part):
 class _Recorder:
     """Runs the formulas of a part with numbers that record."""
 
-    def __init__(self, name: str, coordinates: int, parameters: Sequence[str]) -> None:
+    def __init__(self, name: str, coordinates: int, parameters: Mapping[str, Parameter]) -> None:
         self.name = name
         self.coordinates = coordinates
         self.parameters = parameters
@@ -326,9 +344,14 @@ class _Recorder:
         return own
 
     def state_and_more(self) -> tuple[Any, Any, Any, Any, Number]:
-        p = [argument(name) for name in self.parameters]
+        p: list[Number] = []
+        names: dict[str, Any] = {}
+        for name, own in self.parameters.items():
+            numbers = self.arguments(name, 3) if own.point_of is not None else [argument(name)]
+            names[name] = numbers if own.point_of is not None else numbers[0]
+            p.extend(numbers)
         state = [self.arguments(name, self.coordinates) for name in "avq"]
-        return state[0], state[1], state[2], Numbers(p, dict(zip(self.parameters, p))), argument("t")
+        return state[0], state[1], state[2], Numbers(p, names), argument("t")
 
     def recorded(self, part: object, known: Mapping[str, tuple[list[Any], int | None]]) -> dict[str, Any]:
         """Tapes of the methods that a part has, of those that are known with what they get and how much they return."""
@@ -394,7 +417,7 @@ def _description(own: Part) -> dict[str, Any]:
         if not name.isidentifier() or name in ("name", "type", "on", "between", "over", "for")
     ]:
         raise InputError(f'{word} has a parameter "{bad[0]}": take another name, of letters, numbers and _')
-    recorder = _Recorder(word, sum(NODES[kind] for kind in own.nodes), list(parameters))
+    recorder = _Recorder(word, sum(NODES[kind] for kind in own.nodes), parameters)
     doc = (type(own).__doc__ or word).strip().split("\n")[0].rstrip(".")
     return {
         "kind": own._kind,
@@ -402,7 +425,14 @@ def _description(own: Part) -> dict[str, Any]:
         "doc": doc,
         "nodes": list(own.nodes),
         "parameters": [
-            {"name": name, "unit": given.unit, "doc": given.doc or name, "range": given.range, "is_size": given.is_size}
+            {
+                "name": name,
+                "unit": given.unit,
+                "doc": given.doc or name,
+                "range": given.range,
+                "is_size": given.is_size,
+                "point_of": given.point_of,
+            }
             for name, given in parameters.items()
         ],
         **own._formulas(recorder),
