@@ -33,8 +33,8 @@ class Component(om.ExplicitComponent):
     * a scene with scenarios is run in all of them, several at once, and its outputs are ``NAME_SCENARIO``
 
     Units are those of the scene; they are not declared, as OpenMDAO knows others. Under complex steps, as
-    ``check_partials(method="cs")`` takes them of a problem with ``force_alloc_complex``, derivatives are those of runs in
-    complex numbers, which know nothing of the adjoint.
+    ``check_partials(method="cs")`` takes them of a problem with ``force_alloc_complex``, derivatives are those of runs
+    in complex numbers, which know nothing of the adjoint.
     """
 
     def __init__(self, scene: Scene, functionals: Sequence[str] | None = None, **options: Any) -> None:

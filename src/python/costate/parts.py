@@ -37,8 +37,8 @@ class Parameter:
 
 
 def point(node: int = 0, doc: str = "") -> Parameter:
-    """A point of a node, counted from 0: given by its place in the world at the start, and for formulas three numbers in
-    the frame of the node."""
+    """A point of a node, counted from 0: given by its place in the world at the start, and for formulas three numbers
+    in the frame of the node."""
     return Parameter("m", "any", doc, point_of=node)
 
 
@@ -402,6 +402,10 @@ def _parameter(name: str, given: Any, word: str) -> Parameter:
     return Parameter(given)
 
 
+def _usual_doc(name: str, own: Parameter) -> str:
+    return name if own.point_of is None else f"point of node {own.point_of + 1}, in the world at the start"
+
+
 def _description(own: Part) -> dict[str, Any]:
     word = type(own).__name__
     if isinstance(own.nodes, str):
@@ -428,7 +432,7 @@ def _description(own: Part) -> dict[str, Any]:
             {
                 "name": name,
                 "unit": given.unit,
-                "doc": given.doc or name,
+                "doc": given.doc or _usual_doc(name, given),
                 "range": given.range,
                 "is_size": given.is_size,
                 "point_of": given.point_of,

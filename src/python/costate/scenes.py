@@ -193,7 +193,8 @@ class Scene:
     ) -> list[Mode]:
         """Small vibrations about the equilibrium of a design: up to ``count`` whose omega^2 are nearest to zero.
 
-        * ``damped``: with dampers, states of first order and what else depends on velocities; about a steady turn always
+        * ``damped``: with dampers, states of first order and what else depends on velocities, as always about a steady
+          turn
         * ``static``: about the equilibrium after the scene's load steps instead of its start
         * ``gradients``: with derivatives by all design variables, exact to round-off, through the equilibrium
 

@@ -492,6 +492,8 @@ def test_formulas_that_make_no_sense_are_refused(body, said):
         ({"nodes": ["corner"]}, '"corner"'),
         ({"nodes": ["point"]}, "no formula"),
         ({"nodes": ["point"], "parameters": {"a b": "m"}}, '"a b"'),
+        ({"nodes": "point"}, 'nodes of Own is a text: give a list, ["point"]'),
+        ({"nodes": ["point"], "parameters": {"k": 3}}, 'parameter "k" of Own is 3: give its unit'),
         ({"nodes": ["point"], "parameters": {"on": "m"}}, '"on"'),
         ({"nodes": ["point"], "stored": lambda self, e, p: 1.0}, "no strains(q, p, t)"),
     ],
