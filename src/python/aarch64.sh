@@ -16,7 +16,7 @@ apt() {
         -o Dir::Cache="$folder/cache" -o Debug::NoLocking=1 "$@"
 }
 apt update
-apt install -y --download-only --no-install-recommends python3 libpython3-stdlib libgcc-s1
+apt install -y --download-only --no-install-recommends python3 libpython3-stdlib libgcc-s1 libstdc++6
 for package in "$folder"/cache/archives/*.deb; do
     dpkg -x "$package" "$folder/system"
 done
@@ -25,6 +25,8 @@ version=${python##*python}
 pip install -q --upgrade --target "$folder/packages" --only-binary=:all: --python-version "$version" \
     --platform manylinux2014_aarch64 --platform manylinux_2_28_aarch64 "$folder"/costate-*aarch64.whl
 
+# not the package that stands in this folder
+cd "$folder"
 PYTHONPATH="$folder/packages" qemu-aarch64-static -L "$folder/system" "$python" - <<'END'
 import platform
 

@@ -229,9 +229,9 @@ def test_a_call_costs_less_than_a_millisecond(five_bar):
     least = {bare: np.inf, whole: np.inf}
     for _ in range(100):
         for work in least:
-            start = time.perf_counter()
+            start = time.process_time()
             work()
-            least[work] = min(least[work], time.perf_counter() - start)
+            least[work] = min(least[work], time.process_time() - start)
     overhead = least[whole] - least[bare]
     print(f"{1e6 * overhead:.0f} microseconds")
     assert overhead < 1e-3
