@@ -3,7 +3,7 @@
 # rustup's target aarch64-unknown-linux-gnu, and `pip install maturin ziglang`. A folder as argument: where all of it is put.
 set -euo pipefail
 cd "$(dirname "$0")"
-folder=$(realpath -m "${1:-target/aarch64}")
+folder=$(realpath -m "${1:-../../target/aarch64}")
 mkdir -p "$folder"/{lists/partial,cache/archives/partial,system}
 
 maturin build --release --zig --target aarch64-unknown-linux-gnu --compatibility manylinux2014 --interpreter python3.10 --out "$folder"
