@@ -337,7 +337,11 @@ fn a_sweep_that_is_stopped_or_killed_loses_no_finished_row() {
     let arguments = ["sweep", "pendulum", "--steps", "3000", "--vary", "length=0.5:2:60", "--threads", "2"];
     let file = folder.0.join(FILES[0]);
     let rows = || fs::read_to_string(&file).map_or(0, |text| text.lines().count().saturating_sub(1));
+    let outdated = ["sweep.arrow", "sweep.json", "scatter-1.svg", "scatter-2.png", "sensitivity.png"];
+    let outdated = outdated.map(|name| format!("out/pendulum/{name}"));
     for (signal, code) in [("-INT", Some(130)), ("-KILL", None), ("-TERM", Some(130))] {
+        fs::create_dir_all(folder.0.join("out/pendulum")).expect("a folder");
+        outdated.iter().for_each(|name| folder.write(name, "earlier"));
         let before = rows();
         let resume = (before > 0).then_some("--resume");
         let mut command = folder.command(&[&arguments[..], resume.as_slice()].concat());
@@ -350,6 +354,10 @@ fn a_sweep_that_is_stopped_or_killed_loses_no_finished_row() {
         let output = child.wait_with_output().expect("it ends");
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), code, "{message}");
+        // one that was stopped has written those of its own rows
+        let left: Vec<_> =
+            outdated.iter().filter(|name| fs::read(folder.0.join(name)).is_ok_and(|own| own == b"earlier")).collect();
+        assert!(left.is_empty(), "{left:?}");
         let (header, rows) = table(&folder.read(FILES[0]));
         assert!(rows.len() >= before + 3 && rows.iter().all(|row| row.len() + 2 == header.len()), "{rows:?}");
         if code.is_some() {

@@ -1,5 +1,6 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
+use super::unknown;
 use crate::assembly::{Attached, Model, VectorsAvq};
 use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
 use crate::elements::ConstraintPhysics;
@@ -7,7 +8,7 @@ use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
 use crate::integrators::{
     ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, NewtonTolerance, Problem, RunError,
-    STATIC_TABLE, StartPlan, StepControl, Systems, TimeGrid, table_by_name, table_named,
+    STATIC_TABLE, StartPlan, StepControl, Systems, TimeGrid, table_by_name, table_named, table_names,
 };
 use crate::linalg::{Backend, Factorization, SolverPlan};
 use crate::program::Recorded;
@@ -151,8 +152,7 @@ impl<'s> Prepared<'s> {
     pub fn method_of(settings: &Settings) -> Result<Method, RunError> {
         let name = settings.method.as_deref().unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(RunError::Input)?;
-        let table = table
-            .ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
+        let table = table.ok_or_else(|| RunError::Input(unknown("method", name, &table_names())))?;
         let mut method = Method::new(table, settings.level);
         (method.tolerance, method.backend) = (settings.newton, settings.solver);
         Ok(method)

@@ -191,6 +191,12 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("name = \"weld\"", "name = \"weld {j}\"\nfor = { i = [1, 2] }", "52:8", &["\"weld {j}\"", "name \"j\"", "known: i"]),
     ("name = \"weld\"", "name = \"weld\"\nfor = { i = [1, 2] }", "52:8", &["name \"weld\" is taken"]),
     (
+        "[[functional]]",
+        "[[point]]\nname = \"p {i}\"\nfor = { i = [1, 2] }\nposition = [\"i\", 0, 0]\nmass = 1.0\n\n[[functional]]",
+        "59:14",
+        &["name \"i\" is not known", "by i is written {i}"],
+    ),
+    (
         "name = \"weld\"",
         "name = \"weld {i}\"\nfor = { i = [1, 5] }",
         "53:13",

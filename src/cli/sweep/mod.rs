@@ -103,7 +103,10 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     let guard = Guard::new();
     sweep.announce(kept);
     sweep.check_kept(&outcomes, &path, &guard)?;
-    rows.as_mut().map_or(Ok(()), Rows::cut)?;
+    if let Some(rows) = &mut rows {
+        remove_outdated(&folder)?;
+        rows.cut()?;
+    }
     let begun = Instant::now();
     sweep.run_all(rows, &mut outcomes, &guard)?;
     let summary = summary::Summary::new(&sweep, &outcomes, kept, begun.elapsed().as_secs_f64());
@@ -121,6 +124,19 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &json);
     summary.verdict()
+}
+
+/// Removes what an earlier sweep has made of its table: one that is killed leaves nothing beside its rows that is not of them.
+fn remove_outdated(folder: &Path) -> Result<(), Failure> {
+    let pictures = |stem: &str| ["png", "svg"].map(|ending| folder.join(format!("{stem}.{ending}")));
+    let whole = ["sweep.arrow", "sweep.json"].map(|name| folder.join(name)).into_iter().chain(pictures("sensitivity"));
+    let by_variable = (1..).map(|axis: usize| pictures(&format!("scatter-{axis}")));
+    let by_variable = by_variable.take_while(|both| both.iter().any(|path| path.is_file())).flatten();
+    for path in whole.chain(by_variable).filter(|path| path.is_file()) {
+        let cannot = |cause| Failure::run(format!("cannot remove {} of an earlier sweep: {cause}", path.display()));
+        std::fs::remove_file(&path).map_err(cannot)?;
+    }
+    Ok(())
 }
 
 impl<'s> Sweep<'s> {

@@ -9,8 +9,8 @@ from . import errors, testing
 from ._costate import __version__
 from .errors import CheckError, Error, InputError, InternalError, RecordingError, RunError, RunWarning, SceneError
 from .model import Model
-from .numbers import floor, less, maximum, minimum, rotation, sign, where
-from .parts import Constraint, Element, Parameter, Quantity, State, non_negative, number, positive
+from .numbers import floor, g_times, less, maximum, minimum, rotate, rotate_back, rotation, sign, where
+from .parts import Constraint, Element, Field, Parameter, Quantity, State, non_negative, number, point, positive
 from .results import Gradient, History, JointHistory, Mode, NodeHistory, Report, Run
 from .scene_function import Variable, scene, variable
 from .scenes import DesignVariable, Functional, Scene, built_in, built_in_names, load, loads, value_and_grad
@@ -21,6 +21,7 @@ __all__ = [
     "DesignVariable",
     "Element",
     "Error",
+    "Field",
     "Functional",
     "Gradient",
     "History",
@@ -46,6 +47,7 @@ __all__ = [
     "built_in_names",
     "errors",
     "floor",
+    "g_times",
     "less",
     "load",
     "loads",
@@ -53,7 +55,10 @@ __all__ = [
     "minimum",
     "non_negative",
     "number",
+    "point",
     "positive",
+    "rotate",
+    "rotate_back",
     "rotation",
     "scene",
     "sign",

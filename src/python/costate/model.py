@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from . import description
-from .errors import InputError, user_line
+from .errors import InputError, SceneError, user_line
 from .numbers import Formulas, Number, Numbers, argument, literal
 from .parts import Constraint, Element, Quantity, describe
 from .scenes import Scene
@@ -119,7 +119,7 @@ class Model:
             header = f"[[{section}]]" if shapes[section] == "listed" else f"[{section}]"
             if name is not None:
                 header = f"[{section}.{_toml_key(name)}]"
-            written = [f"{_toml_key(key)} = {_toml(value, formulas)}" for key, value in own.items()]
+            written = _written(section, name, own, place, formulas)
             for line in range(len(lines) + 2, len(lines) + 3 + len(written)):
                 places[line] = place
             lines += ["", header, *written]
@@ -182,6 +182,21 @@ def _numbers_in(value: Any) -> list[Number]:
 
 def _toml_key(key: str) -> str:
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
+
+
+def _written(
+    section: str, name: str | None, own: Mapping[str, Any], place: tuple[str, int], formulas: Formulas
+) -> list[str]:
+    """Lines of the keys of an entry."""
+    lines = []
+    for key, value in own.items():
+        try:
+            lines.append(f"{_toml_key(key)} = {_toml(value, formulas)}")
+        except InputError as error:
+            file, line = place
+            entry = f"[{section}.{name}]" if name is not None else f'[[{section}]] "{own.get("name", "")}"'
+            raise SceneError(f"{file}, line {line}: {key} of {entry}: {error}") from None
+    return lines
 
 
 def _toml(value: Any, formulas: Formulas) -> str:

@@ -268,6 +268,39 @@ def rotation(e: Any) -> Any:
     )
 
 
+def _dot(a: Any, b: Any) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Any, b: Any) -> Any:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _rotated(scalar: Any, vector: Any, s: Any) -> Any:
+    return (
+        s * (scalar * scalar - _dot(vector, vector))
+        + vector * (_dot(vector, s) * 2.0)
+        + _cross(vector, s) * (scalar * 2.0)
+    )
+
+
+def rotate(e: Any, s: Any) -> Any:
+    """R(e) s: components in the frame of a body with the Euler parameters ``e``, taken to the world."""
+    return _rotated(e[0], np.array([e[1], e[2], e[3]]), np.asarray(s))
+
+
+def rotate_back(e: Any, s: Any) -> Any:
+    """R(e)^T s: components in the world, taken to the frame of a body with the Euler parameters ``e``."""
+    return _rotated(e[0], np.array([-e[1], -e[2], -e[3]]), np.asarray(s))
+
+
+def g_times(e: Any, rate: Any) -> Any:
+    """G(e) de for Euler parameters ``e`` and their rate: half of the angular velocity in the body's frame; of changes
+    along a line half of its curvature."""
+    u, w = np.array([e[1], e[2], e[3]]), np.array([rate[1], rate[2], rate[3]])
+    return w * e[0] - u * rate[0] - _cross(u, w)
+
+
 class Numbers(np.lib.mixins.NDArrayOperatorsMixin):
     """An array of numbers, which also have names: ``x[0]``, ``x["length"]``, ``x.length``. Whatever else is asked of it
     is asked of the array; a name comes first, as ``size`` of a part whose parameter that is."""
@@ -427,7 +460,7 @@ class Formulas:
 def literal(value: float) -> str:
     """A number as formulas and files write it, to the last bit."""
     if not math.isfinite(value):
-        raise InputError(f"a formula has the number {value}: numbers of formulas are finite")
+        raise InputError(f"{value} is no finite number")
     text = repr(float(value))
     return f"({text})" if value < 0 or text.startswith("-") else text
 

@@ -18,6 +18,12 @@ def _word(name: str) -> str:
     return re.sub(r"\W+", "_", name).strip("_")
 
 
+def _complex_values(scene: Scene, x: np.ndarray) -> np.ndarray:
+    """Values at a design that a complex step has left by a part too small to change them."""
+    run = scene._run(x.real)
+    return np.asarray(run.values + 1j * (run.complex_step() @ x.imag))
+
+
 class Component(om.ExplicitComponent):
     """A transient of a scene, with exact total derivatives of its functionals by the discrete adjoint.
 
@@ -26,7 +32,9 @@ class Component(om.ExplicitComponent):
     * ``functionals``: names of those that are wanted; all
     * a scene with scenarios is run in all of them, several at once, and its outputs are ``NAME_SCENARIO``
 
-    Units are those of the scene; they are not declared, as OpenMDAO knows others.
+    Units are those of the scene; they are not declared, as OpenMDAO knows others. Under complex steps, as
+    ``check_partials(method="cs")`` takes them of a problem with ``force_alloc_complex``, derivatives are those of runs
+    in complex numbers, which know nothing of the adjoint.
     """
 
     def __init__(self, scene: Scene, functionals: Sequence[str] | None = None, **options: Any) -> None:
@@ -62,7 +70,8 @@ class Component(om.ExplicitComponent):
 
     def compute(self, inputs: Any, outputs: Any, *_: Any) -> None:
         x = self._design(inputs)
-        for (name, scene, wanted), values in zip(self._runs, self._each(lambda run: run[1].values(x))):
+        values_of = _complex_values if np.iscomplexobj(x) else Scene.values
+        for (name, scene, wanted), values in zip(self._runs, self._each(lambda run: values_of(run[1], x))):
             for functional, place in zip(wanted, scene._places(wanted)):
                 outputs[self._output(functional, name)] = values[place]
 

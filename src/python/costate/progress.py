@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable
 from typing import TextIO, TypeAlias
 
+import numpy as np
+
 #: Whether a bar is shown, where ``None`` is: in a terminal or notebook; or a function of the time that is reached and
 #: the end of the run.
 Progress: TypeAlias = bool | Callable[[float, float], object] | None
@@ -51,6 +53,8 @@ def told(progress: Progress, name: str, end: float) -> Callable[[float], object]
     if callable(progress):
         tell = progress
         return lambda t: tell(t, end)
+    if progress is not None and not isinstance(progress, (bool, np.bool_)):
+        raise TypeError(f"progress is {progress!r}: True, False or a function of time and end is wanted")
     is_notebook = _is_notebook()
     if progress or (progress is None and (is_notebook or (sys.stderr is not None and sys.stderr.isatty()))):
         # notebooks show the error stream as a failure

@@ -72,8 +72,8 @@ class Mode:
     frequency_gradient: Array | None
     #: d growth / dx.
     growth_gradient: Array | None
-    #: How many modes have this value: of several each variable alone parts the values as the derivatives say, the lowest
-    #: omega first; they do not add up. ``None`` without derivatives.
+    #: How many modes have this value: of several each variable alone parts the values as the derivatives say, the
+    #: lowest omega first; they do not add up. ``None`` without derivatives.
     equal: int | None
 
     @property

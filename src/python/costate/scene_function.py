@@ -28,13 +28,17 @@ def variable(initial: float | Sequence[float], bounds: tuple[float, float], unit
     return Variable(initial, bounds, unit)
 
 
-def scene(**variables: Variable) -> Callable[[Callable[[Any, Model], Any]], Scene]:
+def scene(*bare: Any, **variables: Variable) -> Callable[[Callable[[Any, Model], Any]], Scene]:
     """Makes a scene of a function ``(x, m)`` of its variables and of a builder, which is run once.
 
     ``x`` is an array of numbers that record what becomes of them: ``x[0]``, ``x["length"]``, ``x.length``,
     ``np.sin(x)``, ``A @ x``, slices. What exists must not depend on them; numbers may, and the map from them has exact
     derivatives.
     """
+    if bare:
+        raise InputError(
+            "scene takes design variables by their names: @costate.scene(length=costate.variable(1.0, (0, 2)))"
+        )
     for name, own in variables.items():
         if not isinstance(own, Variable):
             raise InputError(f"{name} is {own!r}: give a design variable, costate.variable(initial, bounds, unit)")

@@ -6,7 +6,7 @@ import html
 import os
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
 from numbers import Integral, Real
@@ -38,7 +38,9 @@ def _told_in_python(file: str, places: Places) -> Iterator[None]:
     except InputError as error:
         if not places:
             raise
-        raise type(error)(re.sub(rf"^{re.escape(file)}:(\d+):\d+", place, str(error), flags=re.MULTILINE)) from None
+        said = re.sub(rf"^{re.escape(file)}:(\d+):\d+", place, str(error), flags=re.MULTILINE)
+        # what is wrong in each of several columns is one mistake of a line
+        raise type(error)("\n".join(dict.fromkeys(said.split("\n")))) from None
 
 
 class DesignVariable(NamedTuple):
@@ -149,6 +151,8 @@ class Scene:
 
     def _places(self, functionals: str | Sequence[str] | None) -> list[int]:
         names = [own.name for own in self.functionals]
+        if functionals is not None and not isinstance(functionals, (str, Iterable)):
+            raise TypeError(f"functionals is {functionals!r}: a name, or a list of names, is wanted")
         if functionals is None:
             return list(range(len(names)))
         wanted = [functionals] if isinstance(functionals, str) else list(functionals)
@@ -196,7 +200,8 @@ class Scene:
     ) -> list[Mode]:
         """Small vibrations about the equilibrium of a design: up to ``count`` whose omega^2 are nearest to zero.
 
-        * ``damped``: with dampers, states of first order and what else depends on velocities; about a steady turn always
+        * ``damped``: with dampers, states of first order and what else depends on velocities, as always about a steady
+          turn
         * ``static``: about the equilibrium after the scene's load steps instead of its start
         * ``periodic``: about the motion of a run that is one period long and ends as it began (Floquet), those first that
           grow fastest; their frequencies are known up to multiples of 2 pi by the period, and are the least of these

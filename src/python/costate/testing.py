@@ -38,8 +38,11 @@ def _check(part: Any, kind: type[Any], parameters: Any, count: int) -> None:
     own: Any = part if isinstance(part, type) else type(part)
     if not issubclass(own, kind):
         raise InputError(f"{own.__name__} is no costate.{kind.__name__}")
-    described, names = describe(part), list(own.parameters)
-    given = [parameters[name] for name in names] if isinstance(parameters, dict) else list(np.atleast_1d(parameters))
+    described, names = describe(part), own._number_names()
+    if isinstance(parameters, dict):
+        given = [number for name in own.parameters for number in np.ravel(parameters[name])]
+    else:
+        given = list(np.atleast_1d(parameters))
     if len(given) != len(names):
         raise InputError(f"{own.__name__} has {len(names)} parameters, {', '.join(names)}, and {len(given)} are given")
     _costate.check_part(described, [finite(value, "a parameter") for value in given], count)

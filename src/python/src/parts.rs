@@ -48,6 +48,40 @@ struct Number {
     range: Allowed,
     #[serde(default)]
     is_size: bool,
+    /// Of a point, which is three numbers in the frame of a node: which node.
+    #[serde(default)]
+    point_of: Option<usize>,
+}
+
+impl Number {
+    fn parameters(&self) -> Vec<Parameter> {
+        if self.point_of.is_some() {
+            return ["x", "y", "z"].map(|axis| Parameter::new(kept(&format!("{} {axis}", self.name)), "m")).to_vec();
+        }
+        let (name, unit) = (kept(&self.name), kept(&self.unit));
+        let parameter = match self.range {
+            Allowed::Any => Parameter::new(name, unit),
+            Allowed::Positive => Parameter::positive(name, unit),
+            Allowed::AtLeastZero => Parameter::non_negative(name, unit),
+        };
+        vec![if self.is_size { parameter.as_size() } else { parameter }]
+    }
+
+    fn key(&self) -> Key {
+        let range = match self.range {
+            Allowed::Any => Range::Any,
+            Allowed::Positive => Range::Positive,
+            Allowed::AtLeastZero => Range::AtLeastZero,
+        };
+        let kind = if self.point_of.is_some() { Type::Vector("m") } else { Type::Number(kept(&self.unit), range) };
+        need(kept(&self.name), kind, kept(&self.doc))
+    }
+
+    fn values<S: Scalar>(&self, key: &'static str, given: &mut Given<S>) -> Vec<S> {
+        let Some(node) = self.point_of else { return vec![given.number(key)] };
+        let place = given.point(key, node);
+        given.node(node).local_point(place).components().to_vec()
+    }
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -93,40 +127,28 @@ impl Description {
     fn made(self) -> Result<Part, String> {
         let kinds = self.nodes.iter().map(|word| node_kind(word)).collect::<Result<Vec<_>, _>>()?;
         self.check(kinds.iter().map(|kind| kind.dofs()).sum())?;
-        let parameter = |own: &Number| {
-            let (name, unit) = (kept(&own.name), kept(&own.unit));
-            let parameter = match own.range {
-                Allowed::Any => Parameter::new(name, unit),
-                Allowed::Positive => Parameter::positive(name, unit),
-                Allowed::AtLeastZero => Parameter::non_negative(name, unit),
-            };
-            if own.is_size { parameter.as_size() } else { parameter }
-        };
         let nodes = match kinds.len() {
             1 => need("on", Type::Node, "node"),
             count => need("between", Type::Nodes(count), "its nodes"),
         };
-        let key = |own: &Number| {
-            let range = match own.range {
-                Allowed::Any => Range::Any,
-                Allowed::Positive => Range::Positive,
-                Allowed::AtLeastZero => Range::AtLeastZero,
-            };
-            need(kept(&own.name), Type::Number(kept(&own.unit), range), kept(&own.doc))
-        };
-        let keys: Vec<Key> = [nodes].into_iter().chain(self.parameters.iter().map(key)).collect();
+        let keys: Vec<Key> = [nodes].into_iter().chain(self.parameters.iter().map(Number::key)).collect();
         let form = Form { name: kept(&self.name), doc: kept(&self.doc), keys: Box::leak(keys.into()) };
-        let parameters = self.parameters.iter().map(parameter).collect();
+        let parameters = self.parameters.iter().flat_map(Number::parameters).collect();
         let unit = kept(&self.unit);
         Ok(Part { kinds: Box::leak(kinds.into()), parameters, form, unit, description: self })
     }
 
     /// Whether every formula has the arguments and results that its name says.
     fn check(&self, n: usize) -> Result<(), String> {
-        let (m, strains) = (self.parameters.len(), self.strains);
+        let (strains, m) =
+            (self.strains, self.parameters.iter().map(|own| if own.point_of.is_some() { 3 } else { 1 }).sum::<usize>());
+        if let Some(own) = self.parameters.iter().find(|own| own.point_of.is_some_and(|node| node >= self.nodes.len())) {
+            return Err(format!("{} of \"{}\" is a point of a node that it has not", own.name, self.name));
+        }
         for (name, tape) in &self.formulas {
             let (arguments, results) = match (self.kind, name.as_str()) {
                 (Kind::Element, "residual") => (3 * n + m + 1, n),
+                (Kind::Element, "interpolated") => (3 * n, tape.count()),
                 (Kind::Element, "kinetic") => (2 * n + m, 1),
                 (Kind::Element, "potential" | "strain_energy") => (n + m, 1),
                 (Kind::Element, "force") => (2 * n + m + 1, n),
@@ -178,7 +200,8 @@ impl Part {
                 given.wrong(text);
             }
         }
-        self.form.keys[1..].iter().map(|key| given.number(key.name)).collect()
+        let own = self.description.parameters.iter().zip(&self.form.keys[1..]);
+        own.flat_map(|(own, key)| own.values(key.name, given)).collect()
     }
 
     /// Kinds of its nodes.
@@ -202,7 +225,11 @@ impl Element for Law {
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         match self.0.replay("residual", &[s.a, s.v, s.q, p, &[t]]) {
             Some(results) => r.copy_from_slice(&results),
-            None => S::from_energies(),
+            None => {
+                // in the order in which elements of the library record them: sums of derivatives follow it
+                self.0.replay("interpolated", &[s.a, s.v, s.q]);
+                S::from_energies();
+            }
         }
     }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {

@@ -5,7 +5,8 @@ import statistics
 import time
 import warnings
 
-from conftest import SCENES
+from conftest import SCENES, same_bits
+from test_own_beam import built_in_beam, cantilever, own_beam
 from test_parts import BodySpring, built_in_strand, own_strand, rope, with_body_springs
 
 import costate
@@ -22,7 +23,9 @@ def compare(name, own, built_in, rounds):
     taken = {(whose, what): [] for whose in scenes for what in ("run", "gradient")}
     # programs are made in the first
     runs = {whose: scene.run() for whose, scene in scenes.items()}
-    [run.gradient() for run in runs.values()]
+    rows = [run.gradient().rows for run in runs.values()]
+    bits = same_bits(*(run.values for run in runs.values())) and same_bits(*rows)
+    print(f"{name}: values and gradients have {'the same' if bits else 'other'} bits")
     for _ in range(rounds):
         for whose, scene in scenes.items():
             taken[whose, "run"].append(seconds(scene.run))
@@ -39,4 +42,5 @@ if __name__ == "__main__":
     five_bar = (SCENES / "five-bar.toml").read_text(encoding="utf-8")
     springs = costate.loads(with_body_springs(five_bar), "five-bar.toml", parts=[BodySpring])
     compare("five-bar with its springs", springs, costate.loads(five_bar, "five-bar.toml"), 31)
-    compare("1000 beam elements", rope(1000, own_strand, 50), rope(1000, built_in_strand, 50), 31)
+    compare("1000 elements of a cable", rope(1000, own_strand, 50), rope(1000, built_in_strand, 50), 31)
+    compare("1000 elements of a beam", cantilever(1000, own_beam), cantilever(1000, built_in_beam), 21)

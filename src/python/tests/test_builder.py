@@ -321,3 +321,26 @@ def test_every_key_of_a_file_has_its_argument(name):
             }[shape]
             for entry in listed:
                 assert set(entry) - {"type", "for"} <= known[section]
+
+
+def test_a_number_that_is_not_finite_is_told_with_its_entry_and_line():
+    m = costate.Model("wrong")
+    m.point("ball", position=[0, 0, float("nan")], mass=1.0)
+    with pytest.raises(
+        costate.SceneError, match=r'line \d+: position of \[\[point\]\] "ball": nan is no finite number'
+    ):
+        m.scene()
+
+
+def test_what_is_wrong_with_three_numbers_at_once_is_told_once():
+    m = costate.Model("wrong")
+    m.settings(end=1.0, steps=10)
+    m.point("ball", position=np.zeros((3, 3)), mass=1.0)
+    with pytest.raises(costate.SceneError) as error:
+        m.scene()
+    assert str(error.value).count("position of") == 1
+
+
+def test_a_scene_without_variables_says_how_they_are_given():
+    with pytest.raises(costate.InputError, match="@costate.scene\\(length="):
+        costate.scene(lambda x, m: None)

@@ -85,6 +85,8 @@ def test_the_command_line_has_the_same_bits(command_line, tmp_path):
     own = costate.built_in("von-mises-truss").modes(gradients=True)
     command = [command_line, "modes", "von-mises-truss", "--gradients", "--json", "--out", str(tmp_path)]
     told = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[-1])
-    assert same_bits(np.array([mode.frequency for mode in own]), np.array([mode["omega_rad_s"] for mode in told["modes"]]))
+    assert same_bits(
+        np.array([mode.frequency for mode in own]), np.array([mode["omega_rad_s"] for mode in told["modes"]])
+    )
     rows = np.array([list(mode["omega_rad_s"].values()) for mode in told["gradients"]])
     assert same_bits(np.array([mode.frequency_gradient for mode in own]), rows)

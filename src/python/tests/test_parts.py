@@ -238,15 +238,15 @@ def wire(curvature=0.8):
 
 
 class BodySpring(costate.Element):
-    """Between points of two bodies, given in their frames, as the spring of type line."""
+    """Between points of two bodies, as the spring of type line."""
 
     nodes = ["body", "body"]
     parameters = {"stiffness": costate.non_negative("N/m"), "rest_length": costate.non_negative("m")}
-    parameters |= {f"{axis}_{end}": "m" for end in "ab" for axis in "xyz"}
+    parameters |= {"a": costate.point(0), "b": costate.point(1)}
 
     def strains(self, q, p, t):
-        a, b = q[:3] + costate.rotation(q[3:7]) @ p[2:5], q[7:10] + costate.rotation(q[10:]) @ p[5:8]
-        return [np.linalg.norm(b - a)]
+        b, a = q[7:10] + costate.rotate(q[10:], p.b), q[:3] + costate.rotate(q[3:7], p.a)
+        return [np.sqrt(dot(b - a, b - a))]
 
     def stored(self, e, p):
         stretch = e[0] - p.rest_length
@@ -255,25 +255,32 @@ class BodySpring(costate.Element):
 
 def with_body_springs(text):
     """The file of the five-bar mechanism with springs of Python."""
-    for spring, end in [("A", -0.5), ("B", 0.5)]:
+    for spring in "AB":
         old = f'name = "spring {spring}"\ntype = "line"\nbetween = ["ground", "bar 2"]\npoints = ["{spring}", "P2"]'
         assert old in text
-        places = f'x_a = {end}\ny_a = 0\nz_a = 0\nx_b = "0.5 * length_2"\ny_b = 0\nz_b = 0'
-        text = text.replace(
-            old, f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\n{places}'
-        )
+        new = f'name = "spring {spring}"\ntype = "body_spring"\nbetween = ["ground", "bar 2"]\na = "{spring}"\nb = "P2"'
+        text = text.replace(old, new)
     return text
 
 
-def test_a_scene_file_uses_parts_by_their_names(five_bar):
-    text = with_body_springs((SCENES / "five-bar.toml").read_text(encoding="utf-8"))
-    scene = costate.loads(text, "five-bar.toml", parts=[BodySpring])
-    values, rows = scene.value_and_grad()
-    others, derivatives = five_bar.value_and_grad()
-    np.testing.assert_allclose(values, others, rtol=1e-10)
-    np.testing.assert_allclose(rows, derivatives, rtol=1e-8)
-    np.testing.assert_allclose(rows, scene.run().complex_step(), rtol=1e-11)
-    assert same_bits(pickle.loads(pickle.dumps(scene)).values(), values)
+def test_springs_of_the_five_bar_mechanism_in_python_give_the_bits_of_the_built_in_ones():
+    text = (SCENES / "five-bar.toml").read_text(encoding="utf-8")
+    scene = costate.loads(with_body_springs(text), "five-bar.toml", parts=[BodySpring])
+    run, built_in = scene.run(), costate.loads(text, "five-bar.toml").run()
+    assert same_bits(run.values, built_in.values) and same_bits(run.gradient().rows, built_in.gradient().rows)
+    np.testing.assert_allclose(run.gradient().rows, run.complex_step(), rtol=1e-11)
+    assert same_bits(pickle.loads(pickle.dumps(scene)).values(), run.values)
+
+
+def test_points_of_parts_are_checked():
+    class Outside(BodySpring):
+        parameters = {**BodySpring.parameters, "b": costate.point(2)}
+
+    costate.testing.check_element(BodySpring, {"stiffness": 3.0, "rest_length": 0.5, "a": [0, 1, 0.2], "b": [1, 0, 0]})
+    with pytest.raises(costate.InputError, match='b of "outside" is a point of a node that it has not'):
+        costate.testing.check_element(Outside, [3.0, 0.5, 0, 1, 0.2, 1, 0, 0])
+    with pytest.raises(costate.InputError, match="8 parameters, stiffness, rest_length, a x, a y"):
+        costate.testing.check_element(BodySpring, [3.0, 0.5])
 
 
 class Ball(costate.Constraint):
@@ -485,6 +492,8 @@ def test_formulas_that_make_no_sense_are_refused(body, said):
         ({"nodes": ["corner"]}, '"corner"'),
         ({"nodes": ["point"]}, "no formula"),
         ({"nodes": ["point"], "parameters": {"a b": "m"}}, '"a b"'),
+        ({"nodes": "point"}, 'nodes of Own is a text: give a list, ["point"]'),
+        ({"nodes": ["point"], "parameters": {"k": 3}}, 'parameter "k" of Own is 3: give its unit'),
         ({"nodes": ["point"], "parameters": {"on": "m"}}, '"on"'),
         ({"nodes": ["point"], "stored": lambda self, e, p: 1.0}, "no strains(q, p, t)"),
     ],

@@ -61,6 +61,8 @@ pub(super) struct Scope {
     definitions: Vec<(String, Expression)>,
     /// Design variables of several numbers, with their places among the names.
     arrays: Vec<(String, Range<usize>)>,
+    /// Names that stand in braces for the number or word of a repeated entry.
+    pub loops: Vec<String>,
 }
 
 impl Scope {

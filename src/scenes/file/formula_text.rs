@@ -329,6 +329,12 @@ impl<'r> FormulaText<'r> {
             return Ok(false);
         }
         let Some((index, named)) = self.scope.find(name) else {
+            if self.scope.loops.iter().any(|own| own == name) {
+                return Err((
+                    at,
+                    format!("name \"{name}\" is not known; what a for counts by {name} is written {{{name}}}"),
+                ));
+            }
             let known = self.scope.known().map(|own| own.name.clone()).chain(self.scope.named_formulas());
             let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
             return Err((at, unknown("name", name, &known)));

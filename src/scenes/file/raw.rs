@@ -186,6 +186,19 @@ fn listed(raw: &Raw) -> Option<Vec<Step>> {
     numbers.or_else(words).filter(|own: &Vec<Step>| !own.is_empty())
 }
 
+/// Names over which entries anywhere in a file are repeated.
+pub(super) fn loop_names(raw: &Raw) -> Vec<String> {
+    match &raw.value {
+        RawValue::List(list) => list.iter().flat_map(loop_names).collect(),
+        RawValue::Table(entries) => {
+            let own = entries.iter().filter(|own| own.key == "for").filter_map(|own| own.value.entries());
+            let own = own.flatten().map(|named| named.key.clone());
+            own.chain(entries.iter().flat_map(|own| loop_names(&own.value))).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 /// The entries that an entry with a key `for` stands for, or itself.
 ///
 /// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.

@@ -7,7 +7,7 @@ use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::OwnParts;
-use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
+use super::raw::{Entry, Raw, RawValue, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
 use crate::elements::entries::{Form, Forms, Range};
@@ -220,6 +220,7 @@ impl Reader {
 
     fn contents(&mut self, root: &Raw) -> Contents {
         let entries = root.entries().unwrap_or_default();
+        self.scope.loops = loop_names(root);
         let top_keys = TOP.forms[0].keys;
         let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
         known.push(DEFINE.0.into());
