@@ -556,20 +556,21 @@ impl<S: Scalar> MechanismBuilder<S> {
 }
 
 impl MechanismBuilder<Recorded> {
-    /// The finished mechanism with values in place of what is recorded.
+    /// The finished mechanism with values in place of what is recorded, without what is of use while it is built alone.
     pub(super) fn in_real_numbers(self) -> MechanismBuilder<f64> {
         let MechanismBuilder { model, functionals, drawings, solids, nodes_of_members, outlined, shells, .. } = self;
         let ModelNumbers { p, q, v } = self.numbers;
         let [p, q, v] = [p, q, v].map(|numbers| numbers.into_iter().map(Recorded::number).collect());
-        let numbers = ModelNumbers { p, q, v };
+        let stresses = self.line_stresses.into_iter().map(|(element, own)| (element, own.in_real_numbers()));
         MechanismBuilder {
             model,
-            numbers,
+            numbers: ModelNumbers { p, q, v },
             functionals,
             drawings,
             solids,
             nodes_of_members,
             outlined,
+            line_stresses: stresses.collect(),
             shells,
             ..Default::default()
         }

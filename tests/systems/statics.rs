@@ -441,7 +441,7 @@ fn mistakes_are_named() {
         ["\"block\"", "nothing holds it"],
         ["\"lower\", x is 0.5", "set it to 0"],
         ["\"rolling\"", "velocities"],
-        ["\"statics\"", "not listed"],
+        ["\"statics\"", "did you mean \"static\"?"],
     ];
     for (message, parts) in messages.iter().zip(expected) {
         assert!(parts.iter().all(|part| message.contains(part)), "{parts:?} are not in {message}");

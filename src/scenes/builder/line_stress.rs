@@ -6,6 +6,7 @@ use crate::elements::ElementPhysics;
 use crate::elements::flexible::{Beam, OutlineStress, STRAINS, Section};
 use crate::functionals::quantities::{BeamSectionForce, BeamVonMises, CableVonMises, VonMises};
 use crate::functionals::{AnyPointQuantity, ElementGroup, GroupPart, OfBeams, OfShells, Over, PointWeights};
+use crate::program::Recorded;
 use crate::scalar::Scalar;
 
 /// What gives stresses of an element of a beam or cable.
@@ -69,6 +70,19 @@ impl<S: Scalar> LineStress<S> {
         match (self, other) {
             (LineStress::Beam(own), LineStress::Beam(other)) => own.map(|end| end.round) == other.map(|end| end.round),
             (own, other) => matches!((own, other), (LineStress::Cable(_), LineStress::Cable(_))),
+        }
+    }
+}
+
+impl LineStress<Recorded> {
+    /// With values in place of what is recorded.
+    pub(super) fn in_real_numbers(self) -> LineStress<f64> {
+        let of_outline =
+            |own: OutlineStress<Recorded>| OutlineStress::from_numbers(own.round, &own.numbers().map(Recorded::number));
+        match self {
+            LineStress::Beam(ends) => LineStress::Beam(ends.map(of_outline)),
+            LineStress::Cable(numbers) => LineStress::Cable(numbers.map(Recorded::number)),
+            LineStress::Unknown(why) => LineStress::Unknown(why),
         }
     }
 }
