@@ -65,6 +65,7 @@ const OTHERS: [(&str, &str, &str); 46] = [
     ("linalg/mod.rs", "solve_transposed", "J^T x = b"),
     ("linalg/dense.rs", "solve_transposed", "J^T x = b"),
     ("linalg/factorization.rs", "solve_transposed", "J^T x = b"),
+    ("linalg/multifrontal/multifrontal_lu.rs", "solve_transposed", "J^T x = b"),
     (
         "linalg/multifrontal/kernels.rs",
         "solve_unit_lower_transposed solve_upper_transposed subtract_transposed_product",
