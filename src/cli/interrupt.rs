@@ -8,8 +8,13 @@ use std::sync::{Mutex, PoisonError};
 const LEAVE_AT_ONCE: u8 = 0;
 const FINISH_FIRST: u8 = 1;
 const REQUESTED: u8 = 2;
+/// Why it ends was told: what stops it from now on, as `mpirun` does once another rank has ended, adds nothing.
+const TOLD: u8 = 3;
 
 static STATE: AtomicU8 = AtomicU8::new(LEAVE_AT_ONCE);
+
+/// The exit code of a program that has told why it ends.
+static CODE: AtomicU8 = AtomicU8::new(INTERRUPTED);
 
 /// What is still said before the program leaves at once: the line of JSON that was asked for.
 static LAST_WORDS: Mutex<Option<String>> = Mutex::new(None);
@@ -19,9 +24,18 @@ pub fn set_last_words(words: Option<String>) {
     *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = words;
 }
 
+/// Ends without another word from now on, with the code of a failure that was told.
+pub fn was_told(code: u8) {
+    CODE.store(code, Ordering::SeqCst);
+    STATE.store(TOLD, Ordering::SeqCst);
+}
+
 /// Listens for Ctrl-C.
 pub fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
+        if STATE.load(Ordering::SeqCst) == TOLD {
+            std::process::exit(CODE.load(Ordering::SeqCst).into());
+        }
         // ranks would finish different steps, and wait for each other
         let first =
             !is_shared() && STATE.compare_exchange(FINISH_FIRST, REQUESTED, Ordering::SeqCst, Ordering::SeqCst).is_ok();

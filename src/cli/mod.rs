@@ -226,6 +226,7 @@ impl<'p> CommandLine<'p> {
         let failure = done.err().unwrap_or(Failure { code: 0, message: String::new() });
         if failure.code != 0 {
             console::complain(&failure.message);
+            interrupt::was_told(failure.code);
         }
         ranks.finish(failure.code, &failure.message);
         ExitCode::from(failure.code)

@@ -195,12 +195,12 @@ impl Scene {
         py: Python<'_>,
         at: (Option<Vec<f64>>, Options),
         count: usize,
-        (damped, periodic): (bool, bool),
+        about: (bool, bool),
         gradients: bool,
     ) -> PyResult<Vec<ModeNumbers>> {
-        let about = match (periodic, damped) {
-            (true, _) => About::Periodic,
-            (_, true) => About::Damped,
+        let about = match about {
+            (_, true) => About::Periodic,
+            (true, _) => About::Damped,
             _ => About::Undamped,
         };
         let find = || {
