@@ -44,7 +44,10 @@ impl<'m> Analysis<'m> {
         // runs with derivative parts go along its steps
         let keep = Keep::default();
         let without = Analysis { functionals: &[], keep: &keep, ..*self };
-        without.run(&[], numbers.clone(), &mut FirstStep(&mut begun))?;
+        match without.run(&[], numbers.clone(), &mut FirstStep(&mut begun))?.1 {
+            None | Some(RunError::Interrupted { .. }) => {}
+            Some(error) => return Err(error),
+        }
         let ModelNumbers { q, v, .. } = begun.start;
         let numbers = ModelNumbers { p: numbers.p.clone(), q, v };
         // what a projection leaves of changes keeps the constraints, velocities with the changed coordinates

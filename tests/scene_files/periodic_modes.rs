@@ -44,6 +44,14 @@ fn a_motion_that_does_not_return_is_refused_with_the_coordinate() {
     assert!(why.contains("equilibria have no period"), "{why}");
 }
 
+/// Before the first step there is no state from which anything could change.
+#[test]
+fn a_start_that_is_not_found_is_told() {
+    let text = STILL.replace("settings = {", "gravity = [9.81, 0, 0]\nsettings = { start = \"equilibrium\",");
+    let why = periodic(&parsed(&text.replace("stiffness = 200", "stiffness = 0")), 2).unwrap_err();
+    assert!(why.contains("mass"), "{why}");
+}
+
 /// Hammond (1974), four blades at 29 rad/s, dampers at a tenth; the figures by an integration of the linear equations of hub and lag angles
 /// (Floquet), kept apart.
 #[test]
