@@ -1,12 +1,12 @@
 use super::CommandLine;
 use super::campbell::Branches;
-use super::console::{count, json_number, say, say_json};
+use super::console::{count, json_number, say, say_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, mode_picture, motion};
 use super::rates::Rates;
 use super::report::{Clip, Page};
-use super::simulation::{long_number, names};
+use super::simulation::{crossings_in_words, long_number, names};
 use super::snapshot::Snapshot;
 use super::still::StillOptions;
 use crate::integrators::{Mode, RunError};
@@ -64,7 +64,9 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     let spins = prepared.spin_rate().is_some();
     let mut kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
     let found = if options.periodic {
-        let PeriodicModes { period, gap, q, modes, faded } = prepared.periodic_modes(options.count).map_err(named)?;
+        let found = prepared.periodic_modes(options.count).map_err(named)?;
+        let PeriodicModes { period, gap, q, modes, faded, kinks } = found;
+        crossings_in_words(&kinks).iter().for_each(|words| warn(words));
         kind = Kind::Periodic { period, gap, faded };
         DifferentiatedModes { q, modes, gradients: Vec::new() }
     } else {

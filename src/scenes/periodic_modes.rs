@@ -1,7 +1,7 @@
 use super::Prepared;
 use crate::assembly::Model;
 use crate::elements::NodeKind;
-use crate::integrators::{Mode, RunError};
+use crate::integrators::{Crossing, Mode, RunError, SwitchKind};
 use crate::linalg::eigenpairs;
 use crate::sensitivity::Transition;
 use nalgebra::{DMatrix, DVector};
@@ -21,6 +21,8 @@ pub struct PeriodicModes {
     pub modes: Vec<Mode>,
     /// Modes that fade to nothing within one period.
     pub faded: usize,
+    /// Formulas with a kink that the motion passes: there the modes are right to first order of the step only.
+    pub kinks: Vec<Crossing>,
 }
 
 /// Gap of a motion that does not repeat itself.
@@ -36,12 +38,19 @@ impl Prepared<'_> {
     /// the run, exact for its steps; eigenvalues mu of that map are exp((growth + i omega) period) (Floquet's theory).
     ///
     /// # Errors
-    /// Those of the run, with the coordinate that does not return; equilibria, which have no period.
+    /// Those of the run, with the coordinate that does not return; a formula that jumps on the way, which has no derivative there; equilibria, which
+    /// have no period.
     pub fn periodic_modes(&self, count: usize) -> Result<PeriodicModes, RunError> {
         if self.method.table.is_static() {
             return Err(RunError::Input("equilibria have no period: take a method for motions".into()));
         }
-        let transition = self.analysis().transition(&self.mechanism.numbers)?;
+        let mut transition = self.analysis().transition(&self.mechanism.numbers)?;
+        if let Some(Crossing { part, step, t, .. }) = transition.crossings.iter().find(|own| own.kind == SwitchKind::Jump) {
+            return Err(RunError::Input(format!(
+                "step {step} (t = {t} s): the formula of \"{part}\" jumps there, and what becomes of a change has no derivative; keep the motion on one side, or \
+                 write the formula without the jump"
+            )));
+        }
         let [first, .., last] = self.grid.times[..] else {
             return Err(RunError::Input("a run without steps has no period".into()));
         };
@@ -63,7 +72,9 @@ impl Prepared<'_> {
             let [shape, ahead] = shape(self.model().dofs, &transition.places[0], parts);
             Mode { frequency: im.atan2(re).abs() / period, growth: size(pair.value).ln() / period, shape, ahead }
         });
-        Ok(PeriodicModes { period, gap, modes: modes.collect(), faded, q: transition.ends[0].q.clone() })
+        let modes = modes.collect();
+        let (kinks, q) = (std::mem::take(&mut transition.crossings), transition.ends[0].q.clone());
+        Ok(PeriodicModes { period, gap, modes, faded, kinks, q })
     }
 
     /// The largest share by which the state at the end is another one; angles may be whole turns ahead.

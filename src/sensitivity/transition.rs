@@ -5,7 +5,7 @@ use crate::assembly::Model;
 use crate::design::ModelNumbers;
 use crate::elements::RunScalar;
 use crate::history::{Keep, Observer};
-use crate::integrators::{Recorder, RunError, StartPlan, StartRecord, StepRecord};
+use crate::integrators::{Crossing, Recorder, RunError, StartPlan, StartRecord, StepRecord};
 use crate::scalar::{TANGENTS, Tangents};
 use nalgebra::DMatrix;
 
@@ -19,6 +19,8 @@ pub(crate) struct Transition {
     pub basis: DMatrix<f64>,
     /// What becomes of each of them.
     pub changed: DMatrix<f64>,
+    /// Formulas that pass from one piece to another on the way.
+    pub crossings: Vec<Crossing>,
 }
 
 /// Singular value of the projection onto the constraints above which a direction keeps them: such have at least 1, the others round-off.
@@ -64,7 +66,7 @@ impl<'m> Analysis<'m> {
             svd.u.ok_or_else(|| RunError::Input("the constraints at the start leave nothing that could change".into()))?;
         let kept: Vec<usize> = (0..left.ncols()).filter(|&k| svd.singular_values[k] > KEPT).collect();
         let [basis, changed] = own.changes(&forward, &places, &left.select_columns(&kept), true)?;
-        Ok(Transition { places, ends: [real.start, real.end], basis, changed })
+        Ok(Transition { places, ends: [real.start, real.end], basis, changed, crossings: forward.crossings })
     }
 
     /// Changes of the start after its projection, and those of the end, of the `whole` run or of its first step.

@@ -75,3 +75,25 @@ fn ground_resonance_grows_as_fast_as_hammonds_equations() {
     let modes = prepared.periodic_modes(1).unwrap().modes;
     assert!(modes[0].growth < -0.4, "{}", modes[0].growth);
 }
+
+/// A mass that swings to and fro within a period of its own, through a law that jumps or has a kink in the middle.
+#[test]
+fn formulas_that_jump_on_the_way_are_refused_and_kinks_are_told() {
+    let swing = |force: &str| {
+        let text = STILL
+            .split("spring =")
+            .next()
+            .unwrap()
+            .replace(r#"name = "mass", "#, r#"name = "mass", velocity = [1, 0, 0], "#);
+        let law = format!("force = \"{force}\"");
+        let spring = r#"spring = [{ name = "law", type = "slide_law", between = ["ground", "mass"], axis = [1, 0, 0], "#;
+        // 110 and 90 N/m by 2 kg in the two halves of the period of the kink
+        let period = 0.5 * TAU * (55_f64.sqrt().recip() + 45_f64.sqrt().recip());
+        let text = text.replace("end = 0.3, steps = 150", &format!("end = {period}, steps = 400"));
+        periodic(&parsed(&format!("{text}{spring}{law} }}]\n")), 2)
+    };
+    let kinked = swing("100 * s + 10 * abs(s)").unwrap();
+    assert!(kinked.kinks.iter().any(|kink| kink.part == "law"), "{:?}", kinked.kinks);
+    let why = swing("100 * s + 10 * if_less(s, 0, -1, 1)").unwrap_err();
+    assert!(why.contains("\"law\" jumps"), "{why}");
+}
