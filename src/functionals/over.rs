@@ -56,10 +56,10 @@ impl Over {
 
     /// How much a stage counts, in units of time unless samples are counted.
     pub(crate) fn time_weight(&self, weight: StageWeight) -> f64 {
-        match self {
-            _ if self.counts_samples() => 1.0,
-            Over::Aggregate { .. } => weight.aggregate,
-            _ => weight.integral,
+        match self.aggregate() {
+            None => weight.integral,
+            Some(_) if self.counts_samples() => 1.0,
+            Some(_) => weight.aggregate,
         }
     }
 
@@ -74,6 +74,10 @@ impl Over {
     }
 
     /// The aggregate, if it is one.
+    ///
+    /// Not inlined: the optimizer would read an aggregate's kind before it knows that there is one, and decide by it
+    /// only afterwards, which a memory checker takes for the use of a number that was never set.
+    #[inline(never)]
     pub const fn aggregate(&self) -> Option<&Aggregate> {
         match self {
             Over::Aggregate { aggregate, .. } => Some(aggregate),
