@@ -4,6 +4,7 @@ mod arrays;
 mod complex_modes;
 mod coverage;
 mod equilibrium_start;
+mod extended;
 mod formula_parts;
 mod laws;
 mod mechanisms;

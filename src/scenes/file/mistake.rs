@@ -21,21 +21,60 @@ impl Mistake {
 /// Most mistakes of one file that are told.
 const MOST_TOLD: usize = 20;
 
-/// A scene file: its name and its text.
+/// The text of a file with its name.
 #[derive(Clone, Debug)]
-pub(super) struct Source {
+pub(super) struct Text {
     pub name: String,
     pub text: String,
 }
 
+/// The text of a scene file, behind those of the files which it extends; places are counted through all of them.
+#[derive(Clone, Debug)]
+pub(super) struct Source(Vec<Text>);
+
 impl Source {
+    pub fn new(name: String, text: String) -> Self {
+        Source(vec![Text { name, text }])
+    }
+
+    /// Takes what the first file extends.
+    pub fn extend(&mut self, name: String, text: String) {
+        self.0.insert(0, Text { name, text });
+    }
+
+    /// What all others build on.
+    pub fn first(&self) -> &Text {
+        &self.0[0]
+    }
+
+    /// The name of the file itself.
+    pub fn name(&self) -> &str {
+        self.0.last().map_or("", |own| &own.name)
+    }
+
+    /// Whether a file of this name is among them.
+    pub fn has(&self, name: &str) -> bool {
+        self.0.iter().any(|own| own.name == name)
+    }
+
+    /// All texts, each with the number of its first place.
+    pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.0.iter().scan(0, |next, own| {
+            let from = *next;
+            *next += own.text.len() + 1;
+            Some((own.text.as_str(), from))
+        })
+    }
+
     /// `pendulum.toml:12:8`: line and column, counted from 1 in characters.
     pub fn place(&self, at: usize) -> String {
-        let end = (0..=at.min(self.text.len())).rev().find(|&end| self.text.is_char_boundary(end)).unwrap_or(0);
-        let before = &self.text[..end];
+        let known = self.texts().zip(&self.0).take_while(|((_, from), _)| *from <= at).last();
+        let Some(((text, from), Text { name, .. })) = known else { return String::new() };
+        let end = (0..=(at - from).min(text.len())).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
+        let before = &text[..end];
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().map_or(0, |own| own.chars().count()) + 1;
-        format!("{}:{line}:{column}", self.name)
+        format!("{name}:{line}:{column}")
     }
 
     /// One line for a mistake.
@@ -73,7 +112,7 @@ mod tests {
 
     #[test]
     fn mistakes_of_copies_are_told_once() {
-        let source = Source { name: "a.toml".into(), text: "x = 1\ny = 2\n".into() };
+        let source = Source::new("a.toml".into(), "x = 1\ny = 2\n".into());
         let all = ["\"bar 0\": no i", "\"bar 0\": no k", "\"bar 1\": no i", "\"bar 12\": no i"];
         let mistakes = all.iter().map(|what| Mistake::new(4, *what)).chain([Mistake::new(10, "\"bar 3\": no i")]);
         let told = source.all_told(mistakes.collect());
@@ -83,7 +122,7 @@ mod tests {
 
     #[test]
     fn places_are_lines_and_columns_of_characters() {
-        let source = Source { name: "a.toml".into(), text: "x = 1\nü = 2\n".into() };
+        let source = Source::new("a.toml".into(), "x = 1\nü = 2\n".into());
         let places = [0, 4, 6, 9, 100].map(|at| source.place(at));
         assert_eq!(places, ["a.toml:1:1", "a.toml:1:5", "a.toml:2:1", "a.toml:2:3", "a.toml:3:1"]);
     }

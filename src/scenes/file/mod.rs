@@ -10,6 +10,7 @@ mod build_parts;
 mod columns;
 mod condition;
 mod expression;
+mod extended;
 mod formula_of;
 mod formula_parts;
 mod formula_text;

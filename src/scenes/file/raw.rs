@@ -2,6 +2,7 @@
 
 use super::expression::{Expression, Quantity, Scope, meaning};
 use super::mistake::Mistake;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// A value and where it stands.
@@ -36,13 +37,13 @@ pub(super) struct Entry {
 }
 
 impl Raw {
-    /// The tree of a text.
-    pub fn parse(text: &str) -> Result<Raw, Mistake> {
+    /// The tree of a text whose places are counted from a number.
+    pub fn parse(text: &str, from: usize) -> Result<Raw, Mistake> {
         let table = DeTable::parse(text).map_err(|error| {
-            let at = error.span().map_or(0, |span| span.start);
+            let at = from + error.span().map_or(0, |span| span.start);
             Mistake::new(at, format!("this is no TOML: {}", error.message().trim().replace('\n', ", ")))
         })?;
-        Ok(Raw { at: 0, value: raw_table(text, table.get_ref()) })
+        Ok(Raw { at: from, value: Reading { text, from }.table(table.get_ref()) })
     }
 
     /// What it is, for messages.
@@ -99,38 +100,47 @@ impl Raw {
     }
 }
 
-fn raw_table(text: &str, table: &DeTable) -> RawValue {
-    let mut entries: Vec<Entry> = table
-        .iter()
-        .map(|(key, value)| Entry {
-            key: key.get_ref().to_string(),
-            at: key.span().start,
-            value: raw(text, value.get_ref(), value.span().start),
-        })
-        .collect();
-    entries.sort_by_key(|entry| entry.at);
-    RawValue::Table(entries)
+/// A text that is read, and the number of its first place.
+struct Reading<'t> {
+    text: &'t str,
+    from: usize,
 }
 
-fn raw(text: &str, value: &DeValue, at: usize) -> Raw {
-    let number = |digits: &str, whole| RawValue::Number { value: digits.parse().unwrap_or(f64::NAN), whole };
-    let value = match value {
-        DeValue::String(own) => {
-            let is_plain = text.get(at + 1..).is_some_and(|rest| rest.starts_with(&**own));
-            RawValue::Text(own.to_string(), is_plain.then_some(at + 1))
-        }
-        DeValue::Integer(own) if own.radix() == 10 => number(&own.as_str().replace('_', ""), true),
-        DeValue::Integer(own) => {
-            let value = i64::from_str_radix(&own.as_str().replace('_', ""), own.radix());
-            RawValue::Number { value: value.map_or(f64::NAN, |value| value as f64), whole: true }
-        }
-        DeValue::Float(own) => number(&own.as_str().replace('_', ""), false),
-        DeValue::Boolean(flag) => RawValue::Flag(*flag),
-        DeValue::Datetime(_) => RawValue::Date,
-        DeValue::Array(list) => RawValue::List(list.iter().map(|own| raw(text, own.get_ref(), own.span().start)).collect()),
-        DeValue::Table(table) => raw_table(text, table),
-    };
-    Raw { at, value }
+impl Reading<'_> {
+    fn table(&self, table: &DeTable) -> RawValue {
+        let mut entries: Vec<Entry> = table
+            .iter()
+            .map(|(key, value)| Entry {
+                key: key.get_ref().to_string(),
+                at: self.from + key.span().start,
+                value: self.value(value),
+            })
+            .collect();
+        entries.sort_by_key(|entry| entry.at);
+        RawValue::Table(entries)
+    }
+
+    fn value(&self, value: &Spanned<DeValue>) -> Raw {
+        let number = |digits: &str, whole| RawValue::Number { value: digits.parse().unwrap_or(f64::NAN), whole };
+        let at = value.span().start;
+        let value = match value.get_ref() {
+            DeValue::String(own) => {
+                let is_plain = self.text.get(at + 1..).is_some_and(|rest| rest.starts_with(&**own));
+                RawValue::Text(own.to_string(), is_plain.then_some(self.from + at + 1))
+            }
+            DeValue::Integer(own) if own.radix() == 10 => number(&own.as_str().replace('_', ""), true),
+            DeValue::Integer(own) => {
+                let value = i64::from_str_radix(&own.as_str().replace('_', ""), own.radix());
+                RawValue::Number { value: value.map_or(f64::NAN, |value| value as f64), whole: true }
+            }
+            DeValue::Float(own) => number(&own.as_str().replace('_', ""), false),
+            DeValue::Boolean(flag) => RawValue::Flag(*flag),
+            DeValue::Datetime(_) => RawValue::Date,
+            DeValue::Array(list) => RawValue::List(list.iter().map(|own| self.value(own)).collect()),
+            DeValue::Table(table) => self.table(table),
+        };
+        Raw { at: self.from + at, value }
+    }
 }
 
 /// Most entries that one stands for.
@@ -148,12 +158,57 @@ enum Step {
 /// What a name of a loop may be given.
 const FOR_WANTED: &str = "each has a range { from = 1, to = 5 }, or a list of whole numbers or of texts";
 
+/// Whole numbers that `[define]` names, which loops and counts may use.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wholes(Vec<(String, i64)>);
+
+impl Wholes {
+    /// Those of a file: numbers, and formulas of those before them.
+    pub fn of(root: &Raw) -> Self {
+        let mut wholes = Wholes::default();
+        for entry in root.get("define").and_then(Raw::entries).unwrap_or_default() {
+            if let Some(value) = wholes.value(&entry.value) {
+                wholes.0.push((entry.key.clone(), value));
+            }
+        }
+        wholes
+    }
+
+    /// A whole number, or a formula that gives one.
+    pub fn value(&self, raw: &Raw) -> Option<i64> {
+        raw.whole().or_else(|| whole_number(raw.text()?, &self.scope(&[])).ok())
+    }
+
+    /// What braces know: these, and the names of loops, which stand in front of them.
+    fn scope(&self, turn: &[Turn]) -> Scope {
+        let mut scope = Scope::default();
+        let own = self.0.iter().filter(|own| turn.iter().all(|(name, _)| *name != own.0));
+        let loops = turn.iter().filter_map(|(name, step)| match step {
+            Step::Whole(value) => Some((name, *value)),
+            Step::Word(_) => None,
+        });
+        for (name, value) in own.map(|(name, value)| (name, *value)).chain(loops) {
+            scope.add_constant(name, Quantity::Number(value as f64));
+        }
+        scope
+    }
+}
+
+/// The value of a formula of whole numbers.
+fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
+    let expression = Expression::parse(text, scope).map_err(|(_, what)| what)?;
+    match expression.constant(scope) {
+        Some(Quantity::Number(value)) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(value as i64),
+        _ => Err(format!("{{{text}}} must be a whole number")),
+    }
+}
+
 /// The values of a name of a loop.
-fn steps_of(own: &Entry) -> Result<Vec<Step>, Mistake> {
+fn steps_of(own: &Entry, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
     let wrong = |what: String| Err(Mistake::new(own.value.at, what));
     let is = || format!("for: {} is {}; {FOR_WANTED}", own.key, own.value.words());
     if let Some(entries) = own.value.entries() {
-        let number = |key: &str| own.value.get(key).and_then(Raw::whole);
+        let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own));
         return match (entries.len(), number("from"), number("to"), own.value.get("values")) {
             (2, Some(from), Some(to), _) if from > to => wrong(format!(
                 "for: {} goes from {from} to {to}, which makes nothing: the smaller number comes first",
@@ -202,14 +257,14 @@ pub(super) fn loop_names(raw: &Raw) -> Vec<String> {
 /// The entries that an entry with a key `for` stands for, or itself.
 ///
 /// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.
-pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
-    repeated(entry, &[])
+pub(super) fn repeated_entries(entry: &Raw, wholes: &Wholes) -> Result<Vec<Raw>, Mistake> {
+    repeated(entry, &[], wholes)
 }
 
 /// The same within loops around it.
-fn repeated(entry: &Raw, around: &[Turn]) -> Result<Vec<Raw>, Mistake> {
+fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, Mistake> {
     let Some(loops) = entry.get("for") else {
-        return Ok(vec![if around.is_empty() { entry.clone() } else { replaced(entry, around)? }]);
+        return Ok(vec![if around.is_empty() { entry.clone() } else { replaced(entry, around, wholes)? }]);
     };
     let named = loops.entries().filter(|named| !named.is_empty());
     let named = named.ok_or_else(|| Mistake::new(loops.at, format!("for must be a table of names; {FOR_WANTED}")))?;
@@ -221,7 +276,7 @@ fn repeated(entry: &Raw, around: &[Turn]) -> Result<Vec<Raw>, Mistake> {
         if around.iter().any(|turn| turn.0 == own.key) {
             return Err(Mistake::new(own.at, format!("for: {} is a name of the loop around this one", own.key)));
         }
-        let steps = steps_of(own)?;
+        let steps = steps_of(own, wholes)?;
         if turns.len() * steps.len() > MOST_ENTRIES {
             return Err(Mistake::new(loops.at, format!("for makes more than {MOST_ENTRIES} entries")));
         }
@@ -232,7 +287,7 @@ fn repeated(entry: &Raw, around: &[Turn]) -> Result<Vec<Raw>, Mistake> {
         turns = turns.iter().flat_map(longer).collect();
     }
     let once = without_for(entry);
-    turns.iter().map(|turn| replaced(&once, turn)).collect()
+    turns.iter().map(|turn| replaced(&once, turn, wholes)).collect()
 }
 
 /// What is repeated.
@@ -242,33 +297,32 @@ fn without_for(entry: &Raw) -> Raw {
 }
 
 /// The same for an entry with a key of its own, which is replaced, too.
-pub(super) fn repeated_named(entry: &Entry) -> Result<Vec<Entry>, Mistake> {
+pub(super) fn repeated_named(entry: &Entry, wholes: &Wholes) -> Result<Vec<Entry>, Mistake> {
     let Some(loops) = entry.value.entries().and_then(|own| own.iter().find(|own| own.key == "for")) else {
         return Ok(vec![entry.clone()]);
     };
     let once = Entry { key: entry.key.clone(), at: entry.at, value: without_for(&entry.value) };
     let both = RawValue::Table(vec![loops.clone(), once]);
-    let all = repeated_entries(&Raw { at: entry.at, value: both })?;
+    let all = repeated_entries(&Raw { at: entry.at, value: both }, wholes)?;
     Ok(all
         .into_iter()
         .filter_map(|own| if let RawValue::Table(own) = own.value { own.into_iter().next() } else { None })
         .collect())
 }
 
-fn replaced(raw: &Raw, turn: &[Turn]) -> Result<Raw, Mistake> {
+fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
     let value = match &raw.value {
-        RawValue::Text(text, place) if text.contains('{') => {
-            let _ = place;
-            RawValue::Text(replaced_text(text, turn).map_err(|what| Mistake::new(raw.at, what))?, None)
+        RawValue::Text(text, _) if text.contains('{') => {
+            RawValue::Text(replaced_text(text, turn, wholes).map_err(|what| Mistake::new(raw.at, what))?, None)
         }
         RawValue::List(list) => {
-            let all: Vec<Vec<Raw>> = list.iter().map(|own| repeated(own, turn)).collect::<Result<_, _>>()?;
+            let all: Vec<Vec<Raw>> = list.iter().map(|own| repeated(own, turn, wholes)).collect::<Result<_, _>>()?;
             RawValue::List(all.into_iter().flatten().collect())
         }
         RawValue::Table(entries) => {
             let own = entries.iter().map(|entry| {
-                let key = replaced_text(&entry.key, turn).map_err(|what| Mistake::new(entry.at, what))?;
-                Ok(Entry { key, at: entry.at, value: replaced(&entry.value, turn)? })
+                let key = replaced_text(&entry.key, turn, wholes).map_err(|what| Mistake::new(entry.at, what))?;
+                Ok(Entry { key, at: entry.at, value: replaced(&entry.value, turn, wholes)? })
             });
             RawValue::Table(own.collect::<Result<_, _>>()?)
         }
@@ -277,13 +331,8 @@ fn replaced(raw: &Raw, turn: &[Turn]) -> Result<Raw, Mistake> {
     Ok(Raw { at: raw.at, value })
 }
 
-fn replaced_text(text: &str, turn: &[Turn]) -> Result<String, String> {
-    let mut scope = Scope::default();
-    for (name, step) in turn {
-        if let Step::Whole(value) = step {
-            scope.add_constant(name, Quantity::Number(*value as f64));
-        }
-    }
+fn replaced_text(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<String, String> {
+    let scope = wholes.scope(turn);
     let (mut result, mut rest) = (String::new(), text);
     while let Some((before, after)) = rest.split_once('{') {
         let Some((inside, behind)) = after.split_once('}') else {
@@ -294,13 +343,7 @@ fn replaced_text(text: &str, turn: &[Turn]) -> Result<String, String> {
             Step::Word(word) if name == inside.trim() => Some(word.clone()),
             _ => None,
         });
-        let value = || {
-            let expression = Expression::parse(inside, &scope).map_err(|(_, what)| what)?;
-            match expression.constant(&scope) {
-                Some(Quantity::Number(value)) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(format!("{value}")),
-                _ => Err(format!("{{{inside}}} must be a whole number")),
-            }
-        };
+        let value = || whole_number(inside, &scope).map(|value| value.to_string());
         result.push_str(&word.map_or_else(value, Ok).map_err(|what| format!("in \"{text}\": {what}"))?);
         rest = behind;
     }

@@ -7,7 +7,7 @@ use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::OwnParts;
-use super::raw::{Entry, Raw, RawValue, loop_names, repeated_entries, repeated_named};
+use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
 use crate::elements::entries::{Form, Forms, Range};
@@ -169,6 +169,8 @@ pub(super) struct Reader {
     pub meshes: HashMap<usize, Arc<MeshData>>,
     /// The entry that is read.
     pub current: Option<usize>,
+    /// Whole numbers that loops may use.
+    pub wholes: Wholes,
     pub scope: Scope,
     pub declared: Vec<Declared>,
     pub by_name: HashMap<(String, &'static str), usize>,
@@ -221,6 +223,7 @@ impl Reader {
     fn contents(&mut self, root: &Raw) -> Contents {
         let entries = root.entries().unwrap_or_default();
         self.scope.loops = loop_names(root);
+        self.wholes = Wholes::of(root);
         let top_keys = TOP.forms[0].keys;
         let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
         known.push(DEFINE.0.into());
@@ -247,13 +250,16 @@ impl Reader {
         self.meshes();
         let variables = self.variables();
         let definitions = self.define(definitions);
-        let top = self.fields(&Raw { at: 0, value: RawValue::Table(top) }, &TOP, "the file");
+        let top = self.fields(&Raw { at: root.at, value: RawValue::Table(top) }, &TOP, "the file");
         let single: Vec<(&'static str, Fields)> = singles
             .into_iter()
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
             .collect();
         if !self.names_are_missing && self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
-            self.wrong(0, "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves");
+            self.wrong(
+                root.at,
+                "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves",
+            );
         }
         let mut items = Vec::new();
         for place in 0..self.declared.len() {
@@ -335,11 +341,13 @@ impl Reader {
         let entries: Result<Vec<(String, Raw)>, Mistake> = match (section.shape, &entry.value.value) {
             (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
                 let name = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
-                let all: Result<Vec<Vec<Raw>>, Mistake> = list.iter().map(repeated_entries).collect();
+                let all: Result<Vec<Vec<Raw>>, Mistake> =
+                    list.iter().map(|own| repeated_entries(own, &self.wholes)).collect();
                 all.map(|all| all.into_iter().flatten().map(|own| (name(&own), own)).collect())
             }
             (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
-                let all: Result<Vec<Vec<Entry>>, Mistake> = named.iter().map(repeated_named).collect();
+                let all: Result<Vec<Vec<Entry>>, Mistake> =
+                    named.iter().map(|own| repeated_named(own, &self.wholes)).collect();
                 let of_key = |own: Entry| (own.key, Raw { at: own.at, value: own.value.value });
                 all.map(|all| all.into_iter().flatten().map(of_key).collect())
             }
@@ -395,7 +403,7 @@ impl Reader {
                 (Some(each), _) => Extent::OfMesh(each),
                 // what is no such number is told where values are checked
                 (None, count) => count
-                    .and_then(Raw::whole)
+                    .and_then(|own| self.wholes.value(own))
                     .and_then(|own| own.try_into().ok())
                     .filter(|own| MANY.contains(own))
                     .map_or(Extent::One, Extent::Array),

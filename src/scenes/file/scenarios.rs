@@ -63,7 +63,7 @@ fn scenario(root: &Raw, own: &Raw) -> Result<(String, Raw), Mistake> {
 
 /// Puts a key into a table: tables into tables key by key, tables into lists by the names of their entries, lists behind lists of tables; all
 /// else, and a table with another type, in the place of what was there.
-fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mistake> {
+pub(super) fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mistake> {
     let RawValue::Table(entries) = &mut into.value else { return Ok(()) };
     let Some(own) = entries.iter_mut().find(|own| own.key == entry.key) else {
         entries.push(entry.clone());
@@ -95,7 +95,7 @@ fn change_named(list: &mut [Raw], change: &Entry, path: &str) -> Result<(), Mist
         return Err(Mistake::new(change.at, unknown(path, &change.key, &known)));
     };
     let Some(changes) = change.value.entries() else {
-        let text = format!("what a scenario changes of {path} \"{}\" is a table of its keys", change.key);
+        let text = format!("what is changed of {path} \"{}\" is a table of its keys", change.key);
         return Err(Mistake::new(change.at, text));
     };
     changes.iter().try_for_each(|own| put(&mut list[place], own, &format!("{path} \"{}\", {}", change.key, own.key)))

@@ -1,5 +1,6 @@
 use super::build::build;
 use super::expression::Quantity;
+use super::extended::{text_of, whole_tree};
 use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::meshes::Each;
 use super::mistake::{Mistake, Source};
@@ -87,8 +88,6 @@ pub(super) fn kept(text: &str) -> &'static str {
 
 /// Name spaces of what messages name, the likeliest first; others are what parts are made of.
 const PARTS: [&str; 4] = ["member", "joint", "force", "functional"];
-/// Largest scene file in bytes.
-const LARGEST: u64 = 50_000_000;
 
 impl FileScene {
     /// Reads a file.
@@ -104,20 +103,7 @@ impl FileScene {
     /// # Errors
     /// As [`FileScene::read`].
     pub fn read_with(path: &Path, parts: &OwnParts) -> Result<Self, String> {
-        let name = path.display().to_string();
-        let cannot = |why: String| format!("{name}: cannot be read: {why}");
-        let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
-        if size > LARGEST {
-            return Err(cannot(format!("it has {size} bytes, and a scene file has at most {LARGEST}")));
-        }
-        let bytes = std::fs::read(path).map_err(|error| cannot(error.to_string()))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
-            let at = before.len();
-            let source = Source { name: name.clone(), text: before };
-            source.told(&Mistake::new(at, "this is no text in UTF-8"))
-        })?;
-        Self::parse_with(&name, &text, parts)
+        Self::parse_with(&path.display().to_string(), &text_of(path)?, parts)
     }
 
     /// Reads the text of a file; its name is for messages, and for the scene unless the file gives one.
@@ -134,13 +120,13 @@ impl FileScene {
     /// As [`FileScene::parse`].
     pub fn parse_with(file: &str, text: &str, parts: &OwnParts) -> Result<Self, String> {
         parts.check()?;
-        let source = Source { name: file.into(), text: text.into() };
+        let mut source = Source::new(file.into(), text.into());
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         if let Some(kind) = other_format(text) {
             return Err(format!("{file}: this is {kind}"));
         }
+        let mut root = whole_tree(&mut source)?;
         let told = |mistakes| source.all_told(mistakes);
-        let mut root = Raw::parse(text).map_err(|mistake| told(vec![mistake]))?;
         let scenarios = take_scenarios(&mut root).map_err(told)?;
         let mut made = Vec::new();
         for (name, scenario) in scenarios {
@@ -176,8 +162,8 @@ impl FileScene {
         functionals: &[String],
     ) -> Result<Self, String> {
         let contents = read(root, folder, parts).map_err(|mistakes| source.all_told(mistakes))?;
-        let file = Path::new(&source.name);
-        let stem = file.file_stem().map_or_else(|| source.name.clone(), |stem| stem.to_string_lossy().into_owned());
+        let file = source.name();
+        let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy().into_owned());
         let mut mistakes = Vec::new();
         let name = super::known::text(&contents.top, "name").map_or(stem, String::from);
         if let Some((at, _)) = contents.top.get("name")
@@ -326,7 +312,8 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
 
 fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     let Some(fields) = single(contents, "settings") else {
-        mistakes.push(Mistake::new(0, "the section [settings] is missing: give it the keys end [s] and steps"));
+        mistakes
+            .push(Mistake::new(contents.top.at, "the section [settings] is missing: give it the keys end [s] and steps"));
         return Settings::new(1.0, 1);
     };
     let method = text(fields, "method");

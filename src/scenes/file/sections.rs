@@ -1,5 +1,6 @@
 //! All sections of a scene file with their keys.
 
+use super::extended::EXTENDS;
 use super::section::{Section, Shape};
 use crate::elements::entries::{
     AXIS, BETWEEN, FUNCTION, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, may, need,
@@ -36,6 +37,7 @@ pub(super) const TOP: Forms = Forms {
         doc: "",
         keys: &[
             need("version", Count(VERSION, VERSION), "version of the format: 1"),
+            may(EXTENDS, Text, "scene file in the same folder that this one adds to and changes"),
             may("name", Text, "name of the scene; the name of the file"),
             may("summary", Text, "what the scene is, in a line"),
             may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),

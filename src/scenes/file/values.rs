@@ -173,7 +173,7 @@ impl Reader {
         let Some(list) = raw.list() else { return self.not(raw, what, "a list of tables") };
         let mut all = Vec::new();
         for own in list {
-            match repeated_entries(own) {
+            match repeated_entries(own, &self.wholes) {
                 Ok(own) => all.extend(own),
                 Err(mistake) => self.mistakes.push(mistake),
             }

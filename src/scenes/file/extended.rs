@@ -1,0 +1,74 @@
+//! A file that extends another: what it says is put into what the other says, as a scenario's is.
+
+use super::mistake::{Mistake, Source};
+use super::raw::{Entry, Raw, RawValue};
+use super::scenarios::put;
+use std::path::Path;
+
+/// The key that names the other file.
+pub(super) const EXTENDS: &str = "extends";
+/// What a file says of itself alone.
+const OWN: [&str; 2] = ["name", "summary"];
+/// Largest scene file in bytes.
+const LARGEST: u64 = 50_000_000;
+
+/// The text of a file.
+///
+/// # Errors
+/// A file that cannot be read, is too large or no text.
+pub(super) fn text_of(path: &Path) -> Result<String, String> {
+    let name = path.display().to_string();
+    let cannot = |why: String| format!("{name}: cannot be read: {why}");
+    let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
+    if size > LARGEST {
+        return Err(cannot(format!("it has {size} bytes, and a scene file has at most {LARGEST}")));
+    }
+    let bytes = std::fs::read(path).map_err(|error| cannot(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+        let at = before.len();
+        Source::new(name, before).told(&Mistake::new(at, "this is no text in UTF-8"))
+    })
+}
+
+/// The tree of a file: what it says put into what that says which it extends, and so on.
+///
+/// # Errors
+/// What is no TOML, and a file that cannot be extended.
+pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
+    while let Some((name, text)) = extended(source)? {
+        source.extend(name, text);
+    }
+    let mut whole: Option<Raw> = None;
+    for (text, from) in source.texts() {
+        let own = Raw::parse(text, from).map_err(|mistake| source.told(&mistake))?;
+        let Some(other) = &mut whole else {
+            whole = Some(own);
+            continue;
+        };
+        if let RawValue::Table(entries) = &mut other.value {
+            entries.retain(|entry| !OWN.contains(&entry.key.as_str()));
+        }
+        let entries: &[Entry] = own.entries().unwrap_or_default();
+        entries.iter().try_for_each(|entry| put(other, entry, &entry.key)).map_err(|mistake| source.told(&mistake))?;
+        other.at = own.at;
+    }
+    whole.ok_or_else(String::new)
+}
+
+/// Name and text of what the first file of a source extends.
+fn extended(source: &Source) -> Result<Option<(String, String)>, String> {
+    let tree = Raw::parse(&source.first().text, 0).map_err(|mistake| source.told(&mistake))?;
+    let Some(named) = tree.get(EXTENDS) else { return Ok(None) };
+    let wrong = |what: String| source.told(&Mistake::new(named.at, what));
+    let Some(file) = named.text().filter(|file| !file.is_empty() && !file.contains(['/', '\\'])) else {
+        return Err(wrong(format!("{EXTENDS} is {}; it names a scene file in the same folder", named.words())));
+    };
+    let path = Path::new(&source.first().name).with_file_name(file);
+    let name = path.display().to_string();
+    if source.has(&name) {
+        return Err(wrong(format!("{EXTENDS} = \"{file}\": the file extends itself")));
+    }
+    let text = text_of(&path).map_err(|why| wrong(format!("{EXTENDS} = \"{file}\": {why}")))?;
+    Ok(Some((name, text)))
+}
