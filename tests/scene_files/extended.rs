@@ -69,7 +69,7 @@ extends = "chain.toml"
 define.n = 3
 spring."spring {i}".rest_length = 0.25
 settings.steps = 20
-point = [{ name = "other", position = [0, 1, 0], velocity = [1, 0, 0], mass = 2 }]
+point = [{ name = "mass {i}", mass = 3 }, { name = "other", position = [0, 1, 0], velocity = [1, 0, 0], mass = 2 }]
 functional = [{ name = "x", type = "position", on = "other", direction = [1, 0, 0], over = "terminal" }]
 "#;
     let scene = with_text(&folder, "longer.toml", longer).unwrap();
@@ -78,6 +78,7 @@ functional = [{ name = "x", type = "position", on = "other", direction = [1, 0, 
     assert_eq!(scene.variables().len(), 3);
     let whole = CHAIN
         .replace("n = 2", "n = 3")
+        .replace("mass = 1\n", "mass = 3\n")
         .replace("rest_length = 0.5", "rest_length = 0.25")
         .replace("steps = 10", "steps = 20")
         .replace(
@@ -102,7 +103,7 @@ fn mistakes_of_both_files_are_told_in_their_own() {
     let own = refused(&(of("\"chain.toml\"") + "point.\"mass {i}\".mass = -1\n"));
     assert!(own.starts_with(&format!("{}:3:25: ", named("own.toml"))), "{own}");
     let other =
-        refused(&(of("\"chain.toml\"") + "define.n = 1\nvariable.stiffness.count = 2\n[[point]]\nname = \"mass 0\"\n"));
+        refused(&(of("\"chain.toml\"") + "[[point]]\nname = \"mass 0\"\n"));
     assert!(other.contains("the name \"mass 0\" is taken"), "{other}");
     std::fs::write(folder.join("bad.toml"), CHAIN.replace("mass = 1\n", "mass = -1\n")).unwrap();
     let other = refused(&of("\"bad.toml\""));

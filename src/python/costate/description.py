@@ -62,8 +62,10 @@ _BY_HAND = ("version", "name", "summary", "gravity", "define", "scenario")
 def sections() -> tuple[Section, ...]:
     """All sections."""
     schema = json.loads(_costate.schema())
+    # a whole file, and not what changes another
+    properties = schema["oneOf"][0]["properties"]
     return tuple(
-        _section(name, own, schema["$defs"]) for name, own in schema["properties"].items() if name not in _BY_HAND
+        _section(name, own, schema["$defs"]) for name, own in properties.items() if name not in _BY_HAND
     )
 
 

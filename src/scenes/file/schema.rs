@@ -1,3 +1,4 @@
+use super::extended::EXTENDS;
 use super::own_parts::OwnParts;
 use super::reader::all_forms;
 use super::reference::{is_listed, same, tables};
@@ -11,8 +12,10 @@ use serde_json::{Map, Value, json};
 /// files are read.
 pub fn schema(parts: &OwnParts) -> Value {
     let mut properties = Map::new();
+    let mut changes = Map::new();
     for key in TOP.forms[0].keys {
-        properties.insert(key.name.into(), of_key(key));
+        let into = if key.name == EXTENDS { &mut changes } else { &mut properties };
+        into.insert(key.name.into(), of_key(key));
     }
     properties
         .insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity()}));
@@ -35,7 +38,7 @@ pub fn schema(parts: &OwnParts) -> Value {
     let mut parts = Map::new();
     parts.insert("formula".into(), any_of(&[number(Range::Any), text()]));
     parts.insert("vector".into(), any_of(&[array(formula(Range::Any), 3, 3), text()]));
-    let whole = json!({"type": "integer"});
+    let whole = any_of(&[json!({"type": "integer"}), text()]);
     let range = json!({
         "type": "object", "properties": {"from": whole, "to": whole}, "required": ["from", "to"], "additionalProperties": false
     });
@@ -53,9 +56,10 @@ pub fn schema(parts: &OwnParts) -> Value {
         "title": "costate scene",
         "description": "A mechanism with its design variables, functionals and settings. Numbers may be formulas in texts.",
         "type": "object",
-        "required": ["version", "settings"],
-        "additionalProperties": false,
-        "properties": properties,
+        "oneOf": [
+            {"required": ["version", "settings"], "properties": properties, "additionalProperties": false},
+            {"required": [EXTENDS], "properties": changes, "additionalProperties": true},
+        ],
         "$defs": parts,
     })
 }
