@@ -102,8 +102,7 @@ fn mistakes_of_both_files_are_told_in_their_own() {
     let of = |own: &str| format!("version = 1\nextends = {own}\n");
     let own = refused(&(of("\"chain.toml\"") + "point.\"mass {i}\".mass = -1\n"));
     assert!(own.starts_with(&format!("{}:3:25: ", named("own.toml"))), "{own}");
-    let other =
-        refused(&(of("\"chain.toml\"") + "[[point]]\nname = \"mass 0\"\n"));
+    let other = refused(&(of("\"chain.toml\"") + "[[point]]\nname = \"mass 0\"\n"));
     assert!(other.contains("the name \"mass 0\" is taken"), "{other}");
     std::fs::write(folder.join("bad.toml"), CHAIN.replace("mass = 1\n", "mass = -1\n")).unwrap();
     let other = refused(&of("\"bad.toml\""));

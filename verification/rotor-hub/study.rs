@@ -1,5 +1,7 @@
 //! A rotor hub at speed: the steady start, frequencies of a turning blade, the kinematics of the swash plate, gradients through all of it.
 
+mod blade_element;
+mod flight;
 mod series;
 mod swash_plate;
 
@@ -52,17 +54,19 @@ impl Study for RotorHub {
         "rotor-hub"
     }
     fn summary(&self) -> &'static str {
-        "a rotor hub at speed: steady start, frequencies of a turning blade, swash plate against geometry, gradients"
+        "a rotor hub at speed: steady start, frequencies of a turning blade, swash plate, gradients, hover, lightest blades"
     }
     fn forms(&self) -> &'static [Form] {
-        &[Form::Short]
+        &[Form::Short, Form::Long]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         blade_extension(report)?;
         turning_beam(report)?;
         ground_resonance(report)?;
         swash_plate(report)?;
-        flights(report)
+        flights(report)?;
+        flight::air_loads(report)?;
+        if report.is_short() { Ok(()) } else { flight::optimum(report) }
     }
 }
 
@@ -100,7 +104,7 @@ fn rod_tip(young: f64, density: f64, omega: f64, [root, tip]: [f64; 2]) -> f64 {
 }
 
 fn blade_extension(report: &mut Report) -> Result<(), String> {
-    eprintln!("[1/5] extension of a blade");
+    eprintln!("[1/7] extension of a blade");
     let (root, tip) = (0.44, 2.0);
     let expected = rod_tip(70e9, 2500.0, 109.12, [root, tip]) - tip;
     report.inform("blade/extension of a rod [mm]", 1e3 * expected);
@@ -148,7 +152,7 @@ fn beam(rate: f64) -> String {
 }
 
 fn turning_beam(report: &mut Report) -> Result<(), String> {
-    eprintln!("[2/5] frequencies of a turning beam");
+    eprintln!("[2/7] frequencies of a turning beam");
     let mut first = Vec::new();
     for rate in [0.0, 2.0, 4.0, 6.0, 8.0, 10.0] {
         let scene = FileScene::parse("beam.toml", &beam(rate))?;
@@ -180,7 +184,7 @@ fn turning_beam(report: &mut Report) -> Result<(), String> {
 const HAMMOND: [f64; 2] = [0.8361868786, 19.9367071];
 
 fn ground_resonance(report: &mut Report) -> Result<(), String> {
-    eprintln!("[3/5] ground resonance");
+    eprintln!("[3/7] ground resonance");
     let scene = FileScene::parse("ground-resonance.toml", GROUND_RESONANCE)?;
     let prepared = Prepared::new(&scene).map_err(told)?;
     let found = prepared.periodic_modes(2).map_err(told)?;
@@ -218,7 +222,7 @@ fn rigid_hub(lifts: [f64; 3], turns: usize) -> Result<String, String> {
 }
 
 fn swash_plate(report: &mut Report) -> Result<(), String> {
-    eprintln!("[4/5] swash plate and pitch links");
+    eprintln!("[4/7] swash plate and pitch links");
     for (flight, lifts) in FLIGHTS {
         let turns = if flight == "collective" && !report.is_short() { TURNS } else { 1 };
         let scene = FileScene::parse("rigid-hub.toml", &rigid_hub(lifts, turns)?)?;
@@ -258,7 +262,7 @@ fn swash_plate(report: &mut Report) -> Result<(), String> {
 }
 
 fn flights(report: &mut Report) -> Result<(), String> {
-    eprintln!("[5/5] three flights of the hub with blades");
+    eprintln!("[5/7] three flights of the hub with blades");
     let scene = FileScene::parse("rotor-hub.toml", HUB)?;
     let short = report.is_short();
     for Scenario { name, scene } in scene.scenarios().into_iter().take(if short { 1 } else { 3 }) {
