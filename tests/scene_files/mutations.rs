@@ -147,28 +147,34 @@ fn mutated(text: &str, scatter: &mut Scatter) -> String {
     own
 }
 
+/// Where the files stand that others name.
+const NAME: &str = "examples/scenes/scene.toml";
+/// A file that changes another.
+const EXTENDING: &str = "version = 1\nextends = \"pendulum.toml\"\nvariable.length.initial = 2.0\npoint = [{ name = \"bob\", mass = 3 }]\n\
+                         [[scenario]]\nname = \"short\"\nsettings.end = 0.1\n";
+
 #[test]
 fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
     // a longer run: SCENE_MUTATIONS=1000000
     let count: usize = std::env::var("SCENE_MUTATIONS").ok().and_then(|own| own.parse().ok()).unwrap_or(4000);
     let mut texts: Vec<String> = super::files().iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
-    // meshes are found from here
-    texts.iter_mut().for_each(|text| *text = text.replace("bracket.msh", "examples/scenes/bracket.msh"));
-    texts.push(include_str!("coverage/meshes.toml").into());
+    texts.push(include_str!("coverage/meshes.toml").replace("tests/gmsh", "../../tests/gmsh"));
     // long files are slow and say nothing that short ones do not
-    let mut texts: Vec<&String> = texts.iter().filter(|text| text.len() < 12_000 && !text.contains("[1, 100]")).collect();
+    texts.retain(|text| text.len() < 12_000 && !text.contains("[1, 100]") && !text.contains("extends"));
+    texts.push(EXTENDING.into());
     texts.sort();
     let (mut scatter, mut read, mut built) = (Scatter(1), 0, 0);
     for _ in 0..count {
-        let text = mutated(texts[scatter.below(texts.len())], &mut scatter);
-        let outcome = std::panic::catch_unwind(|| match FileScene::parse("scene.toml", &text) {
+        let text = mutated(&texts[scatter.below(texts.len())], &mut scatter);
+        let outcome = std::panic::catch_unwind(|| match FileScene::parse(NAME, &text) {
             Ok(scene) => {
                 let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
                 (true, scene.build_real(&x).is_ok())
             }
             Err(why) => {
                 assert!(
-                    why.lines().all(|line| ["scene.toml:", "and ", "scenario \""].iter().any(|own| line.starts_with(own))),
+                    why.lines()
+                        .all(|line| ["examples/scenes/", "and ", "scenario \""].iter().any(|own| line.starts_with(own))),
                     "{why}"
                 );
                 (false, false)
