@@ -110,24 +110,42 @@ impl Prepared<'_> {
     /// How what the functionals measure vibrates where a design variable d varies harmonically by a small d cos(omega t) about the equilibrium of
     /// [`Prepared::modes`]: for each rate omega [rad/s] and each functional, in their order, the real and imaginary part of its complex
     /// amplitude by d. A force whose size is the variable gives receptances, a driver whose displacement is the variable transmissibilities.
-    /// Equations know the variable by its value alone: a damper sees no rate of it.
+    /// Equations know the variable by its value alone: a damper sees no rate of it. About a steady turn what vibrates is seen from the frame that turns
+    /// (a load of a part that turns is at rest there), and read at moments when that stands as at the start.
     ///
     /// # Errors
-    /// As for [`Prepared::modes`]; an unknown variable, a rate at which nothing determines the response, a start from a steady turn.
+    /// As for [`Prepared::modes`]; an unknown variable, one that is part of a steady turn, a rate at which nothing determines the response.
     pub fn frequency_response(&self, variable: &str, rates: &[f64]) -> Result<Vec<Vec<[f64; 2]>>, RunError> {
-        if self.spin_rate().is_some() {
-            return Err(RunError::Input("a frequency response about a steady turn is not there: take modes --speed".into()));
-        }
         let mut x: Vec<Complex64> = self.x.iter().map(|&x| x.into()).collect();
         x[self.variable(variable)?].im = COMPLEX_STEP;
         let varied = self.analysis().numbers_with_parts(&x)?.p;
+        if self.model().spin.as_ref().is_some_and(|spin| varied[spin.parameters.clone()].iter().any(|own| own.im != 0.0)) {
+            return Err(RunError::Input(format!(
+                "\"{variable}\" is part of the steady turn itself: a response is that of vibrations about it"
+            )));
+        }
         let (start, plan, load) = self.still_state()?;
-        let problem = Problem { start, ..self.problem() };
-        let response = harmonic_response(&problem, &varied, &self.method, &plan, load, rates)?;
+        let frame = self.model().in_frame();
+        let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
+        let response = harmonic_response(&problem, &frame.parameters(&varied), &self.method, &plan, load, rates)?;
         let all = rates.iter().zip(&response.vibrations);
         Ok(all
             .map(|(&omega, own)| self.measured_amplitudes((&response, &plan.dropped, load), &varied, (omega, own)))
             .collect())
+    }
+
+    /// Velocities of the same motion with those of the steady turn at these coordinates, or at changes of them.
+    fn turned(&self, x: &[Complex64], is_change: bool) -> Vec<Complex64> {
+        let mut v = vec![Complex64::default(); x.len()];
+        let Some(spin) = &self.model().spin else { return v };
+        let numbers: Vec<Complex64> =
+            self.mechanism.numbers.p[spin.parameters.clone()].iter().map(|&own| own.into()).collect();
+        let about = if is_change { Vector3::zeros() } else { Vector3::first_three(&numbers) };
+        let omega = Vector3::first_three(&numbers[3..]) * numbers[6];
+        for node in spin.nodes.iter().map(|node| &self.model().nodes[node.0]) {
+            node.kind.turn(&x[node.dofs.clone()], about, omega, &mut v[node.dofs.clone()]);
+        }
+        v
     }
 
     /// Complex amplitudes of what the functionals measure.
@@ -144,11 +162,18 @@ impl Prepared<'_> {
         let real: Vec<Complex64> = varied.iter().map(|own| own.re.into()).collect();
         // x' = i omega x and x'' = -omega^2 x: the rate of the real part is -omega times the imaginary one
         let samples = [(0, 1, -omega, varied), (1, 0, omega, &real)].map(|(own, other, turn, p)| {
-            let at = VectorsAvq {
+            let mut at = VectorsAvq {
                 a: with(&still, &x[own], -omega * omega),
                 v: with(&still, &x[other], turn),
                 q: with(&response.q, &x[own], 1.0),
             };
+            // in the world at the moment when the frame stands as at the start: x' + Omega x, x'' + 2 Omega x' + Omega Omega x
+            let of_turn = self.turned(&at.q, false);
+            let (coriolis, centripetal) = (self.turned(&at.v, true), self.turned(&of_turn, true));
+            for k in 0..at.q.len() {
+                at.a[k] += coriolis[k] * 2.0 + centripetal[k];
+                at.v[k] += of_turn[k];
+            }
             let mu = with(&response.mu, &mu[own], 1.0);
             let mut sample = Sample { t: t.into(), at, mu, dropped: dropped.to_vec(), ..Sample::empty() };
             sample.share(self.model(), p);

@@ -1,6 +1,10 @@
 //! Frequency responses against closed forms.
 
-use costate::scalar::Complex64;
+use costate::elements::entries::{Entry, Example, Given, Key, ON};
+use costate::elements::{NodeKind, Parameter, State};
+use costate::functionals::Quantity;
+use costate::scalar::{Complex64, Scalar};
+use costate::scenes::file::OwnParts;
 use costate::scenes::{FileScene, Prepared};
 
 const RATES: [f64; 6] = [0.0, 1.0, 4.0, 7.1, 12.0, 80.0];
@@ -8,8 +12,38 @@ const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 100.0;
 const DAMPING: f64 = 0.7;
 
+/// y'' of a body.
+struct AccelerationAlongY;
+
+impl Quantity for AccelerationAlongY {
+    const PARAMETERS: &'static [Parameter] = &[];
+
+    fn dofs(&self) -> usize {
+        NodeKind::Body.dofs()
+    }
+    fn unit(&self) -> &'static str {
+        "m/s2"
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
+        s.a[1]
+    }
+}
+
+impl Entry for AccelerationAlongY {
+    type Law = Self;
+    const NAME: &'static str = "acceleration_along_y";
+    const DOC: &'static str = "y'' of a body [m/s2]";
+    const KEYS: &'static [Key] = &[ON];
+    const EXAMPLE: Example = (&[NodeKind::Body], &[]);
+
+    fn make<S: Scalar>(_given: &mut Given<S>) -> (Self, Vec<S>) {
+        (AccelerationAlongY, Vec::new())
+    }
+}
+
 fn amplitudes(text: &str, by: &str, rates: &[f64]) -> Vec<Vec<Complex64>> {
-    let scene = FileScene::parse("response.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let parts = OwnParts::default().functional::<AccelerationAlongY>();
+    let scene = FileScene::parse_with("response.toml", text, &parts).unwrap_or_else(|why| panic!("{why}"));
     let prepared = Prepared::new(&scene).unwrap();
     let response = prepared.frequency_response(by, rates).unwrap();
     response.into_iter().map(|row| row.into_iter().map(|[re, im]| Complex64::new(re, im)).collect()).collect()
@@ -130,4 +164,77 @@ fn at_rate_zero_the_response_is_the_gradient_of_the_equilibrium() {
             );
         }
     }
+}
+
+/// A bead on a slide of a table that a motor turns, and a disc in a soft bearing on the same table.
+const TABLE: &str = r#"
+version = 1
+settings = { start = "steady", end = 1, steps = 10 }
+variable.force = { initial = 5, bounds = [-10, 10], unit = "N" }
+variable.push = { initial = 0, bounds = [-10, 10], unit = "N" }
+variable.rate = { initial = 3, bounds = [0, 10], unit = "rad/s" }
+body = [
+    { name = "table", mass = 1, inertia = [1, 1, 1] },
+    { name = "bead", position = [0.5, 0, 0], mass = 2, inertia = [1e-3, 1e-3, 1e-3] },
+    { name = "disc", mass = 3, inertia = [0.2, 0.2, 0.4] },
+]
+joint = [
+    { name = "shaft", type = "revolute", between = ["ground", "table"], axis = [0, 0, 1] },
+    { name = "slide", type = "prismatic", between = ["table", "bead"], axis = [1, 0, 0] },
+]
+driver = [{ name = "motor", type = "rotation", between = ["ground", "table"], axis = [0, 0, 1], angle = { type = "formula", value = "rate * t" } }]
+spring = [
+    { name = "spring", type = "slide", between = ["table", "bead"], origin = [0, 0, 0], point = [0.5, 0, 0], axis = [1, 0, 0], stiffness = 100, damping = 0.7, rest_displacement = 0.4 },
+    { name = "bearing", type = "bushing", between = ["table", "disc"], stiffness = [200, 200, 300, 50, 50, 60] },
+]
+force = [
+    { name = "pull", on = "bead", frame = "body", direction = [1, 0, 0], size = "force" },
+    { name = "blow", on = "disc", frame = "body", direction = [1, 0, 0], size = "push" },
+]
+spin = [{ parts = ["table", "bead", "disc"], axis = [0, 0, 1], rate = "rate" }]
+functional = [
+    { name = "r", type = "position", on = "bead", direction = [1, 0, 0], over = "terminal" },
+    { name = "outwards", type = "velocity", on = "bead", direction = [1, 0, 0], over = "terminal" },
+    { name = "along", type = "velocity", on = "bead", direction = [0, 1, 0], over = "terminal" },
+    { name = "moment", type = "reaction", joint = "motor", weights = [1], over = "terminal" },
+    { name = "x", type = "position", on = "disc", direction = [1, 0, 0], over = "terminal" },
+    { name = "y", type = "position", on = "disc", direction = [0, 1, 0], over = "terminal" },
+    { name = "y'", type = "velocity", on = "disc", direction = [0, 1, 0], over = "terminal" },
+    { name = "power", type = "power", over = "terminal" },
+    { name = "y''", type = "acceleration_along_y", on = "disc", over = "terminal" },
+]
+"#;
+
+/// m (r'' - W^2 r) + c r' + k (r - r0) = F, with the motor's moment d(m r^2 W)/dt; D x - 2 i omega m W y = F and D y + 2 i omega m W x = 0 of the
+/// disc with D = k - m W^2 - m omega^2.
+#[test]
+fn what_turns_answers_by_the_closed_forms_of_its_frame() {
+    let (turn, i) = (3.0, Complex64::new(0.0, 1.0));
+    let radius = (STIFFNESS * 0.4 + 5.0) / (STIFFNESS - MASS * turn * turn);
+    let [pulled, blown] = ["force", "push"].map(|by| amplitudes(TABLE, by, &RATES));
+    for (place, &omega) in RATES.iter().enumerate() {
+        let dynamic = i * (omega * DAMPING) + STIFFNESS - MASS * (turn * turn + omega * omega);
+        let r = Complex64::from(1.0) / dynamic;
+        same(pulled[place][0], r, &format!("radius at {omega}"));
+        same(pulled[place][1], i * omega * r, &format!("rate of the radius at {omega}"));
+        same(pulled[place][2], r * turn, &format!("velocity along the circle at {omega}"));
+        same(
+            pulled[place][3].norm().into(),
+            (r * 2.0 * MASS * radius * turn * omega).norm().into(),
+            &format!("moment at {omega}"),
+        );
+        // of the force alone: the damper's is of second order
+        same(pulled[place][7], i * (5.0 * omega) * r, &format!("power at {omega}"));
+        let (d, cross) = (Complex64::from(200.0 - 3.0 * (turn * turn + omega * omega)), i * (2.0 * omega * 3.0 * turn));
+        let x = d / (d * d + cross * cross);
+        let y = -cross / d * x;
+        same(blown[place][4], x, &format!("x of the disc at {omega}"));
+        same(blown[place][5], y, &format!("y of the disc at {omega}"));
+        same(blown[place][6], i * omega * y + x * turn, &format!("velocity of the disc at {omega}"));
+        let acceleration = -(omega * omega + turn * turn) * y + i * omega * x * 2.0 * turn;
+        same(blown[place][8], acceleration, &format!("acceleration of the disc at {omega}"));
+    }
+    let scene = FileScene::parse_with("table.toml", TABLE, &OwnParts::default().functional::<AccelerationAlongY>()).unwrap();
+    let why = Prepared::new(&scene).unwrap().frequency_response("rate", &RATES).unwrap_err().to_string();
+    assert!(why.contains("\"rate\" is part of the steady turn itself"), "{why}");
 }
