@@ -78,6 +78,7 @@ pub(crate) use resting_start::resting_start;
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
 pub(crate) use start::{InitialState, StartPlan};
+pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;
 pub(crate) use systems::Systems;
 pub use table::{Carried, Combination, Embedded, Quadrature, Scheme, Stage, Starter, Table};

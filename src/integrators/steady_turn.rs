@@ -4,7 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::RunError;
-use crate::assembly::{Model, NodeId, Spin};
+use crate::assembly::{Model, NodeId};
 use crate::elements::State;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
 
@@ -43,7 +43,7 @@ pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(),
             )));
         }
     }
-    turns_with(model, spin, p, q)
+    forces_turn(model, p, q)
 }
 
 /// The coordinates of some nodes.
@@ -52,7 +52,11 @@ fn gathered(model: &Model, nodes: &[NodeId], x: &[f64]) -> Vec<f64> {
 }
 
 /// Forces must be the same, turned, when what turns is turned on.
-fn turns_with(model: &Model, spin: &Spin, p: &[f64], q: &[f64]) -> Result<(), RunError> {
+///
+/// # Errors
+/// [`RunError::Input`] with the element whose forces are not.
+pub(crate) fn forces_turn(model: &Model, p: &[f64], q: &[f64]) -> Result<(), RunError> {
+    let Some(spin) = &model.spin else { return Ok(()) };
     let resting = model.at_rest();
     let (own_p, numbers) = (resting.parameters(p), &p[spin.parameters.clone()]);
     let about = Vector3::first_three(numbers);

@@ -3,10 +3,13 @@ use crate::assembly::VectorsAvq;
 use crate::functionals::{Functional, Sample};
 use crate::integrators::{
     ArcLength, InitialState, Mode, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan, StartRecord,
-    StepRecord, Vibration, complex_modes, follow_path, harmonic_response, march, march_adaptive, march_dividing,
-    resting_start, vibrations,
+    StepRecord, Vibration, complex_modes, follow_path, forces_turn, harmonic_response, march, march_adaptive,
+    march_dividing, resting_start, vibrations,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, SpatialVector, Vector3};
+
+/// By how much of its size, or of 1, a variable changes where it is seen whether loads turn with it.
+const SEEN: f64 = 0.1;
 
 /// The last state of a run over load steps.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,7 +120,8 @@ impl Prepared<'_> {
     /// As for [`Prepared::modes`]; an unknown variable, one that is part of a steady turn, a rate at which nothing determines the response.
     pub fn frequency_response(&self, variable: &str, rates: &[f64]) -> Result<Vec<Vec<[f64; 2]>>, RunError> {
         let mut x: Vec<Complex64> = self.x.iter().map(|&x| x.into()).collect();
-        x[self.variable(variable)?].im = COMPLEX_STEP;
+        let place = self.variable(variable)?;
+        x[place].im = COMPLEX_STEP;
         let varied = self.analysis().numbers_with_parts(&x)?.p;
         if self.model().spin.as_ref().is_some_and(|spin| varied[spin.parameters.clone()].iter().any(|own| own.im != 0.0)) {
             return Err(RunError::Input(format!(
@@ -125,6 +129,11 @@ impl Prepared<'_> {
             )));
         }
         let (start, plan, load) = self.still_state()?;
+        // a load that is zero turns with everything, and its change may not
+        let more = SEEN * self.x[place].abs().max(1.0) / COMPLEX_STEP;
+        let changed: Vec<f64> = varied.iter().map(|own| own.re + more * own.im).collect();
+        forces_turn(self.model(), &changed, &start.q)
+            .map_err(|error| RunError::Input(format!("with more of \"{variable}\" {error}")))?;
         let frame = self.model().in_frame();
         let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
         let response = harmonic_response(&problem, &frame.parameters(&varied), &self.method, &plan, load, rates)?;

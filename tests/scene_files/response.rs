@@ -237,4 +237,10 @@ fn what_turns_answers_by_the_closed_forms_of_its_frame() {
     let scene = FileScene::parse_with("table.toml", TABLE, &OwnParts::default().functional::<AccelerationAlongY>()).unwrap();
     let why = Prepared::new(&scene).unwrap().frequency_response("rate", &RATES).unwrap_err().to_string();
     assert!(why.contains("\"rate\" is part of the steady turn itself"), "{why}");
+    // no force now, and one that stands still in space
+    let still = TABLE.replace(r#"on = "disc", frame = "body","#, r#"on = "disc", frame = "world","#);
+    let scene =
+        FileScene::parse_with("table.toml", &still, &OwnParts::default().functional::<AccelerationAlongY>()).unwrap();
+    let why = Prepared::new(&scene).unwrap().frequency_response("push", &RATES).unwrap_err().to_string();
+    assert!(why.contains("with more of \"push\"") && why.contains("the forces of \"blow\" change"), "{why}");
 }
