@@ -185,9 +185,10 @@ impl<S: RunScalar> Lanes<'_, S> {
         let (places, length) = (starts.places_from(self.parts.start), arguments.len());
         match self.width {
             1 => target.copy_from_slice(&values[places[0] as usize..][..length]),
+            2 => gather::<S, 2>(length, places, values, target),
             4 => gather::<S, 4>(length, places, values, target),
             8 => gather::<S, 8>(length, places, values, target),
-            _ => unreachable!("programs have 4 or 8 lanes"),
+            _ => unreachable!("programs have 2, 4 or 8 lanes"),
         }
     }
 
@@ -233,9 +234,10 @@ impl<S: RunScalar> Lanes<'_, S> {
         let target = &mut self.numbers[self.place * self.width..(self.place + length) * self.width];
         match self.width {
             1 => target.copy_from_slice(list),
+            2 => gather::<S, 2>(length, &starts, list, target),
             4 => gather::<S, 4>(length, &starts, list, target),
             8 => gather::<S, 8>(length, &starts, list, target),
-            _ => unreachable!("programs have 4 or 8 lanes"),
+            _ => unreachable!("programs have 2, 4 or 8 lanes"),
         }
         self.place += length;
     }
@@ -372,9 +374,10 @@ impl<S: RunScalar> LaneResults<'_, S> {
     pub fn add_to_nodes(&self, first: usize, segments: &[Starts], factor: f64, values: &mut [S]) -> usize {
         match self.width {
             1 => self.add_rows::<1>(first, segments, factor, values),
+            2 => self.add_rows::<2>(first, segments, factor, values),
             4 => self.add_rows::<4>(first, segments, factor, values),
             8 => self.add_rows::<8>(first, segments, factor, values),
-            _ => unreachable!("programs have 4 or 8 lanes"),
+            _ => unreachable!("programs have 2, 4 or 8 lanes"),
         }
     }
 
@@ -398,9 +401,10 @@ impl<S: RunScalar> LaneResults<'_, S> {
     pub fn add_runs(&self, first: usize, runs: &[Run], lists: &[Starts], factor: f64, values: &mut [S]) {
         match self.width {
             1 => self.add_runs_of::<1>(first, runs, lists, factor, values),
+            2 => self.add_runs_of::<2>(first, runs, lists, factor, values),
             4 => self.add_runs_of::<4>(first, runs, lists, factor, values),
             8 => self.add_runs_of::<8>(first, runs, lists, factor, values),
-            _ => unreachable!("programs have 4 or 8 lanes"),
+            _ => unreachable!("programs have 2, 4 or 8 lanes"),
         }
     }
 
@@ -465,9 +469,10 @@ impl Strided<'_, f64> {
     pub fn add_to(&self, first: usize, values: &mut [f64]) {
         match self.width {
             1 => self.add_strided::<1>(first, values),
+            2 => self.add_strided::<2>(first, values),
             4 => self.add_strided::<4>(first, values),
             8 => self.add_strided::<8>(first, values),
-            _ => unreachable!("programs have 4 or 8 lanes"),
+            _ => unreachable!("programs have 2, 4 or 8 lanes"),
         }
     }
 
@@ -652,7 +657,7 @@ mod tests {
 
     #[test]
     fn groups_hold_all_parts_once() {
-        for lanes in [1, 4, 8] {
+        for lanes in [1, 2, 4, 8] {
             for count in 0..40 {
                 let mut first = 0;
                 for own in groups(count, lanes) {

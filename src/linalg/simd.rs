@@ -26,16 +26,10 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// Whether kernels have registers of four numbers.
+#[cfg(target_arch = "x86_64")]
 #[inline]
 pub fn has_avx2() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    {
-        std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        false
-    }
+    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
 }
 
 /// Whether kernels have 32 registers of eight numbers.

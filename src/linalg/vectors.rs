@@ -6,6 +6,7 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+#[cfg(target_arch = "x86_64")]
 use super::simd::{has_avx2, has_avx512};
 
 /// Numbers that are worked on together.

@@ -147,12 +147,12 @@ fn side_by_side(elements: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// Codes of all widths and of all instruction sets that this machine has.
-#[cfg(all(target_arch = "x86_64", not(miri)))]
+#[cfg(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri)))]
 fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
     use super::native::Level;
     let mut codes = Vec::new();
-    for level in [Level::Avx2, Level::Avx512] {
-        for width in [Width::One, Width::Four, Width::Eight] {
+    for level in Level::ALL {
+        for width in [Width::One, Width::Two, Width::Four, Width::Eight] {
             for section in [400, 1 << 20] {
                 let code = NativeCode::compile_for(listing, width, level, section);
                 let name = format!("{width:?} lanes with {level:?}, sections of {section} bytes");
@@ -163,7 +163,7 @@ fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
     codes
 }
 
-#[cfg(not(all(target_arch = "x86_64", not(miri))))]
+#[cfg(not(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri))))]
 fn native_codes(_listing: &Listing) -> Vec<(String, NativeCode)> {
     Vec::new()
 }
@@ -184,6 +184,9 @@ fn check(listing: &Listing, random: &mut Random) {
     let outputs = &mut outputs[..4 * listing.outputs.len()];
     code.run_lanes::<4>(&side_by_side(&elements[..4]), outputs, &mut Vec::new());
     assert_same_bits(outputs, &side_by_side(&expected[..4]), "loop of four lanes", listing);
+    let outputs = &mut outputs[..2 * listing.outputs.len()];
+    code.run_lanes::<2>(&side_by_side(&elements[..2]), outputs, &mut Vec::new());
+    assert_same_bits(outputs, &side_by_side(&expected[..2]), "loop of two lanes", listing);
 
     let mut scratch = Vec::new();
     for (way, code) in native_codes(listing) {
@@ -251,7 +254,7 @@ fn empty_listings_run() {
 
 #[test]
 #[should_panic(expected = "Value(0), read where only 0 of its kind exist")]
-#[cfg(all(target_arch = "x86_64", not(miri)))]
+#[cfg(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri)))]
 fn an_operand_that_does_not_exist_is_refused() {
     let instructions = vec![Instruction::Unary(Unary::Neg, Source::Value(0))];
     NativeCode::compile(&Listing { instructions, outputs: vec![Source::Value(0)], ..Listing::default() }, Width::One);
@@ -287,7 +290,7 @@ fn code_may_be_used_from_any_thread() {
 
 /// Mappings of this process, as Linux tells them.
 #[test]
-#[cfg(all(target_arch = "x86_64", target_os = "linux", not(miri)))]
+#[cfg(all(any(target_arch = "x86_64", target_arch = "aarch64"), target_os = "linux", not(miri)))]
 fn no_memory_is_writable_and_executable_at_once() {
     let mut random = Random::new(6);
     let listing = random_listing(&mut random, 10);
@@ -295,5 +298,5 @@ fn no_memory_is_writable_and_executable_at_once() {
     let maps = std::fs::read_to_string("/proc/self/maps").expect("the list of mappings");
     let permissions = |line: &str| line.split(' ').nth(1).map(str::to_owned);
     assert!(maps.lines().filter_map(permissions).all(|own| !(own.contains('w') && own.contains('x'))));
-    assert_eq!(codes.is_empty(), !std::arch::is_x86_feature_detected!("avx"));
+    assert_eq!(codes.is_empty(), !super::native::Level::ALL.into_iter().any(|level| level.is_available(Width::One)));
 }

@@ -138,7 +138,7 @@ impl LoopCode {
         }
     }
 
-    /// Evaluates `L` elements, eight or four: number i of element l stands at L i + l, for inputs and outputs.
+    /// Evaluates `L` elements, at most eight: number i of element l stands at L i + l, for inputs and outputs.
     ///
     /// * `work` grows to the length that is needed, and may be shared with other programs
     pub fn run_lanes<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut Vec<F64x8>) {

@@ -181,6 +181,7 @@ impl Program {
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
         match self.native_of_lanes() {
             Some(code) => code.run_section(section, inputs, outputs, &mut work.scratch),
+            None if lanes() == 2 => self.looped().run_lanes::<2>(inputs, outputs, &mut work.lanes),
             None if lanes() == 4 => self.looped().run_lanes::<4>(inputs, outputs, &mut work.lanes),
             None => self.looped().run_lanes::<8>(inputs, outputs, &mut work.lanes),
         }
@@ -193,11 +194,17 @@ impl Program {
     }
 
     fn native_of_lanes(&self) -> Option<&NativeCode> {
-        self.native(1, if lanes() == 4 { Width::Four } else { Width::Eight })
+        let width = match lanes() {
+            2 => Width::Two,
+            4 => Width::Four,
+            _ => Width::Eight,
+        };
+        self.native(1, width)
     }
 }
 
-/// Elements that this processor handles side by side, however programs are executed: 4 where it has AVX2 but not AVX-512, otherwise 8.
+/// Elements that this processor handles side by side, however programs are executed: 2 on aarch64, 4 where it
+/// has AVX2 but not AVX-512, otherwise 8.
 pub fn lanes() -> usize {
     static LANES: OnceLock<usize> = OnceLock::new();
     *LANES.get_or_init(|| NativeCode::widest().map(Width::lanes).filter(|&lanes| lanes > 1).unwrap_or(8))

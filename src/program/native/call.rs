@@ -34,7 +34,7 @@ impl Call {
     /// # Safety
     /// Of all pointers: `call` is one of this type; `x` and `y` can be read for its number of lanes, `x` of what
     /// gathers for each number that it chooses from, and `result` written.
-    pub unsafe extern "sysv64" fn evaluate(call: *const Call, x: *const f64, y: *const f64, result: *mut f64) {
+    pub unsafe fn evaluate(call: *const Call, x: *const f64, y: *const f64, result: *mut f64) {
         // SAFETY: promised by the caller.
         let Call { instruction, width, curve } = unsafe { &*call };
         for lane in 0..width.lanes() {

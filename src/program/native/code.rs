@@ -3,11 +3,10 @@
 use super::Width;
 use super::call::Call;
 use super::emitter::{Emitted, emit};
-use super::encoder::Level;
+use super::encoder::{Entry, Level, make_visible};
 use crate::program::listing::Listing;
 use crate::program::running::memory_refused;
 use memmap2::{Mmap, MmapMut};
-use std::arch::is_x86_feature_detected;
 
 /// Bytes of a section: the caches for instructions hold it, and moving numbers out of the registers at its end costs nothing.
 const SECTION: usize = 1 << 15;
@@ -37,31 +36,18 @@ pub struct NativeCode {
 #[repr(C, align(64))]
 struct CacheLine([f64; 8]);
 
-/// Inputs, outputs, scratch, constants.
-type Entry = unsafe extern "sysv64" fn(*const f64, *mut f64, *mut f64, *const f64);
-
 impl NativeCode {
     /// Makes code for this machine; none where its processor lacks the instructions or the system refuses.
     ///
     /// # Panics
     /// Where an operand of the listing is not a number that exists when it is read.
     pub fn compile(listing: &Listing, width: Width) -> Option<Self> {
-        [Level::Avx512, Level::Avx2].into_iter().find_map(|level| Self::compile_for(listing, width, level, SECTION))
+        Level::ALL.into_iter().find_map(|level| Self::compile_for(listing, width, level, SECTION))
     }
 
     /// As [`compile`](Self::compile), with the instructions of one level only and sections of a length in bytes.
     pub(in crate::program) fn compile_for(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Self> {
-        let available = match (level, width) {
-            (Level::Avx512, _) => {
-                is_x86_feature_detected!("avx512f")
-                    && is_x86_feature_detected!("avx512dq")
-                    && is_x86_feature_detected!("avx512vl")
-            }
-            (Level::Avx2, Width::One) => is_x86_feature_detected!("avx"),
-            (Level::Avx2, Width::Four) => is_x86_feature_detected!("avx2"),
-            (Level::Avx2, Width::Eight) => false,
-        };
-        if !available {
+        if !level.is_available(width) {
             return None;
         }
         let Emitted { bytes, sections, constants, calls, scratch, biases } = emit(listing, width, level, section)?;
@@ -74,6 +60,7 @@ impl NativeCode {
             memory_refused();
             return None;
         };
+        make_visible(&memory);
         let constants = constants
             .chunks(8)
             .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))

@@ -1,21 +1,12 @@
-//! From a listing to machine code, in one pass: which instructions each operation becomes.
-//!
-//! The second operand is read from memory where it is there; results that are outputs are stored as soon as they are
-//! made.
+//! From a listing to machine code, in one pass: what each operation becomes. Results that are outputs are stored as soon as they are made.
 
 use super::Width;
 use super::call::Call;
-use super::encoder::{ADD, AND, Base, COMPARE, DIV, Level, MUL, Opcode, Operand, ROUND, SQRT, SUB, XOR};
+use super::encoder::{ADD, Base, DIV, Level, MUL, Opcode, SUB};
 use super::next_uses::NextUses;
-use super::storage::{OwnConstant, Storage};
+use super::storage::Storage;
 use crate::program::listing::{Instruction, Listing, Source};
 use crate::program::operation::{Binary, Unary};
-
-/// Comparisons: less, false for NaN; different, true for NaN.
-const LESS: u8 = 0x11;
-const DIFFERENT: u8 = 0x04;
-/// Rounding to the integer below, without a flag for inexact results.
-const DOWN: u8 = 0x09;
 
 /// Machine code, and what it needs to run.
 pub struct Emitted {
@@ -70,8 +61,8 @@ pub fn emit(listing: &Listing, width: Width, level: Level, section: usize) -> Op
     Some(Emitted { sections, bytes: storage.encoder.finish(), constants, calls, scratch, biases })
 }
 
-struct Emitter<'a> {
-    storage: Storage<'a>,
+pub struct Emitter<'a> {
+    pub storage: Storage<'a>,
     uses: &'a NextUses,
     /// For each value the first place where it is an output, and for each output the next place of the same value.
     first_output: Vec<Option<u32>>,
@@ -105,8 +96,8 @@ impl<'a> Emitter<'a> {
             Instruction::Binary(Binary::Sub, ..) => self.binary(SUB, x, y),
             Instruction::Binary(Binary::Div, ..) => self.binary(DIV, x, y),
             Instruction::Unary(Unary::Neg, _) => self.negate(x),
-            Instruction::Unary(Unary::Sqrt, _) => self.unary(SQRT, x, None),
-            Instruction::Unary(Unary::Floor, _) => self.unary(ROUND, x, Some(DOWN)),
+            Instruction::Unary(Unary::Sqrt, _) => self.square_root(x),
+            Instruction::Unary(Unary::Floor, _) => self.floor(x),
             Instruction::Binary(Binary::Less, ..) => self.less(x, y),
             Instruction::Binary(Binary::Vanishing, ..) => self.vanishing(x, y),
             Instruction::Select(..) => self.select(x, y, z),
@@ -152,7 +143,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    // Operations: each returns the register of the result.
+    // Operations, here and in `operations`: each returns the register of the result.
 
     fn commutative(&mut self, opcodes: [Opcode; 2], x: usize, y: usize) -> u8 {
         let swap = match (self.storage.register(x), self.storage.register(y)) {
@@ -164,103 +155,6 @@ impl<'a> Emitter<'a> {
             (None, None) => self.storage.use_after(1) < self.storage.use_after(0),
         };
         if swap { self.binary(opcodes, y, x) } else { self.binary(opcodes, x, y) }
-    }
-
-    fn binary(&mut self, opcodes: [Opcode; 2], x: usize, y: usize) -> u8 {
-        let first = self.storage.in_register(x);
-        let second = self.storage.operand(y);
-        let target = self.target();
-        self.vector(opcodes, target, first, second);
-        target
-    }
-
-    fn unary(&mut self, opcodes: [Opcode; 2], x: usize, byte: Option<u8>) -> u8 {
-        // the form for one lane takes the unused lanes from its first operand: the same register as the second, so that
-        // it waits for no other
-        let (first, second) = if self.storage.width == Width::One {
-            let register = self.storage.in_register(x);
-            (register, Operand::Register(register))
-        } else {
-            (0, self.storage.operand(x))
-        };
-        let target = self.target();
-        self.vector(opcodes, target, first, second);
-        if let Some(byte) = byte {
-            self.storage.encoder.byte(byte);
-        }
-        target
-    }
-
-    fn negate(&mut self, x: usize) -> u8 {
-        let first = self.storage.in_register(x);
-        let target = self.target();
-        let sign = Operand::Memory(self.storage.own_constant(OwnConstant::Sign));
-        self.vector([XOR; 2], target, first, sign);
-        target
-    }
-
-    fn less(&mut self, x: usize, y: usize) -> u8 {
-        let first = self.storage.in_register(x);
-        let second = self.storage.operand(y);
-        let target = self.target();
-        let one = self.storage.own_constant(OwnConstant::One);
-        if self.storage.level == Level::Avx512 {
-            self.storage.encoder.compare_to_mask(self.storage.width, first, second, LESS);
-            self.storage.load_masked(target, one);
-        } else {
-            self.vector(COMPARE, target, first, second);
-            self.storage.encoder.byte(LESS);
-            self.vector([AND; 2], target, target, Operand::Memory(one));
-        }
-        target
-    }
-
-    fn vanishing(&mut self, x: usize, y: usize) -> u8 {
-        let first = self.storage.in_register(x);
-        let second = self.storage.operand(y);
-        let mask = self.nonzero_mask(first);
-        let target = self.target();
-        if self.storage.level == Level::Avx512 {
-            let opcode = self.storage.form(MUL);
-            self.storage.encoder.masked(self.storage.width, opcode, target, first, second);
-        } else {
-            self.vector(MUL, target, first, second);
-            self.vector([AND; 2], target, target, Operand::Register(mask));
-        }
-        target
-    }
-
-    fn select(&mut self, condition: usize, then: usize, otherwise: usize) -> u8 {
-        let condition = self.storage.in_register(condition);
-        let mask = self.nonzero_mask(condition);
-        let first = self.storage.in_register(otherwise);
-        // the form for one lane would read two numbers from memory
-        let second = if self.storage.width == Width::One {
-            Operand::Register(self.storage.in_register(then))
-        } else {
-            self.storage.operand(then)
-        };
-        let target = self.target();
-        if self.storage.level == Level::Avx512 {
-            self.storage.encoder.blend_by_mask(self.storage.width, target, first, second);
-        } else {
-            self.storage.encoder.blend_by_sign(self.storage.width, target, first, second, mask);
-        }
-        target
-    }
-
-    /// Which lanes of a register are not 0: in mask register 1 (AVX-512) or in the vector register that is returned.
-    fn nonzero_mask(&mut self, register: u8) -> u8 {
-        let mask = self.storage.reserve_register();
-        let zero = Operand::Register(mask);
-        self.storage.encoder.vector(Width::One, XOR, mask, mask, zero);
-        if self.storage.level == Level::Avx512 {
-            self.storage.encoder.compare_to_mask(self.storage.width, register, zero, DIFFERENT);
-        } else {
-            self.vector(COMPARE, mask, register, zero);
-            self.storage.encoder.byte(DIFFERENT);
-        }
-        mask
     }
 
     fn call(&mut self, instruction: usize, call: &Call, x: usize, y: usize) {
@@ -275,7 +169,7 @@ impl<'a> Emitter<'a> {
             Some(place) => self.storage.address(Base::Outputs, place as usize),
             None => self.storage.take_slot(),
         };
-        self.storage.encoder.call(Call::evaluate as *const () as usize, std::ptr::from_ref(call) as usize, x, y, result);
+        self.storage.encoder.call(std::ptr::from_ref(call) as usize, x, y, result);
         self.storage.encoder.restore_bases();
         self.storage.stored(self.uses.number(Source::Value(instruction as u32)), result);
         if output.is_some_and(|place| self.next_output[place as usize].is_some()) {
@@ -286,13 +180,8 @@ impl<'a> Emitter<'a> {
     }
 
     /// Register of the result, once all operands are where the instruction reads them.
-    fn target(&mut self) -> u8 {
+    pub fn target(&mut self) -> u8 {
         self.storage.retire_operands();
         self.storage.take_register()
-    }
-
-    fn vector(&mut self, opcodes: [Opcode; 2], target: u8, first: u8, second: Operand) {
-        let opcode = self.storage.form(opcodes);
-        self.storage.encoder.vector(self.storage.width, opcode, target, first, second);
     }
 }

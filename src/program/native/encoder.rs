@@ -6,6 +6,8 @@
 //! sections 2.3 and 2.7.
 
 use super::Width;
+use super::call::Call;
+use std::arch::is_x86_feature_detected;
 
 /// Instructions available.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +17,50 @@ pub enum Level {
     /// AVX-512 with its foundation, DQ and VL.
     Avx512,
 }
+
+impl Level {
+    /// All of them, the best first.
+    pub const ALL: [Level; 2] = [Level::Avx512, Level::Avx2];
+
+    /// Whether this processor has it for a width.
+    pub fn is_available(self, width: Width) -> bool {
+        match (self, width) {
+            (Level::Avx512, _) => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            (Level::Avx2, Width::One) => is_x86_feature_detected!("avx"),
+            (Level::Avx2, Width::Two | Width::Four) => is_x86_feature_detected!("avx2"),
+            (Level::Avx2, Width::Eight) => false,
+        }
+    }
+
+    /// Its vector registers, a bit each.
+    pub fn registers(self) -> u32 {
+        if self == Level::Avx512 { u32::MAX } else { 0xffff }
+    }
+
+    /// Bytes to both sides of a base that the shortest addresses reach.
+    pub fn reach(self, width: Width) -> usize {
+        128 * if self == Level::Avx512 { 8 * width.lanes() } else { 1 }
+    }
+}
+
+/// Code of a section, with the addresses of inputs, outputs, scratch and constants.
+pub type Entry = unsafe extern "sysv64" fn(*const f64, *mut f64, *mut f64, *const f64);
+
+/// [`Call::evaluate`] by the convention of the code.
+///
+/// # Safety
+/// The same.
+pub unsafe extern "sysv64" fn evaluate(call: *const Call, x: *const f64, y: *const f64, result: *mut f64) {
+    // SAFETY: promised by the caller.
+    unsafe { Call::evaluate(call, x, y, result) }
+}
+
+/// Nothing: the processor sees new code by itself.
+pub fn make_visible(_code: &[u8]) {}
 
 /// An address: a base register and a displacement in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +114,7 @@ pub const DIV: [Opcode; 2] = arithmetic(0x5e);
 pub const SQRT: [Opcode; 2] = arithmetic(0x51);
 pub const COMPARE: [Opcode; 2] = arithmetic(0xc2);
 pub const LOAD: [Opcode; 2] = arithmetic(0x10);
-pub const STORE: [Opcode; 2] = arithmetic(0x11);
+const STORE: [Opcode; 2] = arithmetic(0x11);
 pub const ROUND: [Opcode; 2] = [Opcode { map: 3, prefix: P66, opcode: 0x0b, single: 8 }, packed(3, 0x09)];
 pub const AND: Opcode = packed(1, 0x54);
 pub const XOR: Opcode = packed(1, 0x57);
@@ -128,6 +174,16 @@ impl Encoder {
         }
     }
 
+    /// Loads a number.
+    pub fn load(&mut self, width: Width, register: u8, address: Address) {
+        self.vector(width, LOAD[usize::from(width != Width::One)], register, 0, Operand::Memory(address));
+    }
+
+    /// Stores a number.
+    pub fn store(&mut self, width: Width, register: u8, address: Address) {
+        self.vector(width, STORE[usize::from(width != Width::One)], register, 0, Operand::Memory(address));
+    }
+
     /// The last byte of an instruction that has one behind its operands.
     pub fn byte(&mut self, byte: u8) {
         self.bytes.push(byte);
@@ -157,7 +213,7 @@ impl Encoder {
 
     fn vex(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
         let extended = matches!(second, Operand::Register(register) if register >= 8);
-        let length = if width == Width::One { 0 } else { 4 };
+        let length = if matches!(width, Width::One | Width::Two) { 0 } else { 4 };
         let last = (!first & 15) << 3 | length | opcode.prefix;
         let high_target = u8::from(target < 8) << 7;
         if extended || opcode.map != 1 {
@@ -176,7 +232,7 @@ impl Encoder {
         let register = if let Operand::Register(register) = second { register } else { 0 };
         let unless = |set: u8, bit: u8| u8::from(set == 0) << bit;
         let length = match width {
-            Width::One => 0,
+            Width::One | Width::Two => 0,
             Width::Four => 1,
             Width::Eight => 2,
         };
@@ -223,8 +279,8 @@ impl Encoder {
         }
     }
 
-    /// Calls `function(argument, x, y)`, where x and y are addresses.
-    pub fn call(&mut self, function: usize, argument: usize, x: Address, y: Address, result: Address) {
+    /// Calls [`evaluate`] with a record and addresses.
+    pub fn call(&mut self, argument: usize, x: Address, y: Address, result: Address) {
         self.zero_upper();
         // rsi, rdx and rcx are bases themselves: the new values are made in r8, r9 and r10
         for (register, address) in [(0, x), (1, y), (2, result)] {
@@ -238,7 +294,7 @@ impl Encoder {
         self.bytes.extend([0x48, 0xbf]);
         self.bytes.extend(argument.to_le_bytes());
         self.bytes.extend([0x48, 0xb8]);
-        self.bytes.extend(function.to_le_bytes());
+        self.bytes.extend((evaluate as *const () as usize).to_le_bytes());
         self.bytes.extend([0xff, 0xd0]);
     }
 
@@ -263,6 +319,7 @@ const BASES: [Base; 4] = [Base::Inputs, Base::Outputs, Base::Scratch, Base::Cons
 fn compressed(width: Width, opcode: Opcode, displacement: i32) -> Option<i8> {
     let unit = match width {
         Width::One => opcode.single,
+        Width::Two => 16,
         Width::Four => 32,
         Width::Eight => 64,
     };

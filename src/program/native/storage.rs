@@ -5,7 +5,9 @@
 //! (Belady, IBM Systems Journal 5, 1966).
 
 use super::Width;
-use super::encoder::{Address, Base, Encoder, LOAD, Level, Opcode, Operand, STORE};
+#[cfg(target_arch = "x86_64")]
+use super::encoder::Operand;
+use super::encoder::{Address, Base, Encoder, Level};
 use super::next_uses::{NEVER, NextUses};
 use crate::program::listing::Listing;
 
@@ -16,6 +18,7 @@ const COST_OF_STORE: u64 = 4;
 const OWN_CONSTANTS: usize = 2;
 
 /// Constants that the code needs itself.
+#[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub enum OwnConstant {
     /// -0.0: the sign bit and nothing else.
@@ -36,6 +39,7 @@ struct Number {
 pub struct Storage<'a> {
     pub encoder: Encoder,
     pub width: Width,
+    #[cfg(target_arch = "x86_64")]
     pub level: Level,
     uses: &'a NextUses,
     numbers: Vec<Number>,
@@ -60,18 +64,19 @@ pub struct Storage<'a> {
 impl<'a> Storage<'a> {
     pub fn new(listing: &Listing, width: Width, level: Level, uses: &'a NextUses) -> Self {
         let (constants, inputs) = (listing.constants.len(), listing.inputs);
-        // displacements of one byte reach 128 units to both sides: the base points into the array, not to its start
-        let unit = if level == Level::Avx512 { 8 * width.lanes() } else { 1 };
-        let middle = |count: usize| (count * 8 * width.lanes() / 2).min(128 * unit).next_multiple_of(64);
-        let biases = [middle(inputs), middle(listing.outputs.len()), 128 * unit, middle(constants + OWN_CONSTANTS)];
+        // short displacements reach to both sides: the base points into the array, not to its start
+        let reach = level.reach(width);
+        let middle = |count: usize| (count * 8 * width.lanes() / 2).min(reach).next_multiple_of(64);
+        let biases = [middle(inputs), middle(listing.outputs.len()), reach, middle(constants + OWN_CONSTANTS)];
         let mut storage = Storage {
             encoder: Encoder::new(level, 12 * listing.instructions.len() + 256),
             width,
+            #[cfg(target_arch = "x86_64")]
             level,
             uses,
             numbers: Vec::with_capacity(uses.first.len()),
             held: [None; 32],
-            free: if level == Level::Avx512 { u32::MAX } else { 0xffff },
+            free: level.registers(),
             now: 0,
             operands: [0; 3],
             operand_count: 0,
@@ -159,6 +164,7 @@ impl<'a> Storage<'a> {
     }
 
     /// Where an instruction can read the number.
+    #[cfg(target_arch = "x86_64")]
     pub fn operand(&self, number: usize) -> Operand {
         match self.numbers[number].register {
             Some(register) => Operand::Register(register),
@@ -212,6 +218,7 @@ impl<'a> Storage<'a> {
     }
 
     /// A register for an intermediate result, until the instruction ends.
+    #[cfg(target_arch = "x86_64")]
     pub fn reserve_register(&mut self) -> u8 {
         let register = self.take_register();
         self.reserved |= 1 << register;
@@ -264,21 +271,11 @@ impl<'a> Storage<'a> {
     }
 
     pub fn load(&mut self, register: u8, address: Address) {
-        self.encoder.vector(self.width, self.form(LOAD), register, 0, Operand::Memory(address));
-    }
-
-    /// Loads a number where mask register 1 says so, and 0 elsewhere.
-    pub fn load_masked(&mut self, register: u8, address: Address) {
-        self.encoder.masked(self.width, self.form(LOAD), register, 0, Operand::Memory(address));
+        self.encoder.load(self.width, register, address);
     }
 
     pub fn store(&mut self, register: u8, address: Address) {
-        self.encoder.vector(self.width, self.form(STORE), register, 0, Operand::Memory(address));
-    }
-
-    /// The form of an instruction for this width.
-    pub fn form(&self, [single, packed]: [Opcode; 2]) -> Opcode {
-        if self.width == Width::One { single } else { packed }
+        self.encoder.store(self.width, register, address);
     }
 
     /// Place of an input, an output or a slot.
@@ -293,6 +290,7 @@ impl<'a> Storage<'a> {
     }
 
     /// Place of a constant of the code itself.
+    #[cfg(target_arch = "x86_64")]
     pub fn own_constant(&self, constant: OwnConstant) -> Address {
         let displacement = constant as i32 * self.bytes().max(16) - self.biases[3];
         Address { base: Base::Constants, displacement }

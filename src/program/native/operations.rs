@@ -1,0 +1,130 @@
+//! Which instructions of x86-64 an operation becomes. The second operand is read from memory where it is there.
+
+use super::Width;
+use super::emitter::Emitter;
+use super::encoder::{AND, COMPARE, LOAD, Level, MUL, Opcode, Operand, ROUND, SQRT, XOR};
+use super::storage::OwnConstant;
+
+/// Comparisons: less, false for NaN; different, true for NaN.
+const LESS: u8 = 0x11;
+const DIFFERENT: u8 = 0x04;
+/// Rounding to the integer below, without a flag for inexact results.
+const DOWN: u8 = 0x09;
+
+impl Emitter<'_> {
+    pub fn binary(&mut self, opcodes: [Opcode; 2], x: usize, y: usize) -> u8 {
+        let first = self.storage.in_register(x);
+        let second = self.storage.operand(y);
+        let target = self.target();
+        self.vector(opcodes, target, first, second);
+        target
+    }
+
+    pub fn square_root(&mut self, x: usize) -> u8 {
+        self.unary(SQRT, x, None)
+    }
+
+    pub fn floor(&mut self, x: usize) -> u8 {
+        self.unary(ROUND, x, Some(DOWN))
+    }
+
+    fn unary(&mut self, opcodes: [Opcode; 2], x: usize, byte: Option<u8>) -> u8 {
+        // the form for one lane takes the unused lanes from its first operand: the same register as the second, so that
+        // it waits for no other
+        let (first, second) = if self.storage.width == Width::One {
+            let register = self.storage.in_register(x);
+            (register, Operand::Register(register))
+        } else {
+            (0, self.storage.operand(x))
+        };
+        let target = self.target();
+        self.vector(opcodes, target, first, second);
+        if let Some(byte) = byte {
+            self.storage.encoder.byte(byte);
+        }
+        target
+    }
+
+    pub fn negate(&mut self, x: usize) -> u8 {
+        let first = self.storage.in_register(x);
+        let target = self.target();
+        let sign = Operand::Memory(self.storage.own_constant(OwnConstant::Sign));
+        self.vector([XOR; 2], target, first, sign);
+        target
+    }
+
+    pub fn less(&mut self, x: usize, y: usize) -> u8 {
+        let first = self.storage.in_register(x);
+        let second = self.storage.operand(y);
+        let target = self.target();
+        let one = self.storage.own_constant(OwnConstant::One);
+        if self.storage.level == Level::Avx512 {
+            self.storage.encoder.compare_to_mask(self.storage.width, first, second, LESS);
+            let opcode = self.form(LOAD);
+            self.storage.encoder.masked(self.storage.width, opcode, target, 0, Operand::Memory(one));
+        } else {
+            self.vector(COMPARE, target, first, second);
+            self.storage.encoder.byte(LESS);
+            self.vector([AND; 2], target, target, Operand::Memory(one));
+        }
+        target
+    }
+
+    pub fn vanishing(&mut self, x: usize, y: usize) -> u8 {
+        let first = self.storage.in_register(x);
+        let second = self.storage.operand(y);
+        let mask = self.nonzero_mask(first);
+        let target = self.target();
+        if self.storage.level == Level::Avx512 {
+            let opcode = self.form(MUL);
+            self.storage.encoder.masked(self.storage.width, opcode, target, first, second);
+        } else {
+            self.vector(MUL, target, first, second);
+            self.vector([AND; 2], target, target, Operand::Register(mask));
+        }
+        target
+    }
+
+    pub fn select(&mut self, condition: usize, then: usize, otherwise: usize) -> u8 {
+        let condition = self.storage.in_register(condition);
+        let mask = self.nonzero_mask(condition);
+        let first = self.storage.in_register(otherwise);
+        // the form for one lane would read two numbers from memory
+        let second = if self.storage.width == Width::One {
+            Operand::Register(self.storage.in_register(then))
+        } else {
+            self.storage.operand(then)
+        };
+        let target = self.target();
+        if self.storage.level == Level::Avx512 {
+            self.storage.encoder.blend_by_mask(self.storage.width, target, first, second);
+        } else {
+            self.storage.encoder.blend_by_sign(self.storage.width, target, first, second, mask);
+        }
+        target
+    }
+
+    /// Which lanes of a register are not 0: in mask register 1 (AVX-512) or in the vector register that is returned.
+    fn nonzero_mask(&mut self, register: u8) -> u8 {
+        let mask = self.storage.reserve_register();
+        let zero = Operand::Register(mask);
+        self.storage.encoder.vector(Width::One, XOR, mask, mask, zero);
+        if self.storage.level == Level::Avx512 {
+            self.storage.encoder.compare_to_mask(self.storage.width, register, zero, DIFFERENT);
+        } else {
+            self.vector(COMPARE, mask, register, zero);
+            self.storage.encoder.byte(DIFFERENT);
+        }
+        mask
+    }
+
+    fn vector(&mut self, opcodes: [Opcode; 2], target: u8, first: u8, second: Operand) {
+        let opcode = self.form(opcodes);
+        self.storage.encoder.vector(self.storage.width, opcode, target, first, second);
+    }
+
+    /// The form of an instruction for this width.
+    fn form(&self, [single, packed]: [Opcode; 2]) -> Opcode {
+        if self.storage.width == Width::One { single } else { packed }
+    }
+}
