@@ -68,7 +68,7 @@ fn a_damped_mass_has_the_roots_of_its_polynomial() {
 #[test]
 fn states_of_first_order_are_modes_too() {
     // m x'' + c x' + k x = z,  z' = -6 z - 500 x
-    let more = "[[state]]\nname = \"control\"\nnodes = { m = \"mass\" }\ninitial = { z = 0 }\n\
+    let more = "[[state]]\nname = \"control\"\ntype = \"formula\"\nnodes = { m = \"mass\" }\ninitial = { z = 0 }\n\
                 rate = { z = \"-6 * control.z - 500 * m.position.x\" }\n\
                 [[element]]\nname = \"actuator\"\nnodes = { m = \"mass\", own = \"control\" }\nforce = { m = \"[own.z, 0, 0]\" }\n";
     let more = more.replace("control.z", "z");

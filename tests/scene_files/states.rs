@@ -24,6 +24,7 @@ between = ["ground", "block"]
 axis = [1, 0, 0]
 [[state]]
 name = "control"
+type = "formula"
 nodes = { block = "block" }
 initial = { sum = 0, thrust = "0.1 * kp" }
 rate = { thrust = "(kp * (target - block.position.x) + ki * sum - kd * block.velocity.x - thrust) / lag", sum = "target - block.position.x" }
@@ -80,11 +81,11 @@ fn exact(x: &[f64]) -> [f64; 3] {
     [y[0], y[3], work]
 }
 
-fn exponential(a: [[f64; 5]; 5]) -> [[f64; 5]; 5] {
-    let product = |a: &[[f64; 5]; 5], b: &[[f64; 5]; 5]| -> [[f64; 5]; 5] {
-        std::array::from_fn(|i| std::array::from_fn(|j| (0..5).map(|k| a[i][k] * b[k][j]).sum()))
+fn exponential<const N: usize>(a: [[f64; N]; N]) -> [[f64; N]; N] {
+    let product = |a: &[[f64; N]; N], b: &[[f64; N]; N]| -> [[f64; N]; N] {
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
     };
-    let mut term: [[f64; 5]; 5] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let mut term: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     let mut sum = term;
     for n in 1..20 {
         term = product(&term, &a).map(|row| row.map(|entry| entry / n as f64));
@@ -244,6 +245,9 @@ fn what_is_wrong_with_a_state_is_told() {
         ("c.thrust - 3", "c.trust - 3", "c.sum, c.thrust"),
         ("force = { block", "force = { c", "\"c\" is a state: its own section says how it changes"),
         ("sum = \"target - block.position.x\" }", "sum = \"abs(sin(t))\" }", "give breakpoints"),
+        ("initial = { sum", "output = { sum = 1 }\ninitial = { sum", "\"sum\" is a value of this state"),
+        ("initial = { sum", "output = { \"2\" = 1 }\ninitial = { sum", "\"2\" cannot be used in formulas"),
+        ("initial = { sum", "output = { more = \"block.speed\" }\ninitial = { sum", "of which formulas know block.position"),
     ] {
         assert!(CONTROLLED.contains(from), "{from}");
         let text = CONTROLLED.replace(from, to);
@@ -270,4 +274,266 @@ fn the_controlled_arm_moves_as_its_equations_say() {
     };
     let end = runge_kutta::integrated([0.0; 6], (25_000, 1e-4), slope);
     assert!((values[2] - end[0]).abs() < 1e-7 && (values[0] - end[5]).abs() < 1e-7, "{values:?} {end:?}");
+}
+
+/// A mass on a rail with a spring of 8 N/m, and more.
+fn sprung(more: &str) -> String {
+    format!(
+        r#"
+version = 1
+[variable]
+kp = {{ initial = 40, bounds = [1, 100], unit = "N/m" }}
+ki = {{ initial = 25, bounds = [0, 100], unit = "N/(m s)" }}
+kd = {{ initial = 12, bounds = [0, 100], unit = "N s/m" }}
+lag = {{ initial = 0.05, bounds = [-1, 1], unit = "s" }}
+target = {{ initial = 0.3, bounds = [0, 1], unit = "m" }}
+[[point]]
+name = "block"
+position = [0.1, 0, 0]
+mass = 2
+[[joint]]
+name = "rail"
+type = "point_on_line"
+between = ["ground", "block"]
+axis = [1, 0, 0]
+[[element]]
+name = "spring"
+nodes = {{ block = "block" }}
+potential = "4 * block.position.x^2"
+[[functional]]
+name = "x"
+type = "position"
+on = "block"
+direction = [1, 0, 0]
+over = "terminal"
+[settings]
+end = 1.5
+steps = 800
+{more}"#
+    )
+}
+
+/// A functional of a state called c at the end.
+fn of_state(value: &str) -> String {
+    format!(
+        "[[functional]]\nname = \"{value}\"\ntype = \"formula\"\nnodes = {{ c = \"control\" }}\nvalue = \"{value}\"\nover = \"terminal\"\n"
+    )
+}
+
+const PID: &str = r#"
+[[state]]
+name = "control"
+type = "pid"
+nodes = { block = "block" }
+measured = "block.position.x"
+set_point = "target"
+proportional = "kp"
+integral = "ki"
+derivative = "kd"
+filter_time = "lag"
+initial = "0.1 * kp"
+initial_error = "target - 0.1"
+"#;
+const ACTUATOR: &str = "[[element]]\nname = \"actuator\"\nnodes = { block = \"block\", c = \"control\" }\nforce = { block = \"[c.output, 0, 0]\" }\n";
+
+#[test]
+fn a_lag_answers_a_step_by_an_exponential() {
+    let lag =
+        "[[state]]\nname = \"control\"\ntype = \"lag\"\ninput = \"target\"\ntime_constant = \"4 * lag\"\ngain = \"kp\"\n";
+    let text = sprung(&[lag, &of_state("c.value"), &of_state("c.rate")].concat());
+    let ((gain, constant, target), end) = ((40.0, 0.2, 0.3), 1.5_f64);
+    let left = (-end / constant).exp();
+    for (initial, text) in [(0.0, text.clone()), (2.0, text.replace("\ngain", "\ninitial = \"target / 0.15\"\ngain"))] {
+        let (values, gradient) = run(&parsed(&text));
+        let exact = gain * target * (1.0 - left) + initial * left;
+        let [slow, rate] = [values[1], values[2]];
+        assert!((slow - exact).abs() < 1e-10 * gain, "{slow} for {exact}");
+        assert!((rate - (gain * target - exact) / constant).abs() < 1e-9 * gain, "{rate}");
+        // by the gain, and by the time constant
+        assert!((gradient[1][0] - target * (1.0 - left)).abs() < 1e-10, "{gradient:?}");
+        let slope = (initial - gain * target) * left * end / constant / constant * 4.0;
+        assert!((gradient[1][3] - slope).abs() < 1e-7 * gain, "{gradient:?} {slope}");
+    }
+}
+
+#[test]
+fn a_pid_controller_moves_a_mass_as_the_exponential_of_its_matrix_says() {
+    let own = [PID, ACTUATOR, &of_state("c.output"), &of_state("c.integral_term")].concat();
+    let (values, gradient) = run(&parsed(&sprung(&own)));
+    // x, velocity, the integral term, the filtered error, 1
+    let exact = |x: &[f64; 5]| {
+        let &[kp, ki, kd, lag, target] = x;
+        let output = [-kp - kd / lag, 0.0, 1.0, -kd / lag, (kp + kd / lag) * target];
+        let rows = [
+            [0.0, 1.0, 0.0, 0.0, 0.0],
+            [0.5 * output[0] - 4.0, 0.0, 0.5 * output[2], 0.5 * output[3], 0.5 * output[4]],
+            [-ki, 0.0, 0.0, 0.0, ki * target],
+            [-1.0 / lag, 0.0, 0.0, -1.0 / lag, target / lag],
+            [0.0; 5],
+        ];
+        let mut power = exponential(rows.map(|row| row.map(|entry| entry * 1.5 / 1024.0)));
+        for _ in 0..10 {
+            power = std::array::from_fn(|i| std::array::from_fn(|j| (0..5).map(|k| power[i][k] * power[k][j]).sum()));
+        }
+        let start = [0.1, 0.0, 0.1 * kp, target - 0.1, 1.0];
+        let end: [f64; 5] = power.map(|row| row.iter().zip(&start).map(|(a, y)| a * y).sum());
+        [end[0], output.iter().zip(&end).map(|(a, y)| a * y).sum(), end[2]]
+    };
+    let x = [40.0, 25.0, 12.0, 0.05, 0.3];
+    let wanted = exact(&x);
+    for k in 0..3 {
+        let apart = (values[k] - wanted[k]).abs() / wanted[k].abs();
+        assert!(apart < 1e-9, "{k}: {apart:e}, {values:?} for {wanted:?}");
+        for variable in 0..5 {
+            let at = |factor: f64| exact(&std::array::from_fn(|i| if i == variable { x[i] * factor } else { x[i] }))[k];
+            let slope = (8.0 * (at(1.001) - at(0.999)) - (at(1.002) - at(0.998))) / (0.012 * x[variable]);
+            let entry = gradient[k][variable];
+            assert!((entry - slope).abs() < 1e-7 * slope.abs().max(1e-2), "{k} {variable}: {entry} for {slope}");
+        }
+    }
+}
+
+#[test]
+fn entries_of_states_are_what_a_file_writes_of_them() {
+    let error = "(target - block.position.x)";
+    let derivative = format!("({error} - slow) / lag");
+    let output = format!("kp * {error} + term + kd * ({derivative})");
+    let written = format!(
+        "[[state]]\nname = \"control\"\ntype = \"formula\"\nnodes = {{ block = \"block\" }}\n\
+         initial = {{ term = \"0.1 * kp\", slow = \"target - 0.1\" }}\nrate = {{ term = \"ki * {error}\", slow = \"{derivative}\" }}\n"
+    );
+    let inline = "[[element]]\nname = \"actuator\"\nnodes = { block = \"block\", c = \"control\" }\nforce = { block = \"[OUTPUT, 0, 0]\" }\n"
+        .replace("OUTPUT", &output.replace("term", "c.term").replace("slow", "c.slow"));
+    let by_output = format!("{written}output = {{ output = \"{output}\" }}\n");
+    let [entry, by_hand, by_output] = [[PID, ACTUATOR], [&written, &inline], [&by_output, ACTUATOR]]
+        .map(|own| run(&parsed(&sprung(&own.concat()).replace("steps = 800", "steps = 50"))));
+    assert_eq!(entry, by_hand);
+    assert_eq!(entry, by_output);
+}
+
+#[test]
+fn outputs_may_depend_on_outputs_and_on_points_of_nodes() {
+    let more = r#"
+[[body]]
+name = "wheel"
+position = [0, 0, 1]
+angular_velocity = [0, 2, 0]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[[state]]
+name = "sensor"
+type = "formula"
+nodes = { tip = { on = "wheel", point = [0, 0, 1.5] }, block = "block" }
+initial = { far = 0 }
+rate = { far = "(way.x - far) / lag" }
+define = { way = "tip.position - block.position" }
+output = { pull = "kp * (way + [far, 0, 0])" }
+[[state]]
+name = "control"
+type = "formula"
+nodes = { s = "sensor", block = "block" }
+initial = { slow = 0 }
+rate = { slow = "s.pull.x - slow" }
+output = { force = "0.1 * s.pull - 3 * slow * unit(s.pull) - 2 * block.velocity" }
+"#;
+    let functional = |nodes: &str, value: &str| {
+        format!(
+            "[[functional]]\nname = \"{value}\"\ntype = \"formula\"\nnodes = {nodes}\nvalue = \"{value}\"\nover = \"terminal\"\n"
+        )
+    };
+    let by_output =
+        "[[element]]\nname = \"act\"\nnodes = { c = \"control\", mass = \"block\" }\nforce = { mass = \"c.force\" }\n";
+    let nodes = "{ block = \"block\", tip = { on = \"wheel\", point = [0, 0, 1.5] }, s = \"sensor\", c = \"control\" }";
+    let pull = "(kp * (tip.position - block.position + [s.far, 0, 0]))";
+    let force = format!("0.1 * {pull} - 3 * c.slow * unit({pull}) - 2 * block.velocity");
+    let inline = format!("[[element]]\nname = \"act\"\nnodes = {nodes}\nforce = {{ block = \"{force}\" }}\n");
+    let texts = [
+        [more, by_output, &functional("{ c = \"control\" }", "norm(c.force)")].concat(),
+        [more, &inline, &functional(nodes, &format!("norm({force})"))].concat(),
+    ];
+    let [own, twin] = texts.map(|text| run(&parsed(&sprung(&text))));
+    for k in 0..2 {
+        assert!((own.0[k] - twin.0[k]).abs() < 1e-12 * twin.0[k].abs(), "{own:?} {twin:?}");
+        assert!(largest_difference(&own.1[k], &twin.1[k]) < 1e-11, "{own:?} {twin:?}");
+    }
+}
+
+#[test]
+fn a_controller_at_its_limits_does_not_wind_up() {
+    let limited = format!("{PID}least = -1.5\nmost = \"0.1 * kp\"\ntracking_time = 0.2\n")
+        .replace("initial = \"0.1 * kp\"", "initial = 0")
+        .replace("\"target\"", "\"3 * target\"")
+        .replace("target - 0.1", "3 * target - 0.1");
+    let functionals = [of_state("c.output"), of_state("c.integral_term")].concat();
+    let motion = |most: f64| {
+        let (kp, ki, kd, lag, target) = (40.0, 25.0, 12.0, 0.05, 0.9);
+        let free = move |[x, _, term, slow]: [f64; 4]| kp * (target - x) + term + kd * (target - x - slow) / lag;
+        let slope = move |_: f64, y: [f64; 4]| {
+            let [x, v, term, slow] = y;
+            let error = target - x;
+            let output = free([x, v, term, slow]).clamp(-1.5, most);
+            [v, (output - 8.0 * x) / 2.0, ki * error + (output - free(y)) / 0.2, (error - slow) / lag]
+        };
+        let end = runge_kutta::integrated([0.1, 0.0, 0.0, target - 0.1], (150_000, 1e-5), slope);
+        [end[0], free(end).clamp(-1.5, most), end[2]]
+    };
+    for (most, text) in [(4.0, limited.clone()), (9.0, limited.replace("0.1 * kp", "9 + 0 * kp"))] {
+        let (values, _) = run(&parsed(&sprung(&[&text, ACTUATOR, &functionals].concat())));
+        let wanted = motion(most);
+        for k in 0..3 {
+            // a limit is left within a step, where the method has a lower order
+            assert!((values[k] - wanted[k]).abs() < 5e-5 * wanted[k].abs().max(1.0), "{most}: {values:?} for {wanted:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_entries_of_states_is_told() {
+    let lag = "[[state]]\nname = \"slow\"\ntype = \"lag\"\nnodes = { block = \"block\" }\ninput = \"block.velocity.x\"\ntime_constant = 0.1\n";
+    let fine = [PID, lag, ACTUATOR].concat();
+    for (from, to, part) in [
+        (
+            "time_constant = 0.1",
+            "time_constant = -0.1",
+            "time_constant of [[state]] \"slow\" is -0.1; it must be greater than 0",
+        ),
+        (
+            "time_constant = 0.1",
+            "time_constant = \"-2 * lag\"",
+            "time_constant: at this design the value is -0.1; it must be greater than 0",
+        ),
+        (
+            "time_constant = 0.1",
+            "time_constant = \"block.position.x\"",
+            "time_constant must be a number of the design alone",
+        ),
+        ("time_constant = 0.1", "", "[[state]] \"slow\" needs the key time_constant: T"),
+        ("time_constant = 0.1", "time_constant = 0.1\ngian = 2", "did you mean \"gain\""),
+        ("time_constant = 0.1", "time_constant = 0.1\ninitial = \"slow.value\"", "name \"slow\" is not known"),
+        ("input = \"block.velocity.x\"", "input = \"block.velocity\"", "must be a number"),
+        ("type = \"lag\"", "", "needs the key type: one of formula, lag, pid"),
+        ("filter_time = \"lag\"\n", "", "derivative needs one of filter_time and error_rate"),
+        ("derivative = \"kd\"\n", "", "derivative needs one of filter_time and error_rate, and these need it"),
+        ("filter_time = \"lag\"", "error_rate = 0", "initial_error is a start of the filter"),
+        ("filter_time = \"lag\"", "filter_time = \"lag\"\nmost = 3", "limits least and most need tracking_time"),
+        (
+            "c.output",
+            "c.outptu",
+            "\"c\" is a node, of which formulas know c.integral_term, c.filtered_error, c.output, c.error",
+        ),
+        (
+            "nodes = { block = \"block\" }\ninput",
+            "nodes = { s = \"other\" }\ninput = \"s.out\" #",
+            "needs itself to be there: ",
+        ),
+    ] {
+        assert!(fine.contains(from), "{from}");
+        let circle = "[[state]]\nname = \"other\"\ntype = \"formula\"\nnodes = { s = \"slow\" }\ninitial = { z = 0 }\nrate = { z = \"s.rate\" }\noutput = { out = \"s.rate\" }\n";
+        let text = sprung(&[&fine.replacen(from, to, 1), circle].concat());
+        let told = match FileScene::parse("states.toml", &text) {
+            Ok(scene) => Prepared::new(&scene).map(drop).expect_err(to).to_string(),
+            Err(why) => why,
+        };
+        assert!(told.contains(part), "{to}: {told}");
+    }
 }

@@ -252,26 +252,9 @@ class Model:
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``axis`` (vector): axis in the world at the start, of any length [-]
         """
-    def state(
-        self,
-        name: str,
-        /,
-        *,
-        initial: Table,
-        rate: Table,
-        nodes: Table | None = None,
-        define: Table | None = None,
-        breakpoints: Sequence[Scalar] | None = None,
-    ) -> str:
-        """States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Its formulas know its own values by their names, and nodes as those of an [[element]] do; where it is a node of others, these know c.NAME of a state called c.
-
-        * ``name`` (text): name, by which others refer to it
-        * ``initial`` (table): values at the start by their names [-]
-        * ``rate`` (table): rates of all of them by the same names [1/s]
-        * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
-        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
-        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
-        """
+    @property
+    def state(self) -> _State:
+        """States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs."""
     @property
     def joint(self) -> _Joint:
         """What holds nodes together. Geometry is given in the world at the start."""
@@ -353,7 +336,7 @@ class Model:
         moment: Table | None = None,
         breakpoints: Sequence[Scalar] | None = None,
     ) -> str:
-        """A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and a.rate, of a state a.NAME; and the time t.
+        """A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and a.rate, of a state a.NAME of its values and outputs; and the time t.
 
         * ``name`` (text): name, by which others refer to it
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
@@ -1019,6 +1002,99 @@ class _ThinWalls:
         * ``thickness`` (number, or text, or list of number or formula): thickness, or that of each wall [m]
         * ``corners`` (list of list of 2 times number or formula): places along axes 1 and 2 [m]
         * ``walls`` (list of table walls with between, elements, for): walls between corners
+        """
+
+class _State:
+    """States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs."""
+
+    def formula(
+        self,
+        name: str,
+        /,
+        *,
+        nodes: Table | None = None,
+        define: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
+        initial: Table,
+        rate: Table,
+        output: Table | None = None,
+    ) -> str:
+        """By its rates, whose formulas know its own values by their names.
+        States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``initial`` (table): values at the start by their names [-]
+        * ``rate`` (table): rates of all of them by the same names [1/s]
+        * ``output`` (table, optional): numbers or vectors that others know beside the values, by their names; none [-]
+        """
+    def lag(
+        self,
+        name: str,
+        /,
+        *,
+        nodes: Table | None = None,
+        define: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
+        input: Scalar,
+        time_constant: Scalar,
+        gain: Scalar | None = None,
+        initial: Scalar | None = None,
+    ) -> str:
+        """A lag of first order, as of an actuator or a sensor: T z' = k u - z; others know z as NAME.value, z' as NAME.rate.
+        States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``input`` (number or formula): u [-]
+        * ``time_constant`` (number or formula): T [s]
+        * ``gain`` (number or formula, optional): k; 1 [-]
+        * ``initial`` (number or formula, optional): z at the start; 0 [-]
+        """
+    def pid(
+        self,
+        name: str,
+        /,
+        *,
+        nodes: Table | None = None,
+        define: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
+        measured: Scalar,
+        set_point: Scalar,
+        proportional: Scalar | None = None,
+        integral: Scalar | None = None,
+        derivative: Scalar | None = None,
+        filter_time: Scalar | None = None,
+        error_rate: Scalar | None = None,
+        initial: Scalar | None = None,
+        initial_error: Scalar | None = None,
+        least: Scalar | None = None,
+        most: Scalar | None = None,
+        tracking_time: Scalar | None = None,
+    ) -> str:
+        """A PID controller of the error e = set_point - measured: u = kp e + I + kd d, I' = ki e, where d is e', filtered (d = (e - z) / T, z' = d) or as it is given; others know u as NAME.output, e as NAME.error, I as NAME.integral_term. With limits u is held within them, and I' = ki e + (u - kp e - I - kd d) / tracking_time (no windup).
+        States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``measured`` (number or formula): what is controlled [-]
+        * ``set_point`` (number or formula): what it should be [-]
+        * ``proportional`` (number or formula, optional): kp; 0 [-]
+        * ``integral`` (number or formula, optional): ki; 0 [1/s]
+        * ``derivative`` (number or formula, optional): kd, with filter_time or error_rate; 0 [s]
+        * ``filter_time`` (number or formula, optional): T of the filter of the derivative [s]
+        * ``error_rate`` (number or formula, optional): e' where the mechanism knows it, as of rates of joints; filtered [1/s]
+        * ``initial`` (number or formula, optional): I at the start; 0 [-]
+        * ``initial_error`` (number or formula, optional): z at the start, e for a start without a kick; 0 [-]
+        * ``least`` (number or formula, optional): lower limit of u; none [-]
+        * ``most`` (number or formula, optional): upper limit of u; none [-]
+        * ``tracking_time`` (number or formula, optional): time in which I follows u at a limit; needed with one [s]
         """
 
 class _Joint:

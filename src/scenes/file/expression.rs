@@ -140,7 +140,9 @@ impl Scope {
     }
     /// What is known of a node, without its name.
     pub fn of_node<'s>(&'s self, node: &'s str) -> impl Iterator<Item = &'s str> {
-        self.names.iter().filter_map(move |own| own.name.strip_prefix(node)?.strip_prefix('.'))
+        // but what outputs bring, as c.arm.position
+        let own = self.names.iter().map(|own| &own.name).chain(self.definitions.iter().map(|own| &own.0));
+        own.filter_map(move |own| own.strip_prefix(node)?.strip_prefix('.')).filter(|what| !what.contains('.'))
     }
     pub fn find(&self, name: &str) -> Option<(usize, &Named)> {
         // the last one hides those before it
@@ -226,10 +228,14 @@ pub(super) fn continues_name(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
 
+/// Names that a text mentions with what is asked of them, as `arm.position.x`, and numbers.
+pub(super) fn words_of(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|letter| !continues_name(letter) && letter != '.')
+}
+
 /// Names that a text mentions, those of functions and constants left out.
 pub(super) fn names_in(text: &str) -> Vec<String> {
-    let words = text.split(|letter| !continues_name(letter) && letter != '.');
-    let words = words.map(|word| word.split('.').next().unwrap_or_default());
+    let words = words_of(text).map(|word| word.split('.').next().unwrap_or_default());
     words.filter(|word| is_name(word) && meaning(word).is_none()).map(String::from).collect()
 }
 

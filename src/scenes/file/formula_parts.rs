@@ -8,7 +8,9 @@ use super::known::{Found, Known, Made, fixed_list, list, over, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, NamedNode, Value};
 use super::scene::kept;
+use super::state_laws::{MADE, keys_of};
 use crate::assembly::NodeId;
+use crate::elements::entries::Type;
 use crate::elements::forces::Soft;
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter, State};
 use crate::functionals;
@@ -382,7 +384,15 @@ pub(super) fn state<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
         Some((_, Value::Formulas(given))) => given.as_slice(),
         _ => &[],
     };
-    let (initial, rates) = (named("initial"), named("rate"));
+    let [initial, rates] = if fields.form == "formula" { ["initial", "rate"] } else { MADE }.map(named);
+    for key in keys_of(fields.form) {
+        if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, fields.get(key.name)) {
+            if formula.uses_from(known.names.len()) {
+                return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
+            }
+            known.number(fields, key.name)?;
+        }
+    }
     let mut start = Vec::new();
     for (value, at, formula) in initial {
         if formula.is_vector || formula.uses_from(known.names.len()) {

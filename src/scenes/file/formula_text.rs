@@ -1,7 +1,7 @@
 //! The grammar of formulas: sums of products of signed powers of components of operands.
 
 use super::expression::{
-    CONSTANTS, FUNCTIONS, Operation, Quantity, SPLINE, Scope, SyntaxError, constant, continues_name, starts_name,
+    CONSTANTS, Expression, FUNCTIONS, Operation, Quantity, SPLINE, Scope, SyntaxError, constant, continues_name, starts_name,
 };
 use crate::scenes::unknown;
 use std::ops::Range;
@@ -225,13 +225,27 @@ impl<'r> FormulaText<'r> {
         let (at, rest) = (self.at, self.rest());
         let what = rest.strip_prefix('.').unwrap_or_default();
         let what = &what[..what.find(|letter| !continues_name(letter)).unwrap_or(what.len())];
-        let Some((index, named)) = self.scope.find(&format!("{node}.{what}")) else {
+        let name = format!("{node}.{what}");
+        if let Some(own) = self.scope.definition(&name) {
+            self.at += 1 + what.len();
+            return self.defined(at, own).map(Some);
+        }
+        let Some((index, named)) = self.scope.find(&name) else {
             let ways: Vec<String> = names.iter().map(|what| format!("{node}.{what}")).collect();
             return Err((at, format!("\"{node}\" is a node, of which formulas know {}", ways.join(", "))));
         };
         self.at += 1 + what.len();
         self.operations.push(Operation::Name(index));
         Ok(Some(named.is_vector))
+    }
+
+    /// What stands for a name that was read.
+    fn defined(&mut self, at: usize, own: &Expression) -> Result<bool, SyntaxError> {
+        self.operations.extend_from_slice(&own.operations);
+        match self.operations.len() {
+            0..=MOST_OPERATIONS => Ok(own.is_vector),
+            _ => Err((at, format!("with what its names stand for the formula is longer than {MOST_OPERATIONS} operations"))),
+        }
     }
 
     /// One of the numbers of a design variable whose name was read: `thickness[3]`.
@@ -306,14 +320,7 @@ impl<'r> FormulaText<'r> {
             return self.of_array(at, name, &places);
         }
         if let Some(own) = self.scope.definition(name) {
-            self.operations.extend_from_slice(&own.operations);
-            return match self.operations.len() {
-                0..=MOST_OPERATIONS => Ok(own.is_vector),
-                _ => Err((
-                    at,
-                    format!("with what its names stand for the formula is longer than {MOST_OPERATIONS} operations"),
-                )),
-            };
+            return self.defined(at, own);
         }
         if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
             self.arguments(name, arguments)?;

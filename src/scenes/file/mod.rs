@@ -11,6 +11,7 @@ mod columns;
 mod condition;
 mod expression;
 mod extended;
+mod formula_names;
 mod formula_of;
 mod formula_parts;
 mod formula_text;
@@ -29,6 +30,7 @@ mod scene;
 mod schema;
 mod section;
 mod sections;
+mod state_laws;
 mod stl;
 mod values;
 

@@ -92,6 +92,16 @@ impl Raw {
         }
     }
 
+    /// All texts in it.
+    pub fn texts(&self) -> Vec<&str> {
+        match &self.value {
+            RawValue::Text(text, _) => vec![text],
+            RawValue::List(list) => list.iter().flat_map(Raw::texts).collect(),
+            RawValue::Table(entries) => entries.iter().flat_map(|own| own.value.texts()).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     pub fn whole(&self) -> Option<i64> {
         match self.value {
             RawValue::Number { value, whole: true } => Some(value as i64),

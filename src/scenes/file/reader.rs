@@ -1,8 +1,7 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
 use super::columns::Columns;
-use super::expression::{Expression, Scope, TIME, is_name, meaning, names_in};
-use super::formula_parts::of_section;
+use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
@@ -171,6 +170,8 @@ pub(super) struct Reader {
     pub current: Option<usize>,
     /// Whole numbers that loops may use.
     pub wholes: Wholes,
+    /// Nodes of its formulas that outputs of its nodes bring with them.
+    pub brought: Vec<Entry>,
     pub scope: Scope,
     pub declared: Vec<Declared>,
     pub by_name: HashMap<(String, &'static str), usize>,
@@ -271,8 +272,11 @@ impl Reader {
             };
             self.current = Some(place);
             self.scope.of_section = section.name == "section";
-            let scope = self.scope_with_nodes(&raw);
-            let fields = self.fields(&raw, &section.forms, &owner);
+            let scope = self.scope_with_nodes(place, &raw);
+            let mut fields = self.fields(&raw, &section.forms, &owner);
+            if section.name == "state" {
+                self.take_law(&raw, &mut fields);
+            }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             let mesh = self.meshes.get(&place).cloned();
             items.push(Item { section: section.name, name, fields, mesh });
@@ -283,57 +287,6 @@ impl Reader {
             .collect();
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order, own: self.own.clone() }
-    }
-
-    /// Adds what formulas know of the nodes that an entry names, and returns the scope without it.
-    fn scope_with_nodes(&mut self, raw: &Raw) -> Option<Scope> {
-        let list = |key: &str| raw.get(key).and_then(Raw::entries).map(<[Entry]>::to_vec);
-        let (nodes, own) = match self.current.map(|own| self.declared[own].section.name) {
-            Some("state") => (list("nodes").unwrap_or_default(), list("initial").unwrap_or_default()),
-            _ => (list("nodes")?, Vec::new()),
-        };
-        let before = (self.scope.clone(), self.mistakes.len());
-        for own in nodes {
-            let node = own.value.get("on").unwrap_or(&own.value);
-            let place = self.node(node, "", false);
-            // of one that is not there, as of a body: that is told, and not what follows
-            let item = place.and_then(|place| place.item);
-            let section = item.map_or("body", |item| self.declared[item].section.name);
-            for (what, is_vector, _) in of_section(section) {
-                self.scope.add_of_node(format!("{}.{what}", own.key), *is_vector);
-            }
-            let states = item.filter(|_| section == "state").and_then(|item| self.declared[item].raw.get("initial"));
-            for state in states.and_then(Raw::entries).map(<[Entry]>::to_vec).unwrap_or_default() {
-                self.scope.add_of_node(format!("{}.{}", own.key, state.key), false);
-            }
-        }
-        // told where the key is read
-        self.mistakes.truncate(before.1);
-        for state in own {
-            self.check_name(&state.key, state.at);
-            if self.scope.knows(&state.key) {
-                self.wrong(state.at, format!("\"{}\" is a name of this file, too: take another one", state.key));
-            }
-            self.scope.add_variable(&state.key);
-        }
-        self.scope.add_variable(TIME);
-        self.take_definitions(raw);
-        Some(before.0)
-    }
-
-    /// Adds the names that an entry gives to formulas of its nodes.
-    fn take_definitions(&mut self, raw: &Raw) {
-        let Some(given) = raw.get("define") else { return };
-        let wanted = "with formulas, as in { speed = \"norm(tip.velocity)\" }";
-        self.named(given, "define", wanted, |reader, own| {
-            reader.check_name(&own.key, own.at);
-            if reader.scope.knows(&own.key) || reader.scope.of_node(&own.key).next().is_some() {
-                reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
-            }
-            let formula = reader.number_or_vector(&own.value, &format!("define: {}", own.key))?;
-            reader.scope.add_definition(&own.key, formula);
-            Some(())
-        });
     }
 
     /// Takes down the entries of a section with their names.

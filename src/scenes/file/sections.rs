@@ -2,6 +2,7 @@
 
 use super::extended::EXTENDS;
 use super::section::{Section, Shape};
+use super::state_laws::STATE_FORMS;
 use crate::elements::entries::{
     AXIS, BETWEEN, FUNCTION, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, may, need,
 };
@@ -286,6 +287,12 @@ const OTHER_JOINTS: Forms = forms!([]
 ]);
 const JOINT_FORMS: [Form; JOINTS.len() + OTHER_JOINTS.forms.len()] = forms_of(JOINTS, OTHER_JOINTS.forms);
 
+const STATE_KEYS: [Key; 4] = [
+    NAME,
+    may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
+    DEFINITIONS,
+    BREAKPOINTS,
+];
 /// What is measured but at nodes.
 const MEASURED: Forms = forms!([]
             "formula" "a formula of its nodes and of the time" [
@@ -688,16 +695,9 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         name: "state",
         shape: Shape::Listed,
-        doc: "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Its formulas know its own values by \
-              their names, and nodes as those of an [[element]] do; where it is a node of others, these know c.NAME of a state called c.",
-        forms: one_form![
-            NAME,
-            need("initial", Type::NamedFormulas("-"), "values at the start by their names"),
-            need("rate", Type::NamedFormulas("1/s"), "rates of all of them by the same names"),
-            may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
-            DEFINITIONS,
-            BREAKPOINTS,
-        ],
+        doc: "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
+              [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
+        forms: Forms { common: &STATE_KEYS, forms: &STATE_FORMS, own: None },
     },
     Section {
         name: "joint",
@@ -781,7 +781,7 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], \
               of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and \
-              a.rate, of a state a.NAME; and the time t.",
+              a.rate, of a state a.NAME of its values and outputs; and the time t.",
         forms: one_form![
             NAME,
             NODES,

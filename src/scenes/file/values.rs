@@ -214,7 +214,10 @@ impl Reader {
             self.wrong(own.at, format!("{what}: \"{}\" is a name of this file, too: take another one", own.key));
         }
         let wanted = "for formulas with nodes, as in { hub = \"rotor\", tip = \"blade.end\" }";
-        self.named(raw, what, wanted, |reader, own| reader.named_node(own, what, forms)).map(Value::NamedNodes)
+        let mut nodes = self.named(raw, what, wanted, |reader, own| reader.named_node(own, what, forms))?;
+        let brought = std::mem::take(&mut self.brought);
+        nodes.extend(self.all(&brought, |reader, own| reader.named_node(own, what, forms))?);
+        Some(Value::NamedNodes(nodes))
     }
 
     /// Of selections by numbers; what they select was read with the mesh.
