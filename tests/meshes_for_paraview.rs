@@ -263,3 +263,107 @@ fn a_run_writes_section_forces_and_stresses_of_each_element_of_a_beam_and_a_cabl
     }
     assert!(ratios[2].is_nan(), "{ratios:?}");
 }
+
+#[test]
+fn a_bent_plate_is_stressed_above_and_below_and_not_in_the_middle() {
+    let folder = Folder::new("bent");
+    std::fs::create_dir_all(&folder.0).expect("a folder");
+    let scene = folder.0.join("bent.toml");
+    // so little that forces act where they start
+    let text = r#"
+        version = 1
+        settings = { method = "static", steps = 1 }
+        variable = { h = { initial = 0.01, bounds = [0.001, 0.1], unit = "m" } }
+        material = { stiff = { young = 2e11, poisson = 0, density = 7850 } }
+        [laminate.layers]
+        plies = [{ for = { k = ["lower", "upper"] }, thickness = "h / 2", young = [2e11, 1e11], poisson = 0, shear = [1e11, 1e11, 1e11], density = 1600, tension = [1e4, 1e4], compression = [1e4, 1e4], shear_strength = 1e4 }]
+        [[shell]]
+        for = { k = { from = 0, to = 1 } }
+        name = "plate {k}"
+        type = "plate"
+        corner = [0, "{k}", 0]
+        first = [1, 0, 0]
+        second = [0, 0.2, 0]
+        elements = [3, 1]
+        material = "stiff"
+        thickness = "h"
+        clamped = ["first_start"]
+        [[shell]]
+        name = "plate 2"
+        type = "plate"
+        corner = [0, 2, 0]
+        first = [1, 0, 0]
+        second = [0, 0.2, 0]
+        elements = [3, 1]
+        laminate = "layers"
+        direction = [1, 0, 0]
+        clamped = ["first_start"]
+        [[body]]
+        for = { k = { from = 0, to = 2 } }
+        name = "end {k}"
+        position = [1, "{k} + 0.1", 0]
+        [[rigid_interface]]
+        for = { k = { from = 0, to = 2 } }
+        name = "edge {k}"
+        body = "end {k}"
+        nodes = ["plate {k}.first_end"]
+        [[torque]]
+        for = { k = { from = 0, to = 2 } }
+        name = "bending {k}"
+        on = "end {k}"
+        axis = [0, 1, 0]
+        size = 0.001
+        [[force]]
+        name = "pull"
+        on = "end 1"
+        direction = [1, 0, 0]
+        size = 0.1
+        [[functional]]
+        name = "yield"
+        type = "von_mises"
+        of = ["plate 0"]
+        yield_stress = 1e2
+        over = { aggregate = "upper_maximum", sharpness = 100 }
+        [[functional]]
+        name = "failure"
+        type = "tsai_wu"
+        of = ["plate 2"]
+        laminate = "layers"
+        over = { aggregate = "upper_maximum", sharpness = 100 }
+    "#;
+    std::fs::write(&scene, text).expect("written");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_costate"));
+    let output = command.arg("run").arg(&scene).args(["--vtk", "--out"]).arg(folder.0.join("out")).output().expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let arrays = Arrays::read(&folder.0.join("out/fields-000001.vtu"));
+    // M is for each width, s = N / t + 12 M z / t^3
+    let (bent, pulled): (f64, f64) = (6.0 * 0.001 / 0.2 / 1e-4, 0.1 / 0.2 / 0.01);
+    let points = arrays.numbers("Points", "points");
+    for (layer, turned) in [("bottom", -1.0), ("middle", 0.0), ("top", 1.0)] {
+        let expected = [turned * bent, pulled + turned * bent].map(f64::abs);
+        let cells = arrays.numbers("CellData", &format!("von Mises stress, {layer} [N/m2]"));
+        for (cell, own) in cells[..6].iter().enumerate() {
+            assert!((own - expected[cell / 3]).abs() < 1e-4 * bent, "{layer}: {cells:?} for {expected:?}");
+        }
+        assert!(cells[6..].iter().all(|own| own.is_nan()), "{cells:?}");
+        let nodal = arrays.numbers("PointData", &format!("von Mises stress, {layer}, nodal mean [N/m2]"));
+        let at_nodes = nodal.iter().zip(points.chunks_exact(3)).filter(|(own, _)| !own.is_nan());
+        for (own, point) in at_nodes.clone() {
+            let expected = expected[point[1] as usize];
+            assert!((own - expected).abs() < 1e-4 * bent, "{layer}: {own} for {expected}");
+        }
+        assert_eq!(at_nodes.count(), 2 * 21);
+    }
+    let nodal = |name: &str| arrays.numbers("PointData", &format!("measured for {name}, nodal mean [-]"));
+    let of_plate = |values: Vec<f64>, plate: f64| -> Vec<f64> {
+        let there = |point: &[f64]| (plate..=plate + 0.2 + 1e-9).contains(&point[1]);
+        let own = values.into_iter().zip(points.chunks_exact(3)).filter(|(own, point)| there(point) && !own.is_nan());
+        own.map(|own| own.0).collect()
+    };
+    let (yields, fails) = (of_plate(nodal("yield"), 0.0), of_plate(nodal("failure"), 2.0));
+    assert_eq!([yields.len(), fails.len()], [21, 21]);
+    assert!(yields.iter().all(|own| (own / (bent / 1e2) - 1.0).abs() < 1e-4), "{yields:?}");
+    // along the fibres, as strong in tension as in compression: the stress by the strength
+    assert!(fails.iter().all(|own| (own / (bent / 1e4) - 1.0).abs() < 1e-4), "{fails:?}");
+    assert!(of_plate(nodal("failure"), 0.0).is_empty());
+}

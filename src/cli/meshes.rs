@@ -4,6 +4,7 @@
 use crate::assembly::ElementId;
 use crate::functionals::{Functional, Measured, Sample};
 use crate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
+use crate::scalar::larger;
 use crate::scenes::{Drawn, LineElement, NodePoint, Prepared, Surface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,12 @@ pub struct Meshes<'p> {
     /// The next ones are elements of beams and cables.
     lines: Vec<LineElement>,
 }
+
+/// Von Mises stresses of a shell of one material at its Gauss points, in each of [`LAYERS`].
+type Layers = Option<Vec<[f64; 3]>>;
+
+/// Along the director, from below.
+const LAYERS: [&str; 3] = ["bottom", "middle", "top"];
 
 /// Where points with an identity stand.
 type Known = HashMap<(usize, [u64; 3]), usize>;
@@ -96,21 +103,36 @@ impl<'p> Meshes<'p> {
             [0, 1, 2].map(|k| now[k] - start[k])
         });
         let turned = self.points.iter().flat_map(|point| point.rotation(&numbers.q, q));
-        let point_data = vec![
+        let mut point_data = vec![
             Attribute { name: "displacement [m]".into(), components: 3, values: moved.collect() },
             Attribute { name: "rotation [rad]".into(), components: 3, values: turned.collect() },
         ];
-        UnstructuredMesh { points, cells: self.cells.clone(), point_data, cell_data: self.cell_data(sample) }
+        let layers: Vec<Layers> = self.surfaces.iter().map(|surface| surface.layer_stresses(q, &numbers.p)).collect();
+        let mut cell_data = self.cell_data(sample, &layers);
+        if layers.iter().any(Option::is_some) {
+            for (layer, name) in LAYERS.into_iter().enumerate() {
+                let of = |own: &Layers| Some(own.as_ref()?.iter().map(|point| point[layer]).collect::<Vec<f64>>());
+                let largest = layers.iter().map(|own| of(own)?.into_iter().reduce(larger));
+                cell_data.push(self.of_first_cells(format!("von Mises stress, {name} [N/m2]"), largest));
+                let mut nodal = self.at_nodes(format!("von Mises stress, {name}, nodal mean [N/m2]"), layers.iter().map(of));
+                // a line through values that fall to zero passes below it
+                nodal.values.iter_mut().for_each(|own| *own = larger(0.0, *own));
+                point_data.push(nodal);
+            }
+        }
+        point_data.extend(self.prepared.functionals().iter().filter_map(|own| self.measured_at_nodes(own, sample)));
+        UnstructuredMesh { points, cells: self.cells.clone(), point_data, cell_data }
     }
 
-    fn cell_data(&self, sample: &Sample<f64>) -> Vec<Attribute> {
+    fn cell_data(&self, sample: &Sample<f64>, layers: &[Layers]) -> Vec<Attribute> {
         let (mechanism, q) = (&self.prepared.mechanism, &sample.at.q[..]);
         let p = &mechanism.numbers.p;
         let states: Vec<_> = self.lines.iter().map(|line| mechanism.line_state(line, q)).collect();
         let mut all = Vec::new();
         if !self.surfaces.is_empty() || !self.lines.is_empty() {
-            let stresses = self.surfaces.iter().map(|surface| surface.stress(q, p));
-            let stresses = stresses.chain(states.iter().map(|(_, stress)| *stress));
+            let outside =
+                |own: &Layers| Some(own.as_ref()?.iter().flat_map(|[lower, _, upper]| [*lower, *upper]).fold(0.0, larger));
+            let stresses = layers.iter().map(outside).chain(states.iter().map(|(_, stress)| *stress));
             all.push(self.of_first_cells("von Mises stress [N/m2]".into(), stresses));
         }
         if !self.surfaces.is_empty() {
@@ -138,6 +160,36 @@ impl<'p> Meshes<'p> {
         let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::NAN)).collect();
         values.resize(self.cells.len(), f64::NAN);
         Attribute { name, components: 1, values }
+    }
+
+    /// Numbers at the nodes of surfaces from those at their Gauss points: of each surface the nearest linear function, of all surfaces at a node
+    /// the mean. Other points, and surfaces without numbers, have none.
+    fn at_nodes(&self, name: String, at_gauss: impl Iterator<Item = Option<Vec<f64>>>) -> Attribute {
+        let mut sums = vec![[0.0; 2]; self.points.len()];
+        for (cell, own) in self.cells.iter().zip(at_gauss) {
+            let (MeshCell::Face(kind, nodes), Some(own)) = (cell, own) else { continue };
+            for (&node, value) in nodes.iter().zip(kind.shape().at_nodes_from_gauss(&own)) {
+                sums[node] = [sums[node][0] + value, sums[node][1] + 1.0];
+            }
+        }
+        Attribute { name, components: 1, values: sums.into_iter().map(|[sum, count]| sum / count).collect() }
+    }
+
+    /// What a functional of a group measures at the nodes of its surfaces: at each of their Gauss points the largest value of all places along
+    /// the normal.
+    fn measured_at_nodes(&self, functional: &Functional, sample: &Sample<f64>) -> Option<Attribute> {
+        let Measured::Group(group) = &functional.measured else { return None };
+        let values: HashMap<ElementId, Vec<f64>> =
+            group.point_values(self.prepared.model(), sample, &self.prepared.mechanism.numbers.p).into_iter().collect();
+        let of = |surface: &Surface| {
+            let (own, points) = (values.get(&surface.element)?, surface.kind.face.shape().gauss.len());
+            let places = own.len() / points;
+            (places * points == own.len() && places > 0)
+                .then(|| own.chunks(places).map(|point| point.iter().copied().fold(f64::NEG_INFINITY, larger)).collect())
+        };
+        let own: Vec<Option<Vec<f64>>> = self.surfaces.iter().map(of).collect();
+        let name = format!("measured for {}, nodal mean [{}]", functional.name, functional.unit);
+        own.iter().any(Option::is_some).then(|| self.at_nodes(name, own.into_iter()))
     }
 
     /// What a functional of a group measures in each of its surfaces, beams and cables, at the point where it is largest.

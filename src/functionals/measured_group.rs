@@ -409,14 +409,19 @@ impl MeasuredGroup {
 
     /// What it is in each element that has it, at a sample: of several points the largest, or what is no number.
     pub fn element_values(&self, model: &Model, sample: &Sample<f64>, p: &[f64]) -> Vec<(ElementId, f64)> {
+        let all = self.point_values(model, sample, p).into_iter();
+        all.map(|(element, values)| (element, values.into_iter().reduce(larger).unwrap_or(f64::NAN))).collect()
+    }
+
+    /// What it is at all points of each element that has it, at a sample.
+    pub fn point_values(&self, model: &Model, sample: &Sample<f64>, p: &[f64]) -> Vec<(ElementId, Vec<f64>)> {
         let mut work = GroupWork::default();
         self.write_values(model, sample, p, PointWeights::Equal, &mut work);
         let mut values = work.values.iter().map(|&[value, _]| value);
         let mut all = Vec::new();
         for batch in self.batches(model) {
             for member in &batch.members {
-                let own = values.by_ref().take(batch.own.values.len());
-                all.push((member.element, own.reduce(larger).unwrap_or(f64::NAN)));
+                all.push((member.element, values.by_ref().take(batch.own.values.len()).collect()));
             }
         }
         all

@@ -65,24 +65,23 @@ impl Surface {
         own.map(|place| [p[place], p[place + 1], p[place + 2]]).collect()
     }
 
-    /// Largest von Mises stress [N/m2] of an isotropic shell at its Gauss points, on the lower and the upper surface.
-    pub fn stress(&self, q: &[f64], p: &[f64]) -> Option<f64> {
-        Some(self.stresses(q, p)?.into_iter().fold(0.0, larger))
+    /// Von Mises stress [N/m2] of an isotropic shell at each Gauss point, in the order of its face: the larger of the lower and the upper surface.
+    pub fn stresses(&self, q: &[f64], p: &[f64]) -> Option<Vec<f64>> {
+        Some(self.layer_stresses(q, p)?.into_iter().map(|[lower, _, upper]| larger(larger(0.0, lower), upper)).collect())
     }
 
-    /// The same at each Gauss point, in the order of its face.
-    pub fn stresses(&self, q: &[f64], p: &[f64]) -> Option<Vec<f64>> {
+    /// Von Mises stresses [N/m2] of an isotropic shell at each of its Gauss points: at the lower surface, in the middle, at the upper surface.
+    pub fn layer_stresses(&self, q: &[f64], p: &[f64]) -> Option<Vec<[f64; 3]>> {
         if self.kind.section != ShellSection::Isotropic {
             return None;
         }
         let (shape, p) = (self.kind.face.shape(), &p[self.parameters.clone()]);
         let own: Vec<f64> = self.nodes.iter().flat_map(|node| node.coordinates(q).to_vec()).collect();
         let at_points = self.kind.points(&own, p).into_iter();
-        Some(
-            at_points
-                .map(|point| point.von_mises(p[shape.young()], p[shape.poisson()]).into_iter().fold(0.0, larger))
-                .collect(),
-        )
+        let at_places = at_points.map(|point| {
+            [-0.5, 0.0, 0.5].map(|z| point.von_mises_at(z * point.thickness, p[shape.young()], p[shape.poisson()]))
+        });
+        Some(at_places.collect())
     }
 
     /// The piece of the reference surface around each Gauss point: its corners \[m\], and whether it ends at the edge of the element from each

@@ -157,14 +157,16 @@ impl<S: Scalar> ShellPoint<S> {
     ///
     /// s^2 = s_11^2 - s_11 s_22 + s_22^2 + 3 s_12^2,   (s_11, s_22, s_12) = C (E -+ h/2 K).
     pub fn von_mises(&self, young: S, poisson: S) -> [S; 2] {
-        let [plane, shear] = plane_stress(young, poisson);
         let half = self.thickness * 0.5;
-        [-half, half].map(|z| {
-            let [along, across, between] = self.strain_at(z);
-            let (first, second) = (plane * (along + poisson * across), plane * (across + poisson * along));
-            let mixed = shear * between;
-            (first * first - first * second + second * second + mixed * mixed * 3.0).sqrt()
-        })
+        [-half, half].map(|z| self.von_mises_at(z, young, poisson))
+    }
+    /// The same at the place `z` along the normal.
+    pub fn von_mises_at(&self, z: S, young: S, poisson: S) -> S {
+        let [plane, shear] = plane_stress(young, poisson);
+        let [along, across, between] = self.strain_at(z);
+        let (first, second) = (plane * (along + poisson * across), plane * (across + poisson * along));
+        let mixed = shear * between;
+        (first * first - first * second + second * second + mixed * mixed * 3.0).sqrt()
     }
 }
 

@@ -139,6 +139,8 @@ pub struct FaceShape {
     pub name: &'static str,
     /// Number of nodes.
     pub nodes: usize,
+    /// (r, s) of the nodes.
+    pub places: &'static [[f64; 2]],
     /// Places of the nodes in the order of meshes: corners counterclockwise, then middles of the edges from there, then the middle.
     pub cyclic: &'static [usize],
     /// Nodes along each edge, counterclockwise.
@@ -224,6 +226,24 @@ impl FaceShape {
             _ if point < first_gauss + gauss => ShellPlace::Gauss(point - first_gauss),
             _ => ShellPlace::Node(point - first_gauss - gauss),
         }
+    }
+    /// Values at the nodes of the linear function of r and s nearest to some values at the Gauss points, in the mean by their weights.
+    pub fn at_nodes_from_gauss(&self, values: &[f64]) -> Vec<f64> {
+        let place = |weights: &Weights| {
+            let own = weights.value.iter().zip(self.places);
+            own.fold([0.0; 2], |[r, s], (weight, place)| [r + weight * place[0], s + weight * place[1]])
+        };
+        let points: Vec<[f64; 2]> = self.gauss.iter().map(place).collect();
+        let product = |f: &dyn Fn(usize) -> f64| self.gauss_weights.iter().enumerate().map(|(g, w)| w * f(g)).sum::<f64>();
+        // 1, r and s, each made orthogonal to those before it
+        let area = product(&|_| 1.0);
+        let [mean_r, mean_s] = [0, 1].map(|k| product(&|g| points[g][k]) / area);
+        let along = |[r, _]: [f64; 2]| r - mean_r;
+        let both = product(&|g| along(points[g]) * points[g][1]) / product(&|g| along(points[g]).powi(2));
+        let across = |[r, s]: [f64; 2]| s - mean_s - both * along([r, s]);
+        let part = |f: &dyn Fn([f64; 2]) -> f64| product(&|g| f(points[g]) * values[g]) / product(&|g| f(points[g]).powi(2));
+        let (mean, by_r, by_s) = (part(&|_| 1.0), part(&along), part(&across));
+        self.places.iter().map(|&own| mean + by_r * along(own) + by_s * across(own)).collect()
     }
     /// Number of strains at a place.
     pub fn strain_count(&self, place: ShellPlace) -> usize {
@@ -379,28 +399,6 @@ const fn grid_of_pieces<const E: usize, const N: usize>(ends: [f64; E]) -> [Piec
 mod tests {
     use super::*;
 
-    /// (r, s) of the nodes, from where shape functions are 1.
-    fn nodes(kind: FaceKind) -> Vec<[f64; 2]> {
-        let cyclic: &[[f64; 2]] = match kind {
-            FaceKind::Quad4 => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
-            FaceKind::Quad9 => &[
-                [-1.0, -1.0],
-                [1.0, -1.0],
-                [1.0, 1.0],
-                [-1.0, 1.0],
-                [0.0, -1.0],
-                [1.0, 0.0],
-                [0.0, 1.0],
-                [-1.0, 0.0],
-                [0.0, 0.0],
-            ],
-            FaceKind::Triangle6 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
-        };
-        let mut own = vec![[0.0; 2]; cyclic.len()];
-        kind.shape().cyclic.iter().zip(cyclic).for_each(|(&place, &at)| own[place] = at);
-        own
-    }
-
     /// Powers (m, n) of r^m s^n that the face interpolates.
     fn powers(kind: FaceKind) -> Vec<(i32, i32)> {
         let all = (0..3).flat_map(|m| (0..3).map(move |n| (m, n)));
@@ -427,9 +425,36 @@ mod tests {
     }
 
     #[test]
+    fn linear_functions_are_recovered_at_the_nodes_and_others_in_the_mean() {
+        for kind in FaceKind::ALL {
+            let shape = kind.shape();
+            let at_gauss = |f: &dyn Fn([f64; 2]) -> f64| -> Vec<f64> {
+                let nodal: Vec<f64> = shape.places.iter().map(|&own| f(own)).collect();
+                shape.gauss.iter().map(|point| point.value.iter().zip(&nodal).map(|(w, f)| w * f).sum()).collect()
+            };
+            let linear = |[r, s]: [f64; 2]| 0.7 - 2.0 * r + 0.3 * s;
+            let own = shape.at_nodes_from_gauss(&at_gauss(&linear));
+            assert!(own.iter().zip(shape.places).all(|(own, &at)| (own - linear(at)).abs() < 1e-14), "{kind:?}: {own:?}");
+            // what is left over is orthogonal to 1, r and s
+            let bent = at_gauss(&|[r, s]| r * s + 0.2 * r);
+            let near = shape.at_nodes_from_gauss(&bent);
+            for other in [|_: [f64; 2]| 1.0, |[r, _]: [f64; 2]| r, |[_, s]: [f64; 2]| s] {
+                let rest = shape.gauss.iter().zip(&bent).zip(at_gauss(&other)).zip(shape.gauss_weights);
+                let sum: f64 = rest
+                    .map(|(((point, bent), other), weight)| {
+                        let near: f64 = point.value.iter().zip(&near).map(|(w, f)| w * f).sum();
+                        weight * (bent - near) * other
+                    })
+                    .sum();
+                assert!(sum.abs() < 1e-14, "{kind:?}: {sum:e}");
+            }
+        }
+    }
+
+    #[test]
     fn shape_functions_reproduce_their_polynomials_and_slopes() {
         for kind in FaceKind::ALL {
-            let (shape, nodes) = (kind.shape(), nodes(kind));
+            let (shape, nodes) = (kind.shape(), kind.shape().places);
             for w in shape.gauss.iter().chain(shape.at_nodes) {
                 let at = [0, 1].map(|axis| sum(w.value, &nodes.iter().map(|node| node[axis]).collect::<Vec<_>>()));
                 assert!((shape.values)(at[0], at[1]).iter().zip(w.value).all(|(a, b)| (a - b).abs() < 2e-15));
@@ -457,7 +482,7 @@ mod tests {
         let factorial = |m: i32| (1..=m).map(f64::from).product::<f64>();
         let of_line = |m: i32| if m % 2 == 0 { 2.0 / f64::from(m + 1) } else { 0.0 };
         for (kind, degree, at_nodes) in [(FaceKind::Quad4, 3, 1), (FaceKind::Quad9, 5, 3), (FaceKind::Triangle6, 4, 1)] {
-            let (shape, nodes) = (kind.shape(), nodes(kind));
+            let (shape, nodes) = (kind.shape(), kind.shape().places);
             let exact = |m: i32, n: i32| match kind {
                 FaceKind::Triangle6 => factorial(m) * factorial(n) / factorial(m + n + 2),
                 _ => of_line(m) * of_line(n),
@@ -482,7 +507,7 @@ mod tests {
     #[test]
     fn edges_run_around_the_face_and_pieces_cover_it() {
         for kind in FaceKind::ALL {
-            let (shape, nodes) = (kind.shape(), nodes(kind));
+            let (shape, nodes) = (kind.shape(), kind.shape().places);
             assert_eq!(shape.edges.len(), shape.corners);
             for (edge, next) in shape.edges.iter().zip(shape.edges.iter().cycle().skip(1)) {
                 assert_eq!(edge.last(), next.first());

@@ -25,6 +25,7 @@ impl Face for Quad4 {
 static SHAPE: FaceShape = FaceShape {
     name: "quadrilateral of four nodes",
     nodes: NODES,
+    places: &[[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]],
     cyclic: &[0, 1, 3, 2],
     edges: &[&[0, 1], &[1, 3], &[3, 2], &[2, 0]],
     corners: 4,

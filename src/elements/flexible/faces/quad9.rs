@@ -25,6 +25,17 @@ impl Face for Quad9 {
 static SHAPE: FaceShape = FaceShape {
     name: "quadrilateral of nine nodes",
     nodes: NODES,
+    places: &[
+        [-1.0, -1.0],
+        [0.0, -1.0],
+        [1.0, -1.0],
+        [-1.0, 0.0],
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [-1.0, 1.0],
+        [0.0, 1.0],
+        [1.0, 1.0],
+    ],
     cyclic: &[0, 2, 8, 6, 1, 5, 7, 3, 4],
     edges: &[&[0, 1, 2], &[2, 5, 8], &[8, 7, 6], &[6, 3, 0]],
     corners: 4,

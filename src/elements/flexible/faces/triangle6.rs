@@ -34,6 +34,7 @@ impl Face for Triangle6 {
 static SHAPE: FaceShape = FaceShape {
     name: "triangle of six nodes",
     nodes: NODES,
+    places: &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
     cyclic: &[0, 1, 2, 3, 4, 5],
     edges: &[&[0, 3, 1], &[1, 4, 2], &[2, 5, 0]],
     corners: 3,
