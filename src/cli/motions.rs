@@ -2,7 +2,7 @@
 
 use super::snapshot::{Snapshot, thinned};
 use crate::integrators::Mode;
-use crate::io::{ColouredSurface, Facet, Frame, IoError, MotionPicture, Polyline, Trail, View};
+use crate::io::{ColouredSurface, Facet, Frame, IoError, MotionPicture, Polyline, Role, Trail, View};
 use crate::scenes::{Drawn, NodePoint, Prepared};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -132,9 +132,25 @@ fn lapse(
         return None;
     }
     let bodies = sketch.lines.iter().any(|line| line.0 != Drawn::Link);
+    // a beam joins nodes
+    let is_of_body = |drawn: Drawn, points: &[NodePoint]| {
+        matches!(drawn, Drawn::Body | Drawn::Solid) && points.iter().all(|own| own.is_on_node_of(&points[0]))
+    };
+    let parts = match sketch.lines.iter().any(|(drawn, points)| is_of_body(*drawn, points)) {
+        true => prepared.mechanism.solids().parts,
+        false => Vec::new(),
+    };
+    let role = |drawn: Drawn, points: &[NodePoint]| {
+        let part = || parts.iter().position(|part| part == prepared.mechanism.node_of(&points[0]));
+        match drawn {
+            Drawn::Link if bodies => Role::Link,
+            _ if parts.len() > 1 && is_of_body(drawn, points) => part().map_or(Role::Plain, Role::Body),
+            _ => Role::Plain,
+        }
+    };
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
         points: points.iter().map(|point| point.at(&moment.q)).collect(),
-        role: usize::from(bodies && *drawn == Drawn::Link),
+        role: role(*drawn, points),
         // where surfaces are drawn in every pose, lines of shells are edges of these
         is_edge: *drawn == Drawn::Solid || (*drawn == Drawn::Shell && shown == Links::Always),
     };

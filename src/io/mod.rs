@@ -19,7 +19,7 @@ mod vtu;
 pub use arrow::ArrowFile;
 #[cfg(feature = "cli")]
 pub use drawing::{
-    Bars, Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_bars,
+    Bars, Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Role, Series, Style, Trail, View, write_bars,
     write_panels,
 };
 pub use file::{IoError, write_file};

@@ -1,5 +1,5 @@
 use super::builder::{MechanismBuilder, OutlinedLine};
-use crate::assembly::NodeId;
+use crate::assembly::{Node, NodeId};
 use crate::elements::{NodeKind, Parameter};
 use crate::functionals::Measured;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
@@ -26,6 +26,10 @@ impl NodePoint {
     /// First coordinate of its node and the bits of its place there: the same for equal points alone.
     pub fn identity(&self) -> (usize, [u64; 3]) {
         (self.dofs.start, self.local.map(f64::to_bits))
+    }
+    /// Whether two points move with one node.
+    pub fn is_on_node_of(&self, other: &NodePoint) -> bool {
+        self.dofs == other.dofs
     }
     /// Coordinates of its node among those of the whole mechanism.
     pub fn coordinates<'q>(&self, q: &'q [f64]) -> &'q [f64] {
@@ -126,6 +130,12 @@ impl MechanismBuilder<f64> {
             }
         }
         sketch
+    }
+
+    /// The name of the node with which a point moves.
+    pub(crate) fn node_of(&self, point: &NodePoint) -> &str {
+        let is_own = |node: &&Node| !node.dofs.is_empty() && node.dofs.start == point.dofs.start;
+        self.model.nodes.iter().find(is_own).map_or("", |node| &node.name)
     }
 
     /// What a point is called: its node, or a point on that.

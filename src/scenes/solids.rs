@@ -327,11 +327,9 @@ impl Solids<'_> {
 
     /// The place of a point's node among the parts, to which it is added.
     fn part(&mut self, point: &NodePoint) -> usize {
-        let nodes = &self.mechanism.model.nodes;
-        let own = nodes.iter().find(|node| !node.dofs.is_empty() && node.dofs.start == point.identity().0);
-        let name = own.map_or_else(String::new, |node| node.name.clone());
-        self.parts.iter().position(|known| *known == name).unwrap_or_else(|| {
-            self.parts.push(name);
+        let name = self.mechanism.node_of(point);
+        self.parts.iter().position(|known| known == name).unwrap_or_else(|| {
+            self.parts.push(name.into());
             self.parts.len() - 1
         })
     }

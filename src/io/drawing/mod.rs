@@ -12,4 +12,4 @@ mod plot;
 
 pub use bars::{Bars, write_bars};
 pub use chart::{Chart, Series, Style, write_panels};
-pub use motion::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
+pub use motion::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Role, Trail, View};

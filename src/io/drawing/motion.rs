@@ -1,21 +1,31 @@
 //! A motion in one picture: earlier positions faint, the last one strong, the paths of points as thin lines.
 
 use super::axis::{Mark, Marks, Scale, drawable, round_step};
-use super::picture::{
-    Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width, write_film,
-};
+use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, Picture, Place, WHITE_PAPER, text_width, write_film};
 use super::plot::{LABEL_SIZE, MARK_SIZE, Plot, TITLE_SIZE, marks_width};
 use crate::io::file::IoError;
 use crate::io::table::number;
 use std::path::Path;
+
+/// What a line of a picture is drawn for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Role {
+    /// The only body, or what is none, as a beam.
+    #[default]
+    Plain,
+    /// One of several bodies, in a colour of its own.
+    Body(usize),
+    /// A spring, damper or link.
+    Link,
+}
 
 /// A line through points of a body at one time.
 #[derive(Debug, Clone, Default)]
 pub struct Polyline {
     /// Positions x, y, z \[m\].
     pub points: Vec<[f64; 3]>,
-    /// Which colour: bodies of the same role share one.
-    pub role: usize,
+    /// What it is drawn for, which tells its colour.
+    pub role: Role,
     /// An edge of a solid: thinner than a line that stands for a body, and without joints at its ends.
     pub is_edge: bool,
 }
@@ -217,7 +227,7 @@ impl MotionPicture {
             let age = if last > first { (frame.time - first) / (last - first) } else { 0.0 };
             for line in &frame.lines {
                 for piece in pieces(&line.points, &place) {
-                    picture.line(piece, if line.is_edge { 1.0 } else { 1.7 }, faded(role_colour(line.role), age));
+                    picture.line(piece, if line.is_edge { 1.0 } else { 1.7 }, faded(line.role.colour(), age));
                 }
             }
         }
@@ -228,14 +238,14 @@ impl MotionPicture {
         self.draw_anchors(picture, &place);
         for line in &final_frame.lines {
             for piece in pieces(&line.points, &place) {
-                picture.line(piece, if line.is_edge { 1.5 } else { 3.4 }, role_colour(line.role));
+                picture.line(piece, if line.is_edge { 1.5 } else { 3.4 }, line.role.colour());
             }
         }
         // rings at the ends of all lines show the joints
         for line in final_frame.lines.iter().filter(|line| !line.is_edge) {
             let ends = [line.points.first(), line.points.last()];
             for &end in ends.into_iter().flatten().filter(|point| shown(point)) {
-                picture.disc(place(end), 4.2, role_colour(line.role));
+                picture.disc(place(end), 4.2, line.role.colour());
                 picture.disc(place(end), 2.2, WHITE_PAPER);
             }
         }
@@ -310,19 +320,19 @@ impl MotionPicture {
         let (start, top, bottom) = (end - 130.0, 17.0, 29.0);
         picture.text([right, 27.5], &to, MARK_SIZE, GREY_INK, Align::Right);
         picture.text([start - 8.0, 27.5], &from, MARK_SIZE, GREY_INK, Align::Right);
-        let mut roles: Vec<_> =
-            self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role % PALETTE.len()).collect();
+        let mut roles: Vec<_> = self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role).collect();
         roles.sort_unstable();
         roles.dedup();
+        roles.truncate(MOST_STRIPS);
         let strip = (bottom - top) / roles.len().max(1) as f64;
         for (line, &role) in roles.iter().enumerate() {
             let y = top + strip * line as f64;
             for step in 0..60 {
                 // each block reaches to the end, so that no paper shows between it and the next
                 let from = start + 124.0 / 60.0 * f64::from(step);
-                picture.block([from, y], [end, y + strip], faded(role_colour(role), f64::from(step) / 59.0));
+                picture.block([from, y], [end, y + strip], faded(role.colour(), f64::from(step) / 59.0));
             }
-            picture.block([end - 6.0, y], [end, y + strip], role_colour(role));
+            picture.block([end - 6.0, y], [end, y + strip], role.colour());
         }
     }
 
@@ -331,10 +341,12 @@ impl MotionPicture {
         (time(self.frames.first()), time(self.frames.last()))
     }
 
-    /// Trails take the colours that no role uses.
+    /// Trails take the colours that no body has, where one is left.
     fn trail_colour(&self, index: usize) -> Colour {
-        let roles = self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role + 1).max().unwrap_or(0);
-        PALETTE[(roles + index) % PALETTE.len()]
+        let body = |line: &Polyline| if let Role::Body(body) = line.role { body + 1 } else { 1 };
+        let bodies = self.frames.iter().flat_map(|frame| &frame.lines).map(body).max().unwrap_or(1);
+        let first = if bodies < BODIES.len() { bodies } else { 1 };
+        BODIES[(first + index) % BODIES.len()]
     }
 }
 
@@ -489,8 +501,38 @@ fn widen(scale: &mut Scale, least: f64) {
     (scale.lo, scale.hi) = (scale.lo - missing, scale.hi + missing);
 }
 
-fn role_colour(role: usize) -> Colour {
-    PALETTE[role % PALETTE.len()]
+/// Colours of bodies, those of the report.
+const BODIES: [Colour; 7] = [
+    [0x0b, 0x6b, 0xcb],
+    [0xd1, 0x60, 0x0a],
+    [0x2c, 0x8a, 0x3d],
+    [0x9a, 0x3f, 0xb5],
+    [0xc2, 0x33, 0x4d],
+    [0x0f, 0x8b, 0x8d],
+    [0x7a, 0x6a, 0x00],
+];
+
+/// Colour of springs, dampers and links.
+const LINK: Colour = [112, 118, 128];
+
+/// Most roles whose fading the key to the times shows.
+const MOST_STRIPS: usize = 4;
+
+impl Role {
+    /// Of more bodies than there are colours in the list these go around the circle by the golden angle, as in the report.
+    fn colour(self) -> Colour {
+        match self {
+            Role::Plain => BODIES[0],
+            Role::Link => LINK,
+            Role::Body(body) => BODIES.get(body).copied().unwrap_or_else(|| {
+                let [hue, saturation, lightness] = [137.5 * body as f64 % 360.0, 0.6, 0.42];
+                [0.0, 8.0, 4.0].map(|sector| {
+                    let k = (sector + hue / 30.0) % 12.0;
+                    (255.0 * (lightness - saturation * lightness * (k - 3.0).min(9.0 - k).clamp(-1.0, 1.0))).round() as u8
+                })
+            }),
+        }
+    }
 }
 
 /// The colour of an earlier frame: nearly white at age 0, just lighter than the last frame at age 1.
@@ -640,14 +682,34 @@ mod tests {
             tip.push(lower[16]);
             if step % 12 == 0 {
                 let lines = vec![
-                    Polyline { points: upper, role: 0, is_edge: false },
-                    Polyline { points: lower, role: 1, is_edge: false },
+                    Polyline { points: upper, role: Role::Body(0), is_edge: false },
+                    Polyline { points: lower, role: Role::Body(1), is_edge: false },
                 ];
                 motion.frames.push(Frame { time: t, lines });
             }
         }
         motion.trails.push(Trail { name: "tip".into(), points: tip });
         motion
+    }
+
+    #[test]
+    fn each_body_has_the_colour_that_the_report_gives_it() {
+        let page = include_str!("../../cli/report/page.js");
+        for [r, g, b] in BODIES {
+            assert!(page.contains(&format!("\"#{r:02x}{g:02x}{b:02x}\"")), "{r} {g} {b}");
+        }
+        // hsl(242.5, 60%, 42%)
+        assert_eq!(Role::Body(7).colour(), [48, 43, 171]);
+        let folder = Folder::new("motion-colours");
+        let mut motion = pendulum(View::Xy);
+        let link = Polyline { points: vec![[0.0; 3], [1.0, 0.0, 0.0]], role: Role::Link, is_edge: false };
+        motion.frames.iter_mut().for_each(|frame| frame.lines.push(link.clone()));
+        motion.write(&folder.0.join("motion")).unwrap();
+        let svg = std::fs::read_to_string(folder.0.join("motion.svg")).unwrap();
+        // two bodies, the link and the path of the tip
+        for [r, g, b] in [BODIES[0], BODIES[1], LINK, BODIES[2]] {
+            assert!(svg.contains(&format!("stroke=\"#{r:02x}{g:02x}{b:02x}\"")), "{r} {g} {b}");
+        }
     }
 
     #[test]
@@ -709,8 +771,11 @@ mod tests {
         // 60 lines that swing 25 times in 5001 frames, and slowly drift
         let at = |k: usize| {
             let x = (TAU * k as f64 / 200.0).sin() + 1e-4 * k as f64;
-            let line =
-                |j: usize| Polyline { points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]], role: 0, is_edge: false };
+            let line = |j: usize| Polyline {
+                points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]],
+                role: Role::Body(0),
+                is_edge: false,
+            };
             Frame { time: k as f64, lines: (0..60).map(line).collect() }
         };
         let frames: Vec<Frame> = (0..5001).map(at).collect();
@@ -728,14 +793,14 @@ mod tests {
         for view in [View::Xy, View::Isometric] {
             let broken = Polyline {
                 points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]],
-                role: 99,
+                role: Role::Body(99),
                 is_edge: false,
             };
             let frame = Frame { time: 0.0, lines: vec![broken] };
             let motion = MotionPicture { frames: vec![frame.clone(), frame], view, ..MotionPicture::default() };
             motion.write(&folder.0.join("one")).unwrap();
             MotionPicture { view, ..MotionPicture::default() }.write(&folder.0.join("none")).unwrap();
-            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0, is_edge: false };
+            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: Role::Body(0), is_edge: false };
             let frames = vec![Frame { time: 0.0, lines: vec![line] }];
             MotionPicture { frames, view, ..MotionPicture::default() }.write(&folder.0.join("small")).unwrap();
         }
