@@ -122,6 +122,8 @@ fn mistakes_of_both_files_are_told_in_their_own() {
         let why = refused(&of(given));
         assert!(why.contains(expected), "{why}");
     }
+    let why = refused(&(of("\"chain.toml\"") + "[[scenario]]\nname = \"a\"\nextends = \"chain.toml\"\n"));
+    assert!(why.contains("extends is the same in all scenarios"), "{why}");
     std::fs::write(folder.join("circle.toml"), of("\"own.toml\"")).unwrap();
     let why = refused(&of("\"circle.toml\""));
     assert!(why.starts_with(&format!("{}:2:11: ", named("circle.toml"))) && why.contains("extends itself"), "{why}");

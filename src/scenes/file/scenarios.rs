@@ -1,5 +1,6 @@
 //! Scenarios of a file: the same mechanism with other numbers, loads, drives, settings.
 
+use super::extended::EXTENDS;
 use super::mistake::Mistake;
 use super::raw::{Entry, Raw, RawValue};
 use crate::scenes::unknown;
@@ -7,7 +8,7 @@ use crate::scenes::unknown;
 /// The section of scenarios.
 pub(super) const SCENARIO: &str = "scenario";
 /// Sections that all scenarios share.
-const SHARED: [&str; 4] = ["version", "name", "variable", "optimization"];
+const SHARED: [&str; 5] = ["version", EXTENDS, "name", "variable", "optimization"];
 
 /// Takes the scenarios out of a file: their names, and the whole file as each makes it.
 ///
