@@ -427,7 +427,7 @@ fn the_list_of_parts_has_all_types_of_the_sections_that_it_names() {
         let of = |part: &&serde_json::Value| part["section"] == section;
         let listed: Vec<&str> =
             parts["parts"].as_array().unwrap().iter().filter(of).map(|part| part["name"].as_str().unwrap()).collect();
-        let forms = schema["properties"][section]["items"]["oneOf"].as_array().unwrap();
+        let forms = schema["oneOf"][0]["properties"][section]["items"]["oneOf"].as_array().unwrap();
         let known: Vec<&str> = forms.iter().map(|form| form["properties"]["type"]["const"].as_str().unwrap()).collect();
         assert_eq!(listed, known, "{section}");
     }

@@ -21,7 +21,7 @@ settings = { end = 0.3, steps = 150, method = "esdirk5" }
 body = [{ name = "mass", mass = 2, inertia = [1, 1, 1] }]
 joint = [{ name = "slide", type = "prismatic", between = ["ground", "mass"], axis = [1, 0, 0] }]
 spring = [{ name = "spring", type = "slide", between = ["ground", "mass"], axis = [1, 0, 0], stiffness = 200, damping = 8 }]
-state = [{ name = "lag", initial = { z = 0 }, rate = { z = "-z / 0.05" }, nodes = { mass = "mass" } }]
+state = [{ name = "lag", type = "formula", initial = { z = 0 }, rate = { z = "-z / 0.05" }, nodes = { mass = "mass" } }]
 "#;
 
 #[test]

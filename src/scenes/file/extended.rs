@@ -39,21 +39,17 @@ pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
     while let Some((name, text)) = extended(source)? {
         source.extend(name, text);
     }
-    let mut whole: Option<Raw> = None;
+    let mut whole = Raw { at: 0, value: RawValue::Table(Vec::new()) };
     for (text, from) in source.texts() {
         let own = Raw::parse(text, from).map_err(|mistake| source.told(&mistake))?;
-        let Some(other) = &mut whole else {
-            whole = Some(own);
-            continue;
-        };
-        if let RawValue::Table(entries) = &mut other.value {
+        if let RawValue::Table(entries) = &mut whole.value {
             entries.retain(|entry| !OWN.contains(&entry.key.as_str()));
         }
         let entries: &[Entry] = own.entries().unwrap_or_default();
-        entries.iter().try_for_each(|entry| put(other, entry, &entry.key)).map_err(|mistake| source.told(&mistake))?;
-        other.at = own.at;
+        entries.iter().try_for_each(|entry| put(&mut whole, entry, &entry.key)).map_err(|mistake| source.told(&mistake))?;
+        whole.at = own.at;
     }
-    whole.ok_or_else(String::new)
+    Ok(whole)
 }
 
 /// Name and text of what the first file of a source extends.
