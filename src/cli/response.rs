@@ -71,7 +71,11 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
     };
     let answers: Vec<Answer> = prepared.functionals().iter().enumerate().map(answer).collect();
     say(format_args!("{}: {}", scene.name(), scene.summary()));
-    say(format_args!("small steady vibrations where \"{}\" varies harmonically\n", options.by));
+    let about = match prepared.spin_rate() {
+        Some(_) => ", about the steady turn at which the motion begins, in the frame that turns",
+        None => "",
+    };
+    say(format_args!("small steady vibrations where \"{}\" varies harmonically{about}\n", options.by));
     let mut table =
         Table::new(&["functional", "unit", "at the first rate", "largest amplitude", "at [rad/s]", "[Hz]", "phase [deg]"]);
     for own in &answers {
