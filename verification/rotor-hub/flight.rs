@@ -4,10 +4,11 @@ use super::blade_element::{coning, power, strips};
 use super::swash_plate::pitch;
 use super::{HUB, told};
 use crate::verification::Report;
-use crate::verification::optimized::{by_iteration, seconds};
+use crate::verification::optimized::{by_iteration, optimize_from, seconds};
 use costate::cli::{Chart, Series, Style};
 use costate::functionals::Sample;
-use costate::optimize::{Optimization, Optimized, Sqp};
+use costate::optimize::{GradientBy, Optimized};
+use costate::prelude::DesignVariable;
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::path::PathBuf;
 
@@ -161,13 +162,7 @@ fn optimum_of(report: &mut Report, panels: usize) -> Result<(), String> {
 
 /// From blades of one thickness.
 fn optimized(scene: &FileScene, start: f64) -> Result<Optimized, String> {
-    let mut optimization = Optimization::of(scene).map_err(told)?;
-    optimization.stopping.iterations = ITERATIONS;
-    let mut design = optimization.initial();
-    for (own, variable) in design.iter_mut().zip(optimization.variables()) {
-        if variable.name.starts_with("thickness") {
-            *own = start;
-        }
-    }
-    optimization.run(&Sqp, &design, &mut ()).map_err(told)
+    let of = |own: DesignVariable| if own.name.starts_with("thickness") { start } else { own.initial };
+    let design: Vec<f64> = scene.variables().into_iter().map(of).collect();
+    optimize_from(&design, scene, scene.settings().steps, GradientBy::Adjoint, ITERATIONS).map_err(told)
 }

@@ -36,12 +36,15 @@ pub(super) fn text_of(path: &Path) -> Result<String, String> {
 /// # Errors
 /// What is no TOML, and a file that cannot be extended.
 pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
-    while let Some((name, text)) = extended(source)? {
+    let parse = |source: &Source| Raw::parse(&source.first().text).map_err(|mistake| source.told(&mistake));
+    let mut whole = parse(source)?;
+    let mut changes = Vec::new();
+    while let Some((name, text)) = extended(source, &whole)? {
         source.extend(name, text);
+        changes.push(std::mem::replace(&mut whole, parse(source)?));
     }
-    let mut whole = Raw { at: 0, value: RawValue::Table(Vec::new()) };
-    for (text, from) in source.texts() {
-        let own = Raw::parse(text, from).map_err(|mistake| source.told(&mistake))?;
+    for (own, from) in changes.into_iter().rev().zip(source.starts().skip(1)) {
+        let own = own.moved(from);
         if let RawValue::Table(entries) = &mut whole.value {
             entries.retain(|entry| !OWN.contains(&entry.key.as_str()));
         }
@@ -52,9 +55,8 @@ pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
     Ok(whole)
 }
 
-/// Name and text of what the first file of a source extends.
-fn extended(source: &Source) -> Result<Option<(String, String)>, String> {
-    let tree = Raw::parse(&source.first().text, 0).map_err(|mistake| source.told(&mistake))?;
+/// Name and text of what the first file of a source extends, whose tree this is.
+fn extended(source: &Source, tree: &Raw) -> Result<Option<(String, String)>, String> {
     let Some(named) = tree.get(EXTENDS) else { return Ok(None) };
     let wrong = |what: String| source.told(&Mistake::new(named.at, what));
     let Some(file) = named.text().filter(|file| !file.is_empty() && !file.contains(['/', '\\'])) else {

@@ -57,19 +57,15 @@ impl Source {
         self.0.iter().any(|own| own.name == name)
     }
 
-    /// All texts, each with the number of its first place.
-    pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
-        self.0.iter().scan(0, |next, own| {
-            let from = *next;
-            *next += own.text.len() + 1;
-            Some((own.text.as_str(), from))
-        })
+    /// The numbers of the first places of all texts.
+    pub fn starts(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().scan(0, |next, own| Some(std::mem::replace(next, *next + own.text.len() + 1)))
     }
 
     /// `pendulum.toml:12:8`: line and column, counted from 1 in characters.
     pub fn place(&self, at: usize) -> String {
-        let known = self.texts().zip(&self.0).take_while(|((_, from), _)| *from <= at).last();
-        let Some(((text, from), Text { name, .. })) = known else { return String::new() };
+        let known = self.starts().zip(&self.0).take_while(|(from, _)| *from <= at).last();
+        let Some((from, Text { name, text })) = known else { return String::new() };
         let end = (0..=(at - from).min(text.len())).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
         let before = &text[..end];
         let line = before.matches('\n').count() + 1;

@@ -2,7 +2,6 @@
 
 use super::expression::{Expression, Quantity, Scope, meaning};
 use super::mistake::Mistake;
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// A value and where it stands.
@@ -37,13 +36,28 @@ pub(super) struct Entry {
 }
 
 impl Raw {
-    /// The tree of a text whose places are counted from a number.
-    pub fn parse(text: &str, from: usize) -> Result<Raw, Mistake> {
+    /// The tree of a text.
+    pub fn parse(text: &str) -> Result<Raw, Mistake> {
         let table = DeTable::parse(text).map_err(|error| {
-            let at = from + error.span().map_or(0, |span| span.start);
+            let at = error.span().map_or(0, |span| span.start);
             Mistake::new(at, format!("this is no TOML: {}", error.message().trim().replace('\n', ", ")))
         })?;
-        Ok(Raw { at: from, value: Reading { text, from }.table(table.get_ref()) })
+        Ok(Raw { at: 0, value: raw_table(text, table.get_ref()) })
+    }
+
+    /// The same of a text that stands behind another one.
+    pub fn moved(mut self, by: usize) -> Raw {
+        self.at += by;
+        match &mut self.value {
+            RawValue::Text(_, Some(place)) => *place += by,
+            RawValue::List(list) => *list = std::mem::take(list).into_iter().map(|own| own.moved(by)).collect(),
+            RawValue::Table(entries) => {
+                let own = std::mem::take(entries).into_iter();
+                *entries = own.map(|own| Entry { at: own.at + by, value: own.value.moved(by), ..own }).collect();
+            }
+            _ => {}
+        }
+        self
     }
 
     /// What it is, for messages.
@@ -110,47 +124,38 @@ impl Raw {
     }
 }
 
-/// A text that is read, and the number of its first place.
-struct Reading<'t> {
-    text: &'t str,
-    from: usize,
+fn raw_table(text: &str, table: &DeTable) -> RawValue {
+    let mut entries: Vec<Entry> = table
+        .iter()
+        .map(|(key, value)| Entry {
+            key: key.get_ref().to_string(),
+            at: key.span().start,
+            value: raw(text, value.get_ref(), value.span().start),
+        })
+        .collect();
+    entries.sort_by_key(|entry| entry.at);
+    RawValue::Table(entries)
 }
 
-impl Reading<'_> {
-    fn table(&self, table: &DeTable) -> RawValue {
-        let mut entries: Vec<Entry> = table
-            .iter()
-            .map(|(key, value)| Entry {
-                key: key.get_ref().to_string(),
-                at: self.from + key.span().start,
-                value: self.value(value),
-            })
-            .collect();
-        entries.sort_by_key(|entry| entry.at);
-        RawValue::Table(entries)
-    }
-
-    fn value(&self, value: &Spanned<DeValue>) -> Raw {
-        let number = |digits: &str, whole| RawValue::Number { value: digits.parse().unwrap_or(f64::NAN), whole };
-        let at = value.span().start;
-        let value = match value.get_ref() {
-            DeValue::String(own) => {
-                let is_plain = self.text.get(at + 1..).is_some_and(|rest| rest.starts_with(&**own));
-                RawValue::Text(own.to_string(), is_plain.then_some(self.from + at + 1))
-            }
-            DeValue::Integer(own) if own.radix() == 10 => number(&own.as_str().replace('_', ""), true),
-            DeValue::Integer(own) => {
-                let value = i64::from_str_radix(&own.as_str().replace('_', ""), own.radix());
-                RawValue::Number { value: value.map_or(f64::NAN, |value| value as f64), whole: true }
-            }
-            DeValue::Float(own) => number(&own.as_str().replace('_', ""), false),
-            DeValue::Boolean(flag) => RawValue::Flag(*flag),
-            DeValue::Datetime(_) => RawValue::Date,
-            DeValue::Array(list) => RawValue::List(list.iter().map(|own| self.value(own)).collect()),
-            DeValue::Table(table) => self.table(table),
-        };
-        Raw { at: self.from + at, value }
-    }
+fn raw(text: &str, value: &DeValue, at: usize) -> Raw {
+    let number = |digits: &str, whole| RawValue::Number { value: digits.parse().unwrap_or(f64::NAN), whole };
+    let value = match value {
+        DeValue::String(own) => {
+            let is_plain = text.get(at + 1..).is_some_and(|rest| rest.starts_with(&**own));
+            RawValue::Text(own.to_string(), is_plain.then_some(at + 1))
+        }
+        DeValue::Integer(own) if own.radix() == 10 => number(&own.as_str().replace('_', ""), true),
+        DeValue::Integer(own) => {
+            let value = i64::from_str_radix(&own.as_str().replace('_', ""), own.radix());
+            RawValue::Number { value: value.map_or(f64::NAN, |value| value as f64), whole: true }
+        }
+        DeValue::Float(own) => number(&own.as_str().replace('_', ""), false),
+        DeValue::Boolean(flag) => RawValue::Flag(*flag),
+        DeValue::Datetime(_) => RawValue::Date,
+        DeValue::Array(list) => RawValue::List(list.iter().map(|own| raw(text, own.get_ref(), own.span().start)).collect()),
+        DeValue::Table(table) => raw_table(text, table),
+    };
+    Raw { at, value }
 }
 
 /// Most entries that one stands for.
