@@ -74,9 +74,8 @@ impl Over {
     }
 
     /// The aggregate, if it is one.
-    ///
-    /// Not inlined: the optimizer would read an aggregate's kind before it knows that there is one, and decide by it
-    /// only afterwards, which a memory checker takes for the use of a number that was never set.
+    // the optimizer would read an aggregate's kind before it knows that there is one, and decide by it only afterwards, which a memory
+    // checker takes for the use of a number that was never set
     #[inline(never)]
     pub const fn aggregate(&self) -> Option<&Aggregate> {
         match self {
