@@ -3,8 +3,8 @@
 //! All of them come from g(q, p, t) or h(v, q, p, t) alone: the reaction A^T mu is the gradient of mu . g with respect to q (of mu . h with
 //! respect to v), and time derivatives follow along the motion.
 
-use super::batches::Lanes;
 use super::element_programs::gradient;
+use super::lanes::Lanes;
 use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, VectorsAvq};

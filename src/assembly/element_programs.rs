@@ -1,6 +1,6 @@
 //! Programs of elements: residual or impulse, its matrix along reduced columns, and products with adjoint variables.
 
-use super::batches::Lanes;
+use super::lanes::Lanes;
 use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};

@@ -3,8 +3,10 @@
 //! With B = A^T (the reaction's direction) and C the derivative of the node's own equations with respect to its unknowns, the matrix gets
 //! N_L^T J N_R, where N_L is orthogonal to B and N_R to C. Unknowns move along N_R and are then brought back onto the node's equations.
 
-use super::batches::{BatchWork, ConstraintBatch, LaneResults, run_lanes};
+use super::batches::ConstraintBatch;
 use super::constraint_programs::{Asked, ConstraintPart};
+use super::evaluation::{BatchWork, run_lanes};
+use super::lanes::LaneResults;
 use super::node_programs;
 use super::numbering::System;
 use super::unit_length::UnitLengths;

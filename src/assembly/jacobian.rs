@@ -1,7 +1,9 @@
-use super::batches::{BatchWork, ElementBatch, LaneResults, run_lanes};
+use super::batches::ElementBatch;
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
+use super::evaluation::{BatchWork, run_lanes};
 use super::inside_nodes::{CURVATURE, InsideNodes};
+use super::lanes::LaneResults;
 use super::node_programs;
 use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};

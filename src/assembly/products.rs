@@ -1,8 +1,10 @@
-use super::batches::{Batch, BatchWork, LaneResults, Run, run_lanes};
+use super::batches::Batch;
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
+use super::evaluation::{BatchWork, run_lanes};
 use super::inside_nodes::PRODUCTS;
 use super::jacobian::numbers_of;
+use super::lanes::{LaneResults, Run};
 use super::node_programs;
 use super::numbering::{DofMap, System};
 use super::places::{Places, Starts};
@@ -209,7 +211,7 @@ impl<S: RunScalar> Products<S> {
             elements: [const { None }; Force::KINDS],
             constraints: None,
             active: active.to_vec(),
-            work: BatchWork::default(),
+            work: BatchWork::shared(),
             inside_nodes: Vec::new(),
         }
     }

@@ -1,7 +1,9 @@
-use super::batches::{Batch, BatchWork, last_bit, run_lanes};
+use super::batches::Batch;
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
+use super::evaluation::{BatchWork, run_lanes};
 use super::inside_nodes::InsideNodes;
+use super::lanes::last_bit;
 use super::numbering::System;
 use super::reduction::NodeReduction;
 use super::{Clock, Equations, StageSystem, TermPoint, Unknowns, VectorsAvq};
@@ -103,6 +105,11 @@ impl<S> Default for Residual<S> {
 }
 
 impl<S: RunScalar> Residual<S> {
+    /// One that all ranks evaluate in the same order: they share its elements.
+    pub fn shared() -> Self {
+        Residual { work: BatchWork::shared(), ..Residual::default() }
+    }
+
     /// Numbers for a system.
     fn make_room(&mut self, system: &System) {
         let (dofs, rows) = (system.model.dofs, system.multipliers());

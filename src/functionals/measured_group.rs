@@ -183,6 +183,13 @@ pub struct GroupWork<S> {
     pub(super) values: Vec<[S; 2]>,
 }
 
+impl<S> GroupWork<S> {
+    /// For values that all ranks ask for in the same order: they share long evaluations.
+    pub fn shared() -> Self {
+        GroupWork { batch: BatchWork::shared(), values: Vec::new() }
+    }
+}
+
 impl<S> Default for GroupWork<S> {
     fn default() -> Self {
         GroupWork { batch: BatchWork::default(), values: Vec::new() }
@@ -464,7 +471,7 @@ impl MeasuredGroup {
             selection.count = members.len();
             selection.places = MemberPlaces::of(members, &self.parameters);
         }
-        GroupGradient { selections, work: BatchWork::default() }
+        GroupGradient { selections, work: BatchWork::shared() }
     }
 }
 

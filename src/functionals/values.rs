@@ -57,7 +57,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             last: None,
             sample: Sample::empty(),
             reading: functionals.iter().any(Functional::reads_multipliers),
-            work: GroupWork::default(),
+            work: GroupWork::shared(),
             clocks: None,
             next_step: 0,
         }

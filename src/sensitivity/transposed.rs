@@ -181,7 +181,8 @@ impl<'m> TransposedSolver<'m> {
     ) -> Self {
         TransposedSolver {
             is_alone,
-            residual: Residual::default(),
+            // a small one may have its factors made ahead, at any time
+            residual: if is_large(factorization.plan()) { Residual::shared() } else { Residual::default() },
             jacobian: Jacobian::default(),
             system,
             factorization,

@@ -163,7 +163,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     fn of(system: Arc<System<'m>>, tolerance: NewtonTolerance, factorization: Factorization) -> Self {
         Newton {
-            residual: Residual::default(),
+            residual: Residual::shared(),
             jacobian: Jacobian::default(),
             rhs: Vec::new(),
             exact: Vec::new(),

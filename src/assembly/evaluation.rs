@@ -1,0 +1,246 @@
+//! Programs of many parts, some side by side, on all threads, and on all ranks.
+
+use super::lanes::{LaneResults, Lanes};
+use super::places::MOST_LANES;
+use crate::elements::RunScalar;
+use crate::exchange::{Exchange, world};
+use crate::program::{Program, ProgramWork};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Numbers that start at a line of the cache.
+#[derive(Clone, Debug)]
+struct Aligned<S>(Vec<S>);
+
+impl<S> Default for Aligned<S> {
+    fn default() -> Self {
+        Aligned(Vec::new())
+    }
+}
+
+impl<S: RunScalar> Aligned<S> {
+    /// The first `count` numbers, with any values.
+    #[inline(always)]
+    fn first(&mut self, count: usize) -> &mut [S] {
+        const MARGIN: usize = 8;
+        if self.0.len() < count + MARGIN {
+            self.0.resize(count + MARGIN, S::zero());
+        }
+        let start = self.0.as_ptr().align_offset(64).min(MARGIN);
+        &mut self.0[start..start + count]
+    }
+}
+
+/// Workspace of evaluations.
+#[derive(Clone, Debug)]
+pub(crate) struct BatchWork<S> {
+    pieces: Vec<Group<S>>,
+    is_shared: bool,
+}
+
+impl<S> BatchWork<S> {
+    /// For evaluations that all ranks make in the same order: they share long ones.
+    pub fn shared() -> Self {
+        BatchWork { is_shared: true, ..BatchWork::default() }
+    }
+
+    /// Some groups, made where they are not there yet.
+    fn first(&mut self, count: usize) -> &mut [Group<S>] {
+        if self.pieces.len() < count {
+            self.pieces.resize_with(count, Group::default);
+        }
+        &mut self.pieces[..count]
+    }
+}
+
+/// Elements that are evaluated side by side.
+#[derive(Clone, Debug)]
+struct Group<S> {
+    /// Its first one, while it waits.
+    first: usize,
+    /// Arguments, one element after the other, where they are written so.
+    apart: Vec<S>,
+    inputs: Aligned<S>,
+    outputs: Aligned<S>,
+    work: ProgramWork<S>,
+}
+
+impl<S> Default for Group<S> {
+    fn default() -> Self {
+        Group {
+            first: 0,
+            apart: Vec::new(),
+            inputs: Aligned::default(),
+            outputs: Aligned::default(),
+            work: ProgramWork::default(),
+        }
+    }
+}
+
+impl<S> Default for BatchWork<S> {
+    fn default() -> Self {
+        BatchWork { pieces: Vec::new(), is_shared: false }
+    }
+}
+
+/// Groups that several threads evaluate at a time, while the results of as many are taken.
+const PIECES: usize = 16;
+/// Groups that go through a section of a long program together: what they store in between should stay in the second cache.
+const TOGETHER: usize = 4;
+/// Instructions of all parts together below which one thread does them: waking others costs more.
+const PARALLEL: usize = 400_000;
+/// The same below which each rank does them, and instructions of a part for each of its results: sending them costs more.
+const SHARED: [usize; 2] = [10 * PARALLEL, 20];
+
+/// How many parts are evaluated next, and in how many lanes: a few left over are done one by one.
+fn next_group(left: usize, lanes: usize) -> (usize, usize) {
+    if lanes > 1 && left * 3 > lanes { (left.min(lanes), lanes) } else { (1, 1) }
+}
+
+/// The first part of each group.
+fn groups(count: usize, lanes: usize) -> impl ExactSizeIterator<Item = usize> + Clone {
+    let (full, left) = (count / lanes, count % lanes);
+    let further = if left > 0 && next_group(left, lanes).1 == lanes { 1 } else { left };
+    (0..full + further).map(move |group| lanes * group.min(full) + group.saturating_sub(full))
+}
+
+/// Executes a program for `count` parts: `write` sets the arguments of those that are evaluated side by side, with a list to use as it likes;
+/// `read` takes their results, in the order of the parts.
+pub(crate) fn run_lanes<S: RunScalar>(
+    program: &Program,
+    count: usize,
+    work: &mut BatchWork<S>,
+    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    read: impl FnMut(LaneResults<S>) + Send,
+) {
+    let instructions = program.listing().instructions.len();
+    let is_long = count * instructions >= SHARED[0] && instructions >= SHARED[1] * program.outputs();
+    if work.is_shared && is_long && S::PARTS == 0 && world().ranks() > 1 {
+        run_on_ranks(world(), program, count, work, write, read);
+    } else {
+        run_parts(program, 0..count, work, write, read);
+    }
+}
+
+/// Parts of a rank.
+fn own_parts(count: usize, rank: usize, ranks: usize) -> Range<usize> {
+    let blocks = count.div_ceil(MOST_LANES);
+    let first = |rank: usize| (blocks * rank / ranks * MOST_LANES).min(count);
+    first(rank)..first(rank + 1)
+}
+
+/// Each rank evaluates some parts, and takes the results of all.
+fn run_on_ranks<S: RunScalar>(
+    world: &dyn Exchange,
+    program: &Program,
+    count: usize,
+    work: &mut BatchWork<S>,
+    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    mut read: impl FnMut(LaneResults<S>) + Send,
+) {
+    let outputs = program.outputs();
+    let of_rank = |rank: usize| own_parts(count, rank, world.ranks());
+    let own = of_rank(world.rank());
+    let mut results = Vec::with_capacity(own.len() * outputs);
+    let mut keep = |lanes: LaneResults<S>| {
+        lanes.for_each_part(|_, numbers| results.extend(numbers.take(outputs).map(|number| number.value())));
+    };
+    run_parts(program, own, work, write, &mut keep);
+    let counts: Vec<usize> = (0..world.ranks()).map(|rank| of_rank(rank).len() * outputs).collect();
+    let all = world.gather(&results, &counts);
+    let mut numbers = Vec::with_capacity(outputs);
+    for (part, own) in all.chunks_exact(outputs).enumerate() {
+        numbers.clear();
+        numbers.extend(own.iter().map(|&number| S::from(number)));
+        read(LaneResults { numbers: &numbers, width: 1, parts: part..part + 1 });
+    }
+}
+
+/// Executes a program for some parts.
+fn run_parts<S: RunScalar>(
+    program: &Program,
+    parts: Range<usize>,
+    work: &mut BatchWork<S>,
+    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    mut read: impl FnMut(LaneResults<S>) + Send,
+) {
+    let (begin, count) = (parts.start, parts.len());
+    let lanes = S::lanes();
+    let (inputs, outputs) = (program.inputs(), program.outputs());
+    let fill = |group: &mut Group<S>| {
+        let (parts, width) = next_group(count - group.first, lanes);
+        let numbers = group.inputs.first(inputs * width);
+        write(Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 }, &mut group.apart);
+    };
+    let run = |section: usize, group: &mut Group<S>| {
+        let width = next_group(count - group.first, lanes).1;
+        let (arguments, results) = (group.inputs.first(inputs * width), group.outputs.first(outputs * width));
+        match (width, section) {
+            (1, 0) => S::run(program, arguments, results, &mut group.work),
+            (1, _) => {}
+            _ => S::run_section(program, section, arguments, results, &mut group.work),
+        }
+    };
+    let sections = if count * 3 > lanes { S::sections(program) } else { 1 };
+    let evaluate = |groups: &mut [Group<S>]| {
+        groups.iter_mut().for_each(fill);
+        for section in 0..sections {
+            groups.iter_mut().for_each(|group| run(section, group));
+        }
+    };
+    let mut take = |group: &mut Group<S>| {
+        let (parts, width) = next_group(count - group.first, lanes);
+        let numbers = &*group.outputs.first(outputs * width);
+        read(LaneResults { numbers, width, parts: begin + group.first..begin + group.first + parts });
+    };
+    let together = if sections > 1 { TOGETHER } else { 1 };
+    let mut firsts = groups(count, lanes);
+    let mut set_firsts = |groups: &mut [Group<S>]| {
+        let next = groups.iter_mut().zip(&mut firsts);
+        next.map(|(group, first)| group.first = first).count()
+    };
+    let alone = rayon::current_num_threads() == 1 || count < 2 * lanes;
+    if alone || count * program.listing().instructions.len() < PARALLEL {
+        let pieces = work.first(together);
+        loop {
+            let ready = set_firsts(pieces);
+            if ready == 0 {
+                return;
+            }
+            evaluate(&mut pieces[..ready]);
+            pieces[..ready].iter_mut().for_each(&mut take);
+        }
+    }
+    let (mut now, mut next) = work.first(2 * PIECES).split_at_mut(PIECES);
+    let mut start = |groups: &mut [Group<S>]| {
+        let ready = set_firsts(groups);
+        groups[..ready].par_chunks_mut(together).for_each(evaluate);
+        ready
+    };
+    let mut ready = start(now);
+    while ready > 0 {
+        let taking = || now[..ready].iter_mut().for_each(&mut take);
+        let ((), following) = rayon::join(taking, || start(next));
+        ready = following;
+        std::mem::swap(&mut now, &mut next);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_hold_all_parts_once() {
+        for lanes in [1, 2, 4, 8] {
+            for count in 0..40 {
+                let mut first = 0;
+                for own in groups(count, lanes) {
+                    assert_eq!(own, first, "{count} parts in {lanes} lanes");
+                    first += next_group(count - first, lanes).0;
+                }
+                assert_eq!(first, count);
+            }
+        }
+    }
+}
