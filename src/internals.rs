@@ -17,6 +17,7 @@ pub use crate::elements::flexible::{
 };
 pub use crate::elements::forces::types::*;
 pub use crate::elements::joints::types::*;
+pub use crate::exchange::{Traffic, of_all_ranks, traffic};
 pub use crate::functionals::quantities::types::*;
 pub use crate::functionals::{
     element_sum::ElementSum, functional::Measured, load::JointLoad, measured_group::MeasuredGroup,
@@ -32,6 +33,7 @@ pub use crate::integrators::{
 #[cfg(feature = "cli")]
 pub use crate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};
 pub use crate::io::{read_csv, write_csv};
+pub use crate::linalg::OwnUnknowns;
 pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
 pub use crate::program::{
     ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, compile_time, lanes, record,

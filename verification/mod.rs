@@ -25,6 +25,7 @@ mod noise;
 mod optimized;
 #[path = "orders/study.rs"]
 mod orders;
+mod phases;
 #[path = "plate-pendulum/study.rs"]
 mod plate_pendulum;
 #[path = "rigid-benchmarks/study.rs"]
@@ -36,6 +37,8 @@ mod robustness;
 #[path = "rotor-hub/study.rs"]
 mod rotor_hub;
 mod rounding;
+#[path = "scaling/study.rs"]
+mod scaling;
 #[path = "shell-benchmarks/study.rs"]
 mod shell_benchmarks;
 #[path = "signals/study.rs"]
@@ -73,6 +76,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(gradient_cost::GradientCost),
         Box::new(chain::ChainCost),
         Box::new(plate_pendulum::PlatePendulumStudy),
+        Box::new(scaling::Scaling),
         Box::new(stability::Stability),
         Box::new(robustness::Robustness),
         Box::new(work_precision::WorkPrecision),

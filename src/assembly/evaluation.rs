@@ -228,7 +228,38 @@ fn run_parts<S: RunScalar>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::places::Starts;
     use super::*;
+    use crate::exchange::on_ranks;
+    use crate::program::Formula;
+    use crate::scalar::Scalar;
+
+    #[test]
+    fn ranks_take_the_results_of_all_parts_in_their_order() {
+        let formula = Formula::record(2, |x| vec![x[0] * x[1], (x[0] - x[1]).sin()]).expect("no branch");
+        let values: Vec<f64> = (0..200).map(|place| 1.0 / f64::from(3 + place)).collect();
+        for count in [1, 7, 8, 9, 16, 50, 99] {
+            let starts = Starts::of_parts((0..count).map(|part| 2 * part..2 * part + 2));
+            // sums over neighbours, which depend on the order of the parts
+            let sums = |world: &dyn Exchange| {
+                let (mut sums, mut work) = (vec![0.1; count + 1], BatchWork::default());
+                let write = |mut lanes: Lanes<f64>, _: &mut Vec<f64>| lanes.gather(&starts, &values);
+                let read = |results: LaneResults<f64>| {
+                    results.for_each_part(|part, own| own.enumerate().for_each(|(k, own)| sums[part + k] += own / 3.0));
+                };
+                match world.ranks() {
+                    1 => run_parts(formula.values(), 0..count, &mut work, write, read),
+                    _ => run_on_ranks(world, formula.values(), count, &mut work, write, read),
+                }
+                sums
+            };
+            let alone = on_ranks(1, sums).remove(0);
+            for ranks in 2..=5 {
+                let given = on_ranks(ranks, sums);
+                assert!(given.iter().all(|given| *given == alone), "{count} parts on {ranks} ranks");
+            }
+        }
+    }
 
     #[test]
     fn groups_hold_all_parts_once() {

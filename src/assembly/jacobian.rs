@@ -165,18 +165,24 @@ impl Jacobian {
     }
 
     /// From now on only what the rows and columns of this rank's unknowns take is evaluated, or all again. It is for one system.
-    pub(crate) fn divide(&mut self, unknowns: Option<&Arc<OwnUnknowns>>) {
+    pub fn divide(&mut self, unknowns: Option<&Arc<OwnUnknowns>>) {
         if self.own.as_ref().map(|own| Arc::as_ptr(&own.unknowns)) != unknowns.map(Arc::as_ptr) {
             let own = |unknowns: &Arc<_>| OwnElements { unknowns: Arc::clone(unknowns), batches: Default::default() };
             self.own = unknowns.map(own);
         }
     }
 
+    /// How many elements this rank evaluates for its rows and columns, where the matrix is divided.
+    pub fn own_elements(&self) -> Option<usize> {
+        let batches = self.own.as_ref()?.batches[Force::Residual.kind()].as_ref()?;
+        Some(batches.iter().map(|batch| batch.parts.len()).sum())
+    }
+
     /// Factors the matrix, all of it or what this rank has.
     ///
     /// # Errors
     /// As for [`Factorization::factor`].
-    pub(crate) fn factor_in(&mut self, factorization: &mut Factorization) -> Result<(), Singular> {
+    pub fn factor_in(&mut self, factorization: &mut Factorization) -> Result<(), Singular> {
         match &self.own {
             Some(_) => factorization.factor_own(&mut self.values, self.mark),
             None => factorization.factor(&self.values),

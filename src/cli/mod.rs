@@ -237,7 +237,9 @@ impl<'p> CommandLine<'p> {
     /// # Errors
     /// Bad input where other processes would do the same for nothing.
     fn check_ranks(&self, command: &Command) -> Result<(), Failure> {
+        let is_for_ranks = |name: &str| self.studies.iter().any(|study| study.name() == name && study.is_for_ranks());
         match command {
+            Command::Verify(options) if options.name.as_deref().is_some_and(is_for_ranks) => Ok(()),
             Command::Run(_) | Command::Gradient(_) | Command::Optimize(_) | Command::Sweep(_) => Ok(()),
             _ if !exchange::is_shared() => Ok(()),
             _ => Err(Failure::input("ranks share the work of run, gradient, optimize and sweep: start this without mpirun")),

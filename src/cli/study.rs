@@ -12,6 +12,10 @@ pub trait Study {
     fn forms(&self) -> &'static [Form] {
         &[]
     }
+    /// Whether ranks that `mpirun` starts carry it out together.
+    fn is_for_ranks(&self) -> bool {
+        false
+    }
     /// Measures, and writes every figure to the report.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use std::time::Instant;
 #[derive(Args)]
 pub struct VerifyOptions {
     /// Name of a study, or "all"; without it the studies are listed
-    name: Option<String>,
+    pub(super) name: Option<String>,
     /// Write the result to verification/NAME/result.md of the source tree, with its pictures
     #[arg(long, requires = "name")]
     record: bool,

@@ -24,6 +24,15 @@ pub(crate) use threads::{on_ranks, on_ranks_within};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+/// What a rank has spent on others so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Waiting for messages \[s\].
+    pub waited: f64,
+    /// Sent to other ranks \[bytes\].
+    pub sent: f64,
+}
+
 /// Messages among ranks, each of which calls the same functions in the same order as far as they concern another one.
 ///
 /// No call returns an error: a rank that is gone, or that others wait for in vain, is the end of the program.
@@ -44,6 +53,10 @@ pub(crate) trait Exchange: Sync {
     fn longest_wait(&self) -> Duration;
     /// Numbers of all ranks, one after the other; each gives so many.
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64>;
+    /// What this rank has spent on the others so far.
+    fn traffic(&self) -> Traffic {
+        Traffic::default()
+    }
     /// Ends the programs of all ranks, for a reason.
     fn end(&self, reason: &str) -> !;
     /// Ends the programs of all ranks where one waited for another for too long.
@@ -138,6 +151,16 @@ pub(crate) fn is_shared() -> bool {
     return mpi::started().is_some();
     #[cfg(not(feature = "mpi"))]
     false
+}
+
+/// Numbers of all ranks that share the work of now, by ranks: one list where there is one process.
+pub fn of_all_ranks(own: &[f64]) -> Vec<Vec<f64>> {
+    world().gather_lists(own)
+}
+
+/// What this process has spent on other ranks so far.
+pub fn traffic() -> Traffic {
+    world().traffic()
 }
 
 /// The number that the first rank gives, where ranks share the work: each may have another one of its own, and all are to do the same.

@@ -1,10 +1,11 @@
 //! Ranks that `mpirun` started.
 
-use super::Exchange;
+use super::{Exchange, Traffic};
 use ::mpi::ffi;
 use std::io::Write;
 use std::os::raw::{c_int, c_void};
 use std::ptr::null_mut;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -36,6 +37,8 @@ pub(super) struct Mpi {
     ranks: usize,
     longest_wait: Duration,
     calls: Mutex<Calls>,
+    /// Waited so far \[ns\], and sent \[bytes\].
+    traffic: [AtomicU64; 2],
 }
 
 /// What is needed to call MPI, by one thread at a time.
@@ -95,7 +98,13 @@ impl Mpi {
         if given < unsafe { ffi::RSMPI_THREAD_SERIALIZED } {
             return Err("this MPI lets only the first thread of a process call it".into());
         }
-        Ok(Mpi { rank: rank as usize, ranks: ranks as usize, longest_wait, calls: Mutex::new(calls) })
+        Ok(Mpi {
+            rank: rank as usize,
+            ranks: ranks as usize,
+            longest_wait,
+            calls: Mutex::new(calls),
+            traffic: Default::default(),
+        })
     }
 
     /// Ends all ranks at once.
@@ -132,9 +141,15 @@ impl Mpi {
     }
 
     fn wait_for(&self, what: impl Fn() -> String, is_there: impl FnMut() -> bool) {
+        let begun = Instant::now();
         if !self.wait(self.longest_wait, is_there) {
             self.waited_in_vain(&what());
         }
+        self.traffic[0].fetch_add(begun.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    fn note_sent(&self, numbers: usize) {
+        self.traffic[1].fetch_add((numbers * size_of::<f64>()) as u64, Ordering::Relaxed);
     }
 
     /// Ends all ranks after a panic, which has been told.
@@ -223,6 +238,7 @@ impl Exchange for Mpi {
 
     fn send(&self, to: usize, message: Vec<f64>) {
         self.hurry();
+        self.note_sent(message.len());
         let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
         let mut request = request();
         // SAFETY: the list keeps the numbers, which do not move with their owner, until the request is done.
@@ -262,6 +278,7 @@ impl Exchange for Mpi {
 
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {
         assert_eq!(own.len(), counts[self.rank], "numbers of rank {}", self.rank);
+        self.note_sent(own.len() * (self.ranks - 1));
         let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
         let mut all = vec![0.0; counts.iter().sum()];
         self.count(all.len());
@@ -276,6 +293,11 @@ impl Exchange for Mpi {
         }
         self.wait_for(|| "numbers of all ranks".into(), || is_done(&mut request));
         all
+    }
+
+    fn traffic(&self) -> Traffic {
+        let [waited, sent] = self.traffic.each_ref().map(|number| number.load(Ordering::Relaxed) as f64);
+        Traffic { waited: 1e-9 * waited, sent }
     }
 
     fn end(&self, reason: &str) -> ! {

@@ -236,7 +236,7 @@ impl Factorization {
     }
 
     /// Unknowns of each rank, where some share each system.
-    pub(crate) fn own_unknowns(&self) -> Option<&Arc<OwnUnknowns>> {
+    pub fn own_unknowns(&self) -> Option<&Arc<OwnUnknowns>> {
         self.own.as_ref()
     }
 

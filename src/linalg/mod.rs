@@ -21,7 +21,7 @@ pub use factorization::Backend;
 pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
 pub(crate) use multifrontal::SMALL_FILL;
 pub use multifrontal::{Inertia, MultifrontalLu};
-pub(crate) use own_unknowns::OwnUnknowns;
+pub use own_unknowns::OwnUnknowns;
 pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;

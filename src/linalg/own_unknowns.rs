@@ -6,7 +6,7 @@ use crate::scalar::larger;
 use std::ops::Range;
 
 /// Which unknowns belong to which rank.
-pub(crate) struct OwnUnknowns {
+pub struct OwnUnknowns {
     exchange: &'static dyn Exchange,
     /// Those of each rank.
     of_rank: Vec<Vec<u32>>,
@@ -16,7 +16,7 @@ pub(crate) struct OwnUnknowns {
 
 impl OwnUnknowns {
     /// Of ranks that have all unknowns together, each once.
-    pub fn new(exchange: &'static dyn Exchange, mut of_rank: Vec<Vec<u32>>) -> Self {
+    pub(crate) fn new(exchange: &'static dyn Exchange, mut of_rank: Vec<Vec<u32>>) -> Self {
         of_rank.iter_mut().for_each(|own| own.sort_unstable());
         let mut owners = vec![0; of_rank.iter().map(Vec::len).sum()];
         for (rank, own) in of_rank.iter().enumerate() {

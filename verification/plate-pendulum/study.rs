@@ -1,15 +1,11 @@
 //! Time and memory of a plate of shells, phase by phase, on one thread and two.
 
-use crate::verification::memory::{forget_peak, memory_of_now, peak_memory};
-use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, on_threads};
-use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, table_by_name};
-use costate::internals::{Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution};
-use costate::linalg::Backend;
+use crate::verification::phases::{Phases, USUAL, prepare, timed};
+use crate::verification::{Form, Report, Study, median, on_one_thread, on_threads};
+use costate::integrators::RunError;
 use costate::scenes::built_in::{BoxTubePendulum, PlatePendulum, Thicknesses};
-use costate::scenes::{AnyScene, Prepared, Settings};
+use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::largest_difference;
-use std::time::Instant;
 
 /// The study.
 pub struct PlatePendulumStudy;
@@ -22,14 +18,8 @@ const TUBE: [usize; 2] = [100, 5];
 const OF_NODES: [usize; 2] = [112, 22];
 /// Largest difference of adjoint and complex step.
 const EXACT: f64 = 1e-11;
-/// Gradients of which the fastest counts.
-const REPEATS: usize = 7;
 /// Pairs of gradients by one thickness and by many.
 const PAIRS: usize = 10;
-/// Integrator of the source: two stages, diagonally implicit.
-const METHOD: &str = "dirk2";
-/// Steps of a run.
-const STEPS: usize = 3;
 
 impl Study for PlatePendulumStudy {
     fn name(&self) -> &'static str {
@@ -50,13 +40,13 @@ impl Study for PlatePendulumStudy {
         }
         let of_mesh = |elements: [usize; 2]| {
             let name = format!("{} x {}", elements[0], elements[1]);
-            let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: STEPS };
+            let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
             Subject { name, elements: elements[0] * elements[1], scene: Box::new(plate) }
         };
         let tube = Subject {
             name: format!("box tube {} x 4 x {}", TUBE[0], TUBE[1]),
             elements: 4 * TUBE[0] * TUBE[1],
-            scene: Box::new(BoxTubePendulum { elements: TUBE, milliseconds: STEPS }),
+            scene: Box::new(BoxTubePendulum { elements: TUBE, milliseconds: 1 }),
         };
         let subjects: Vec<Subject> = MESHES.into_iter().map(of_mesh).chain([tube]).collect();
         for (index, subject) in subjects.iter().enumerate() {
@@ -76,38 +66,6 @@ struct Subject {
     /// Number of shell elements.
     elements: usize,
     scene: Box<dyn AnyScene>,
-}
-
-fn prepare(scene: &dyn AnyScene, steps: usize) -> Result<Prepared<'_>, RunError> {
-    let table = table_by_name(METHOD).ok_or_else(|| RunError::Input(format!("no method {METHOD}")))?;
-    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    let settings = Settings::new(1e-3 * steps as f64, steps);
-    let mut prepared = Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)?;
-    prepared.mechanism.functionals.truncate(1);
-    Ok(prepared)
-}
-
-/// What some work gives, and the seconds that it takes: of the processor where there is one thread.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let (begun, clock) = (Instant::now(), Clock::start());
-    let done = work();
-    (done, if rayon::current_num_threads() == 1 { clock.seconds() } else { begun.elapsed().as_secs_f64() })
-}
-
-/// Seconds of the fastest of some repetitions.
-fn fastest(mut work: impl FnMut()) -> f64 {
-    (0..REPEATS).map(|_| timed(&mut work).1).fold(f64::INFINITY, f64::min)
-}
-
-/// The solved equations of a run's last stage.
-fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
-    let mut last = None;
-    let mut watch = Watch(|step: &StepRecord<f64>| {
-        last = step.stages.last().map(|stage| stage.solve.clone());
-        true
-    });
-    prepared.analysis().observed(&prepared.x, &mut watch)?;
-    last.ok_or_else(|| RunError::Input("no stage was solved".into()))
 }
 
 /// Gradients of a coarse mesh against complex step.
@@ -135,7 +93,7 @@ fn thicknesses(report: &mut Report) -> Result<(), RunError> {
     });
     let mut all = Vec::new();
     for scene in &scenes {
-        let prepared = prepare(scene, 1)?;
+        let prepared = prepare(scene, 1, 1)?;
         let forward = prepared.analysis().forward(&prepared.x)?;
         all.push((prepared, forward, Vec::new()));
     }
@@ -159,70 +117,19 @@ fn thicknesses(report: &mut Report) -> Result<(), RunError> {
 /// Phases of one step, whole steps, and their gradient.
 fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), RunError> {
     let name = |what: &str| format!("{}, {threads} thread{}/{what}", subject.name, if threads > 1 { "s" } else { "" });
-    let [one, all] = [1, 1 + STEPS].map(|steps| prepare(&*subject.scene, steps));
-    let (one, all) = (one?, all?);
-    let solve = last_stage(&one)?;
-    let problem = one.problem();
-    let systems = Systems::new(problem.model, &one.method, &[]);
-    let system = &systems.stage;
-    report.inform(name("unknowns"), system.size() as f64);
-
-    let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
-    let (mut residual, mut unknowns) = (Residual::default(), solve.unknowns.clone());
-    residual.start(system, at);
-    let of_residual = fastest(|| residual.evaluate(system, at, &mut unknowns));
-    let mut jacobian = Jacobian::default();
-    let of_matrix = fastest(|| jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t));
-    let singular = |_| RunError::Input("a singular matrix".into());
-    let mut factorization = Factorization::new(&system.pattern, Backend::Multifrontal).map_err(singular)?;
-    let mut factored = Ok(());
-    let of_factor = fastest(|| factored = factorization.factor(&jacobian.values));
-    factored.map_err(singular)?;
-    let mut rhs = vec![0.0; system.size()];
-    jacobian.reduce(system, &residual, None, &mut rhs);
-    let of_solution = fastest(|| factorization.solve(&mut rhs.clone()));
-    let mut refined = Ok(TransposedSolution::NeedsFactors);
-    let of_transposed = fastest(|| refined = factorization.solve_transposed(&mut rhs.clone()));
-    if refined.map_err(singular)? != TransposedSolution::Found {
-        return Err(RunError::Input("its own factors do not serve a matrix".into()));
+    let own = Phases::measure(&*subject.scene, USUAL)?;
+    report.inform(name("unknowns"), own.unknowns);
+    for (what, seconds) in &own.of_a_system {
+        report.inform(name(&format!("{what} [s]")), *seconds);
     }
-    for (what, seconds) in [
-        ("residual", of_residual),
-        ("matrix", of_matrix),
-        ("factorization", of_factor),
-        ("solution", of_solution),
-        ("transposed solution", of_transposed),
-    ] {
-        report.inform(name(&format!("{what} [s]")), seconds);
-    }
-    report.inform(name("residual and matrix of an element [us]"), 1e6 * (of_residual + of_matrix) / subject.elements as f64);
-    drop((residual, jacobian, factorization));
-
-    // what is set up once is in both
-    let both = |prepared: &Prepared| -> Result<_, RunError> {
-        let analysis = prepared.analysis();
-        let (forward, of_forward) = timed(|| analysis.forward(&prepared.x));
-        let forward = forward?;
-        let (adjoint, of_adjoint) = timed(|| analysis.adjoint(&prepared.x, &forward));
-        adjoint?;
-        Ok(([of_forward, of_adjoint], forward.counters))
-    };
-    let before = memory_of_now();
-    forget_peak();
-    let (first, counted) = both(&one)?;
-    let peak = peak_memory();
-    let (whole, counters) = both(&all)?;
-    let a_step = |number: f64| number / STEPS as f64;
-    report.inform(name("one forward step [s]"), a_step(whole[0] - first[0]));
-    report.inform(name("its adjoint and gradient [s]"), a_step(whole[1] - first[1]));
-    for (what, own, first) in [
-        ("Newton iterations", counters.iterations, counted.iterations),
-        ("factorizations", counters.factorizations, counted.factorizations),
-    ] {
-        report.inform(name(&format!("{what} of a step")), a_step((own - first) as f64));
-    }
-    if let (Some(before), Some(peak)) = (before, peak) {
-        report.inform(name("memory at its peak, simulation of one step and gradient [MB]"), (peak - before) / 1e6);
+    let of_element = (own.of_a_system[0].1 + own.of_a_system[1].1) / subject.elements as f64;
+    report.inform(name("residual and matrix of an element [us]"), 1e6 * of_element);
+    report.inform(name("one forward step [s]"), own.step);
+    report.inform(name("its adjoint and gradient [s]"), own.adjoint);
+    report.inform(name("Newton iterations of a step"), own.iterations);
+    report.inform(name("factorizations of a step"), own.factorizations);
+    if let Some(memory) = own.memory {
+        report.inform(name("memory at its peak, simulation of one step and gradient [MB]"), 1e-6 * memory);
     }
     Ok(())
 }

@@ -1,0 +1,167 @@
+//! What the parts of steps of a falling shell take, on the threads and ranks that there are.
+
+use super::Clock;
+use super::memory::{forget_peak, memory_of_now, peak_memory};
+use costate::history::Watch;
+use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, table_by_name};
+use costate::internals::{Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution, of_all_ranks};
+use costate::linalg::Backend;
+use costate::scenes::{AnyScene, Prepared, Settings};
+use std::time::Instant;
+
+/// Integrator of Boopathy & Kennedy: two stages, diagonally implicit.
+const METHOD: &str = "dirk2";
+/// How often phases are repeated, of which the fastest counts, and how many steps are measured behind the first; of none the first one is.
+#[derive(Clone, Copy)]
+pub struct Effort {
+    pub repeats: usize,
+    pub steps: usize,
+}
+
+/// That of a record.
+pub const USUAL: Effort = Effort { repeats: 7, steps: 3 };
+
+/// Times \[s\], counts of a step, and what the first step and its gradient give.
+pub struct Phases {
+    pub unknowns: f64,
+    /// Residual, matrix, factorization, solution, and transposed solution, of one system.
+    pub of_a_system: [(&'static str, f64); 5],
+    pub step: f64,
+    pub adjoint: f64,
+    pub iterations: f64,
+    pub factorizations: f64,
+    /// At its peak, of the simulation of one step and its gradient, beside what was there before \[bytes\]; where the system tells.
+    pub memory: Option<f64>,
+    /// Values of the functionals, and then their gradients.
+    pub results: Vec<f64>,
+    /// Elements that this rank evaluates for its part of a matrix, where ranks share it.
+    pub own_elements: Option<usize>,
+}
+
+/// A scene with so many steps and its first functionals.
+pub fn prepare(scene: &dyn AnyScene, steps: usize, functionals: usize) -> Result<Prepared<'_>, RunError> {
+    let table = table_by_name(METHOD).ok_or_else(|| RunError::Input(format!("no method {METHOD}")))?;
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let settings = Settings::new(1e-3 * steps as f64, steps);
+    let mut prepared = Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)?;
+    prepared.mechanism.functionals.truncate(functionals);
+    Ok(prepared)
+}
+
+/// What some work gives, and the seconds that it takes: of the processor where there is one thread of one process. Ranks begin it together.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let ranks = of_all_ranks(&[]).len();
+    let (begun, clock) = (Instant::now(), Clock::start());
+    let done = work();
+    let is_alone = ranks == 1 && rayon::current_num_threads() == 1;
+    (done, if is_alone { clock.seconds() } else { begun.elapsed().as_secs_f64() })
+}
+
+/// Seconds of the fastest of some repetitions.
+fn fastest(repeats: usize, mut work: impl FnMut()) -> f64 {
+    (0..repeats).map(|_| timed(&mut work).1).fold(f64::INFINITY, f64::min)
+}
+
+/// The solved equations of a run's last stage.
+fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
+    let mut last = None;
+    let mut watch = Watch(|step: &StepRecord<f64>| {
+        last = step.stages.last().map(|stage| stage.solve.clone());
+        true
+    });
+    prepared.analysis().observed(&prepared.x, &mut watch)?;
+    last.ok_or_else(|| RunError::Input("no stage was solved".into()))
+}
+
+impl Phases {
+    /// Of a scene with its first functional.
+    pub fn measure(scene: &dyn AnyScene, effort: Effort) -> Result<Self, RunError> {
+        let (unknowns, of_a_system, own_elements) = systems(&prepare(scene, 1, 1)?, effort.repeats)?;
+        let before = memory_of_now();
+        forget_peak();
+        let first = Both::run(&prepare(scene, 1, 1)?)?;
+        let peak = peak_memory();
+        let [step, adjoint, iterations, factorizations] = of_a_step(scene, 1, &first, effort)?;
+        let memory = before.zip(peak).map(|(before, peak)| peak - before);
+        let results = first.results;
+        Ok(Phases { unknowns, of_a_system, step, adjoint, iterations, factorizations, memory, results, own_elements })
+    }
+}
+
+/// Seconds of the adjoint of a step for the first two functionals.
+pub fn adjoint_of_two(scene: &dyn AnyScene, effort: Effort) -> Result<f64, RunError> {
+    let first = Both::run(&prepare(scene, 1, 2)?)?;
+    Ok(of_a_step(scene, 2, &first, effort)?[1])
+}
+
+/// What steps behind the first take, by their number.
+fn of_a_step(
+    scene: &dyn AnyScene,
+    functionals: usize,
+    first: &Both,
+    Effort { steps, .. }: Effort,
+) -> Result<[f64; 4], RunError> {
+    if steps == 0 {
+        return Ok(first.numbers);
+    }
+    let whole = Both::run(&prepare(scene, 1 + steps, functionals)?)?;
+    Ok(std::array::from_fn(|k| (whole.numbers[k] - first.numbers[k]) / steps as f64))
+}
+
+/// Unknowns of a system of the last stage, what its parts take, and elements of this rank.
+#[allow(clippy::type_complexity)]
+fn systems(one: &Prepared, repeats: usize) -> Result<(f64, [(&'static str, f64); 5], Option<usize>), RunError> {
+    let solve = last_stage(one)?;
+    let problem = one.problem();
+    let systems = Systems::new(problem.model, &one.method, &[]);
+    let system = &systems.stage;
+    let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
+    let (mut residual, mut unknowns) = (Residual::shared(), solve.unknowns.clone());
+    residual.start(system, at);
+    let of_residual = fastest(repeats, || residual.evaluate(system, at, &mut unknowns));
+    let singular = |_| RunError::Input("a singular matrix".into());
+    let mut factorization = Factorization::new(&system.pattern, Backend::Multifrontal).map_err(singular)?;
+    let mut jacobian = Jacobian::default();
+    jacobian.divide(factorization.own_unknowns());
+    let of_matrix =
+        fastest(repeats, || jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t));
+    let mut factored = Ok(());
+    let of_factor = fastest(repeats, || factored = jacobian.factor_in(&mut factorization));
+    factored.map_err(singular)?;
+    let mut rhs = vec![0.0; system.size()];
+    jacobian.reduce(system, &residual, None, &mut rhs);
+    let of_solution = fastest(repeats, || factorization.solve(&mut rhs.clone()));
+    let mut refined = Ok(TransposedSolution::NeedsFactors);
+    let of_transposed = fastest(repeats, || refined = factorization.solve_transposed(&mut rhs.clone()));
+    if refined.map_err(singular)? != TransposedSolution::Found {
+        return Err(RunError::Input("its own factors do not serve a matrix".into()));
+    }
+    let times = [
+        ("residual", of_residual),
+        ("matrix", of_matrix),
+        ("factorization", of_factor),
+        ("solution", of_solution),
+        ("transposed solution", of_transposed),
+    ];
+    Ok((system.size() as f64, times, jacobian.own_elements()))
+}
+
+/// A simulation with its gradient.
+struct Both {
+    /// Seconds of both, Newton iterations, and factorizations.
+    numbers: [f64; 4],
+    results: Vec<f64>,
+}
+
+impl Both {
+    fn run(prepared: &Prepared) -> Result<Self, RunError> {
+        let analysis = prepared.analysis();
+        let (forward, of_forward) = timed(|| analysis.forward(&prepared.x));
+        let forward = forward?;
+        let (adjoint, of_adjoint) = timed(|| analysis.adjoint(&prepared.x, &forward));
+        let results = forward.values.iter().copied().chain(adjoint?.rows.concat()).collect();
+        let counters = &forward.counters;
+        let numbers = [of_forward, of_adjoint, counters.iterations as f64, counters.factorizations as f64];
+        Ok(Both { numbers, results })
+    }
+}
