@@ -13,11 +13,11 @@ mod dealt;
 #[cfg(feature = "mpi")]
 mod mpi;
 mod sent;
-#[cfg(test)]
 mod threads;
 
 pub(crate) use dealt::{gather_work, of_first_at_work, see_work};
 pub(crate) use sent::{Sent, sent_by_fields, sent_by_variants};
+pub(crate) use threads::on_threads;
 #[cfg(test)]
 pub(crate) use threads::{on_ranks, on_ranks_within};
 

@@ -1,14 +1,16 @@
-//! Ranks that are threads of one process, for tests.
+//! Threads of one process that send each other messages as ranks do.
 
 use super::Exchange;
 use std::collections::VecDeque;
-use std::sync::{Condvar, Mutex};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// After which a rank that failed is not waited for, where a test does not say.
+/// After which one that failed is not waited for, where nobody says otherwise.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
+/// Looks for a message without falling asleep, which takes about as long to wake up from.
+const LOOKS: usize = 2000;
 
-/// Messages that are on their way between two ranks, by receivers and senders.
+/// Messages that are on their way between two threads, by receivers and senders.
 struct Post {
     ranks: usize,
     longest_wait: Duration,
@@ -16,12 +18,22 @@ struct Post {
     came: Condvar,
 }
 
-struct Thread {
+struct Thread<'p> {
     rank: usize,
-    post: &'static Post,
+    post: &'p Post,
 }
 
-impl Exchange for Thread {
+impl Post {
+    fn new(longest_wait: Duration, ranks: usize) -> Self {
+        Post { ranks, longest_wait, waiting: Mutex::new(vec![VecDeque::new(); ranks * ranks]), came: Condvar::new() }
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Vec<VecDeque<Vec<f64>>>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Exchange for Thread<'_> {
     fn rank(&self) -> usize {
         self.rank
     }
@@ -30,23 +42,30 @@ impl Exchange for Thread {
     }
     fn send(&self, to: usize, message: Vec<f64>) {
         assert_ne!(to, self.rank, "a message to itself");
-        self.post.waiting.lock().expect("no rank has failed")[to * self.post.ranks + self.rank].push_back(message);
+        self.post.waiting()[to * self.post.ranks + self.rank].push_back(message);
         self.post.came.notify_all();
     }
     fn receive(&self, from: usize) -> Vec<f64> {
+        for _ in 0..LOOKS {
+            if let Some(message) = self.receive_if_there(from) {
+                return message;
+            }
+            std::hint::spin_loop();
+        }
         let own = self.rank * self.post.ranks + from;
-        let mut waiting = self.post.waiting.lock().expect("no rank has failed");
+        let mut waiting = self.post.waiting();
         loop {
             if let Some(message) = waiting[own].pop_front() {
                 return message;
             }
-            let (lock, waited) = self.post.came.wait_timeout(waiting, self.post.longest_wait).expect("no rank has failed");
+            let waited = self.post.came.wait_timeout(waiting, self.post.longest_wait);
+            let (lock, waited) = waited.unwrap_or_else(PoisonError::into_inner);
             assert!(!waited.timed_out(), "rank {}: no message of rank {from}", self.rank);
             waiting = lock;
         }
     }
     fn receive_if_there(&self, from: usize) -> Option<Vec<f64>> {
-        self.post.waiting.lock().expect("no rank has failed")[self.rank * self.post.ranks + from].pop_front()
+        self.post.waiting()[self.rank * self.post.ranks + from].pop_front()
     }
     fn longest_wait(&self) -> Duration {
         self.post.longest_wait
@@ -63,20 +82,34 @@ impl Exchange for Thread {
     }
 }
 
+/// Works on all of a list at once, on a thread each: every one of them runs, whatever the others wait for.
+pub(crate) fn on_threads<T: Send>(all: &mut [T], work: impl Fn(&dyn Exchange, &mut T) + Sync) {
+    let post = Post::new(LONGEST_WAIT, all.len());
+    let Some((first, others)) = all.split_first_mut() else { return };
+    std::thread::scope(|scope| {
+        for (other, own) in others.iter_mut().enumerate() {
+            let (post, work) = (&post, &work);
+            scope.spawn(move || work(&Thread { rank: other + 1, post }, own));
+        }
+        work(&Thread { rank: 0, post: &post }, first);
+    });
+}
+
 /// What each of some ranks gives, which all run the same.
+#[cfg(test)]
 pub(crate) fn on_ranks<R: Send>(ranks: usize, run: impl Fn(&'static dyn Exchange) -> R + Sync) -> Vec<R> {
     on_ranks_within(LONGEST_WAIT, ranks, run)
 }
 
 /// The same for ranks that do not wait longer for each other.
+#[cfg(test)]
 pub(crate) fn on_ranks_within<R: Send>(
     longest_wait: Duration,
     ranks: usize,
     run: impl Fn(&'static dyn Exchange) -> R + Sync,
 ) -> Vec<R> {
     // ranks live as long as the process, as those of `mpirun` do
-    let post = Post { ranks, longest_wait, waiting: Mutex::new(vec![VecDeque::new(); ranks * ranks]), came: Condvar::new() };
-    let post: &'static Post = Box::leak(Box::new(post));
+    let post: &'static Post = Box::leak(Box::new(Post::new(longest_wait, ranks)));
     std::thread::scope(|scope| {
         let start = |rank: usize| -> &'static dyn Exchange { Box::leak(Box::new(Thread { rank, post })) };
         let started: Vec<_> = (0..ranks)

@@ -31,10 +31,12 @@ mod product;
 mod rank_share;
 mod small_front;
 mod small_substitution;
+mod stretch_solution;
 mod stretches;
 mod substitution;
 mod supernodes;
 mod symbolic;
+mod thread_solution;
 mod traversal;
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::rank_share::RankShare;
 use super::stretches::Stretches;
 use super::substitution::{Side, Substitution};
 use super::symbolic::{Analysis, Symbolic};
+use super::thread_solution::ThreadSolution;
 use super::traversal::Traversal;
 use crate::exchange::{self, Exchange};
 use crate::linalg::SparsePattern;
@@ -28,8 +29,8 @@ pub struct MultifrontalLu {
 
 /// Who factors which fronts.
 enum Work {
-    /// This process all of them.
-    Alone(Traversal),
+    /// This process all of them, on threads that share solutions, too, where these are long.
+    Alone(Traversal, Option<ThreadSolution>),
     /// Each rank a stretch of them.
     Shared(Box<RankShare>),
 }
@@ -58,7 +59,7 @@ impl MultifrontalLu {
             let stretches = Stretches::new(&symbolic, world.ranks());
             return Self::shared(symbolic, stretches, threads, world);
         }
-        let work = Work::Alone(Traversal::new(&symbolic, threads));
+        let work = Work::Alone(Traversal::new(&symbolic, threads), ThreadSolution::new(&symbolic, threads));
         MultifrontalLu { symbolic, threads, work, factors: Factors::default(), substitution: Substitution::default() }
     }
 
@@ -75,10 +76,20 @@ impl MultifrontalLu {
         Self::shared(symbolic, stretches, 1, world)
     }
 
+    /// Solutions by threads with stretches that end at given fronts, or are as long as theirs would be, whatever the size.
+    #[cfg(test)]
+    fn cut_solutions(&mut self, threads: usize, cuts: &[usize]) {
+        let stretches = match cuts {
+            [] => Stretches::new(&self.symbolic, threads),
+            cuts => Stretches::at(&self.symbolic, cuts),
+        };
+        self.work = Work::Alone(Traversal::new(&self.symbolic, 1), Some(ThreadSolution::of(&self.symbolic, stretches)));
+    }
+
     /// Ranks that share a factorization.
     pub(crate) fn ranks(&self) -> usize {
         match &self.work {
-            Work::Alone(_) => 1,
+            Work::Alone(..) => 1,
             Work::Shared(share) => share.ranks(),
         }
     }
@@ -86,7 +97,7 @@ impl MultifrontalLu {
     /// Unknowns of each rank, where some share a factorization: the rows and columns of its own are all that it needs of a matrix.
     pub(crate) fn own_unknowns(&self) -> Option<OwnUnknowns> {
         match &self.work {
-            Work::Alone(_) => None,
+            Work::Alone(..) => None,
             Work::Shared(share) => Some(share.own_unknowns(&self.symbolic)),
         }
     }
@@ -94,7 +105,8 @@ impl MultifrontalLu {
     fn solve_side(&mut self, side: Side, rhs: &mut [f64]) {
         let MultifrontalLu { symbolic, work, factors, substitution, .. } = self;
         match work {
-            Work::Alone(_) => substitution.solve(symbolic, factors, side, rhs),
+            Work::Alone(_, Some(threads)) => threads.solve(symbolic, factors, side, rhs),
+            Work::Alone(_, None) => substitution.solve(symbolic, factors, side, rhs),
             Work::Shared(share) => share.solve(symbolic, factors, substitution, side, rhs),
         }
     }
@@ -102,7 +114,7 @@ impl MultifrontalLu {
     /// What a factorization takes without delayed pivots.
     pub fn analysis(&self) -> Analysis {
         self.symbolic.analysis(match &self.work {
-            Work::Alone(traversal) => traversal.bytes(),
+            Work::Alone(traversal, _) => traversal.bytes(),
             Work::Shared(share) => share.bytes(),
         })
     }
@@ -128,7 +140,11 @@ impl LinearSolver for MultifrontalLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
         assert_eq!(values.len(), self.symbolic.pattern_entries, "values and entries of the pattern");
         match &mut self.work {
-            Work::Alone(traversal) => traversal.factor(&self.symbolic, values, &mut self.factors),
+            Work::Alone(traversal, threads) => {
+                traversal.factor(&self.symbolic, values, &mut self.factors)?;
+                threads.iter_mut().for_each(|threads| threads.set_delayed(&self.symbolic, &mut self.factors));
+                Ok(())
+            }
             Work::Shared(share) => share.factor(&self.symbolic, values, &mut self.factors),
         }
     }
@@ -544,7 +560,7 @@ mod tests {
     }
 
     #[test]
-    fn ranks_have_the_bits_of_one_process() {
+    fn ranks_and_threads_have_the_bits_of_one() {
         let mut noise = Noise(21);
         let (mut delayed, mut across, mut singular) = (0, 0, 0);
         for case in 0..60 {
@@ -568,6 +584,10 @@ mod tests {
                     let (given, waited) = bits_on_ranks(&pattern, &matrices, &b, (ranks, cuts));
                     assert!(given == expected, "case {case}, {ranks} ranks, cuts {cuts:?} of {fronts} fronts");
                     across += waited;
+                    let mut on_threads = MultifrontalLu::new(&pattern, &[], 1);
+                    on_threads.cut_solutions(ranks, cuts);
+                    let given: Vec<Bits> = matrices.iter().map(|values| bits(&mut on_threads, values, &b)).collect();
+                    assert!(given == expected, "case {case}, {ranks} threads, cuts {cuts:?} of {fronts} fronts");
                 }
             }
         }

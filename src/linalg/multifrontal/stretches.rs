@@ -50,6 +50,11 @@ impl Stretches {
         Stretches { starts: [&[0], cuts, &[symbolic.fronts.len()]].concat() }
     }
 
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
     /// Fronts of a rank.
     pub fn fronts(&self, rank: usize) -> Range<usize> {
         self.starts[rank]..self.starts[rank + 1]

@@ -76,12 +76,38 @@ impl Substitution {
         }
     }
 
+    fn make_room(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+        let length = rhs.len() / symbolic.size.max(1) * stride(symbolic);
+        for own in [&mut self.residual, &mut self.solution] {
+            if own.is_empty() {
+                // what is never written takes no memory
+                *own = vec![0.0; length];
+            }
+            own.resize(length, 0.0);
+        }
+    }
+
+    /// Takes right-hand sides over at some places.
+    pub fn load_some<P: Iterator<Item = usize>>(&mut self, symbolic: &Symbolic, rhs: &[f64], places: impl Fn() -> P) {
+        self.make_room(symbolic, rhs);
+        for (residual, rhs) in self.residuals(symbolic).zip(rhs.chunks_exact(symbolic.size.max(1))) {
+            places().for_each(|place| residual[place] = rhs[symbolic.order[place] as usize]);
+        }
+    }
+
+    /// Gives solutions out at some places.
+    pub fn store_some(&self, symbolic: &Symbolic, rhs: &mut [f64], places: Range<usize>) {
+        let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
+        for (solution, rhs) in columns {
+            let own = solution[places.clone()].iter().zip(&symbolic.order[places.clone()]);
+            own.for_each(|(own, &unknown)| rhs[unknown as usize] = *own);
+        }
+    }
+
     /// Takes right-hand sides over.
     pub fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
         let size = symbolic.size.max(1);
-        let length = rhs.len() / size * stride(symbolic);
-        self.residual.resize(length, 0.0);
-        self.solution.resize(length, 0.0);
+        self.make_room(symbolic, rhs);
         let columns = self.residual.chunks_exact_mut(stride(symbolic)).zip(rhs.chunks_exact(size));
         for (residual, rhs) in columns {
             for (own, &unknown) in residual.iter_mut().zip(&symbolic.order) {
