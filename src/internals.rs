@@ -33,8 +33,8 @@ pub use crate::integrators::{
 #[cfg(feature = "cli")]
 pub use crate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};
 pub use crate::io::{read_csv, write_csv};
-pub use crate::linalg::OwnUnknowns;
 pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
+pub use crate::linalg::{OwnUnknowns, Owners};
 pub use crate::program::{
     ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, compile_time, lanes, record,
 };

@@ -123,6 +123,7 @@ fn systems(one: &Prepared, repeats: usize) -> Result<(f64, [(&'static str, f64);
     let mut factorization = Factorization::new(&system.pattern, Backend::Multifrontal).map_err(singular)?;
     let mut jacobian = Jacobian::default();
     jacobian.divide(factorization.own_unknowns());
+    jacobian.divide_by_threads(factorization.thread_owners());
     let of_matrix =
         fastest(repeats, || jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t));
     let mut factored = Ok(());

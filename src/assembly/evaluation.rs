@@ -34,57 +34,81 @@ impl<S: RunScalar> Aligned<S> {
 /// Workspace of evaluations.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchWork<S> {
-    pieces: Vec<Group<S>>,
-    is_shared: bool,
+    groups: Vec<Group<S>>,
+    desks: Vec<Desk<S>>,
+    spread: Spread,
+}
+
+/// Who evaluates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spread {
+    Thread,
+    Threads,
+    Ranks,
 }
 
 impl<S> BatchWork<S> {
+    fn new(spread: Spread) -> Self {
+        BatchWork { groups: Vec::new(), desks: Vec::new(), spread }
+    }
+
     /// For evaluations that all ranks make in the same order: they share long ones.
     pub fn shared() -> Self {
-        BatchWork { is_shared: true, ..BatchWork::default() }
+        Self::new(Spread::Ranks)
     }
 
-    /// Some groups, made where they are not there yet.
-    fn first(&mut self, count: usize) -> &mut [Group<S>] {
-        if self.pieces.len() < count {
-            self.pieces.resize_with(count, Group::default);
-        }
-        &mut self.pieces[..count]
+    /// For evaluations that other threads make others beside.
+    pub fn on_one_thread() -> Self {
+        Self::new(Spread::Thread)
     }
-}
 
-/// Elements that are evaluated side by side.
-#[derive(Clone, Debug)]
-struct Group<S> {
-    /// Its first one, while it waits.
-    first: usize,
-    /// Arguments, one element after the other, where they are written so.
-    apart: Vec<S>,
-    inputs: Aligned<S>,
-    outputs: Aligned<S>,
-    work: ProgramWork<S>,
-}
-
-impl<S> Default for Group<S> {
-    fn default() -> Self {
-        Group {
-            first: 0,
-            apart: Vec::new(),
-            inputs: Aligned::default(),
-            outputs: Aligned::default(),
-            work: ProgramWork::default(),
-        }
+    /// Some groups and desks, made where they are not there yet.
+    fn first(&mut self, groups: usize, desks: usize) -> (&mut [Group<S>], &mut [Desk<S>]) {
+        self.groups.resize_with(self.groups.len().max(groups), Group::default);
+        self.desks.resize_with(self.desks.len().max(desks), Desk::default);
+        (&mut self.groups[..groups], &mut self.desks[..desks])
     }
 }
 
 impl<S> Default for BatchWork<S> {
     fn default() -> Self {
-        BatchWork { pieces: Vec::new(), is_shared: false }
+        Self::new(Spread::Threads)
     }
 }
 
-/// Groups that several threads evaluate at a time, while the results of as many are taken.
-const PIECES: usize = 16;
+/// Elements that are evaluated side by side: the first one, and the results while they wait.
+#[derive(Clone, Debug)]
+struct Group<S> {
+    first: usize,
+    outputs: Aligned<S>,
+}
+
+impl<S> Default for Group<S> {
+    fn default() -> Self {
+        Group { first: 0, outputs: Aligned::default() }
+    }
+}
+
+/// What one group after the other is evaluated with, so that it stays in the caches.
+#[derive(Clone, Debug)]
+struct Desk<S> {
+    /// Arguments, one element after the other, where they are written so.
+    apart: Vec<S>,
+    inputs: Aligned<S>,
+    work: ProgramWork<S>,
+}
+
+impl<S> Default for Desk<S> {
+    fn default() -> Self {
+        Desk { apart: Vec::new(), inputs: Aligned::default(), work: ProgramWork::default() }
+    }
+}
+
+/// Groups that several threads evaluate at a time, while the results of as many are taken: at least so many, and as many as have so many results.
+const GROUPS: usize = 16;
+const RESULTS: usize = 1 << 17;
+/// How many times a thread takes some of them.
+const CHUNKS: usize = 4;
 /// Groups that go through a section of a long program together: what they store in between should stay in the second cache.
 const TOGETHER: usize = 4;
 /// Instructions of all parts together below which one thread does them: waking others costs more.
@@ -115,7 +139,7 @@ pub(crate) fn run_lanes<S: RunScalar>(
 ) {
     let instructions = program.listing().instructions.len();
     let is_long = count * instructions >= SHARED[0] && instructions >= SHARED[1] * program.outputs();
-    if work.is_shared && is_long && S::PARTS == 0 && world().ranks() > 1 {
+    if work.spread == Spread::Ranks && is_long && S::PARTS == 0 && world().ranks() > 1 {
         run_on_ranks(world(), program, count, work, write, read);
     } else {
         run_parts(program, 0..count, work, write, read);
@@ -167,25 +191,28 @@ fn run_parts<S: RunScalar>(
     let (begin, count) = (parts.start, parts.len());
     let lanes = S::lanes();
     let (inputs, outputs) = (program.inputs(), program.outputs());
-    let fill = |group: &mut Group<S>| {
+    let fill = |(group, desk): (&mut Group<S>, &mut Desk<S>)| {
         let (parts, width) = next_group(count - group.first, lanes);
-        let numbers = group.inputs.first(inputs * width);
-        write(Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 }, &mut group.apart);
+        let numbers = desk.inputs.first(inputs * width);
+        write(Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 }, &mut desk.apart);
     };
-    let run = |section: usize, group: &mut Group<S>| {
+    let run = |section: usize, (group, desk): (&mut Group<S>, &mut Desk<S>)| {
         let width = next_group(count - group.first, lanes).1;
-        let (arguments, results) = (group.inputs.first(inputs * width), group.outputs.first(outputs * width));
+        let (arguments, results) = (desk.inputs.first(inputs * width), group.outputs.first(outputs * width));
         match (width, section) {
-            (1, 0) => S::run(program, arguments, results, &mut group.work),
+            (1, 0) => S::run(program, arguments, results, &mut desk.work),
             (1, _) => {}
-            _ => S::run_section(program, section, arguments, results, &mut group.work),
+            _ => S::run_section(program, section, arguments, results, &mut desk.work),
         }
     };
     let sections = if count * 3 > lanes { S::sections(program) } else { 1 };
-    let evaluate = |groups: &mut [Group<S>]| {
-        groups.iter_mut().for_each(fill);
-        for section in 0..sections {
-            groups.iter_mut().for_each(|group| run(section, group));
+    // as many groups together as desks
+    let evaluate = |groups: &mut [Group<S>], desks: &mut [Desk<S>]| {
+        for groups in groups.chunks_mut(desks.len()) {
+            groups.iter_mut().zip(&mut *desks).for_each(fill);
+            for section in 0..sections {
+                groups.iter_mut().zip(&mut *desks).for_each(|both| run(section, both));
+            }
         }
     };
     let mut take = |group: &mut Group<S>| {
@@ -199,22 +226,26 @@ fn run_parts<S: RunScalar>(
         let next = groups.iter_mut().zip(&mut firsts);
         next.map(|(group, first)| group.first = first).count()
     };
-    let alone = rayon::current_num_threads() == 1 || count < 2 * lanes;
+    let alone = work.spread == Spread::Thread || rayon::current_num_threads() == 1 || count < 2 * lanes;
     if alone || count * program.listing().instructions.len() < PARALLEL {
-        let pieces = work.first(together);
+        let (groups, desks) = work.first(together, together);
         loop {
-            let ready = set_firsts(pieces);
+            let ready = set_firsts(groups);
             if ready == 0 {
                 return;
             }
-            evaluate(&mut pieces[..ready]);
-            pieces[..ready].iter_mut().for_each(&mut take);
+            evaluate(&mut groups[..ready], desks);
+            groups[..ready].iter_mut().for_each(&mut take);
         }
     }
-    let (mut now, mut next) = work.first(2 * PIECES).split_at_mut(PIECES);
+    let at_once = (RESULTS / (outputs * lanes).max(1)).clamp(GROUPS, GROUPS.max(count / lanes));
+    let chunk = at_once.div_ceil(CHUNKS * rayon::current_num_threads()).next_multiple_of(together);
+    let (groups, desks) = work.first(2 * at_once, at_once.div_ceil(chunk) * together);
+    let (mut now, mut next) = groups.split_at_mut(at_once);
     let mut start = |groups: &mut [Group<S>]| {
         let ready = set_firsts(groups);
-        groups[..ready].par_chunks_mut(together).for_each(evaluate);
+        let chunks = groups[..ready].par_chunks_mut(chunk).zip(desks.par_chunks_mut(together));
+        chunks.for_each(|(groups, desks)| evaluate(groups, desks));
         ready
     };
     let mut ready = start(now);

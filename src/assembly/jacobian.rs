@@ -7,13 +7,15 @@ use super::lanes::LaneResults;
 use super::node_programs;
 use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};
+use super::own_elements::{OwnElements, SharedValues, Target, ThreadElements};
 use super::reduction::Columns;
 use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::exchange::digest;
-use crate::linalg::{Factorization, OwnUnknowns, Singular};
+use crate::linalg::{Factorization, OwnUnknowns, Owners, Singular};
 use crate::program::Program;
 use crate::scalar::larger;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The matrix of one system at one point, with the bases along which the unknowns of each node move.
@@ -32,31 +34,9 @@ pub struct Jacobian {
     relief: Relief,
     is_relieved: bool,
     own: Option<OwnElements>,
+    threads: Option<ThreadElements>,
     /// By which ranks that have divided the matrix tell whether it is of the same point.
     mark: f64,
-}
-
-/// Elements that touch unknowns of this rank.
-struct OwnElements {
-    unknowns: Arc<OwnUnknowns>,
-    batches: [Option<Vec<ElementBatch>>; Force::KINDS],
-}
-
-impl OwnElements {
-    /// Those of each batch of all.
-    fn batches(&mut self, system: &System, force: Force) -> &[ElementBatch] {
-        self.batches[force.kind()].get_or_insert_with(|| {
-            let is_own = |part: &usize| {
-                let nodes = &system.element_parts[*part].nodes;
-                nodes.iter().any(|&node| self.unknowns.has_any(system.nodes[node].columns.clone()))
-            };
-            let of_batch = |batch: &ElementBatch| {
-                let chosen: Vec<usize> = (0..batch.parts.len()).filter(|&place| is_own(&batch.parts[place])).collect();
-                batch.of_chosen(&chosen)
-            };
-            system.element_batches(force).iter().map(of_batch).collect()
-        })
-    }
 }
 
 /// See [`Jacobian::relieve`].
@@ -167,15 +147,20 @@ impl Jacobian {
     /// From now on only what the rows and columns of this rank's unknowns take is evaluated, or all again. It is for one system.
     pub fn divide(&mut self, unknowns: Option<&Arc<OwnUnknowns>>) {
         if self.own.as_ref().map(|own| Arc::as_ptr(&own.unknowns)) != unknowns.map(Arc::as_ptr) {
-            let own = |unknowns: &Arc<_>| OwnElements { unknowns: Arc::clone(unknowns), batches: Default::default() };
-            self.own = unknowns.map(own);
+            self.own = unknowns.map(OwnElements::new);
+        }
+    }
+
+    /// From now on each thread evaluates what the columns of its unknowns take, or all share every element again. It is for one system.
+    pub fn divide_by_threads(&mut self, owners: Option<&Arc<Owners>>) {
+        if self.threads.as_ref().map(|own| Arc::as_ptr(&own.owners)) != owners.map(Arc::as_ptr) {
+            self.threads = owners.map(ThreadElements::new);
         }
     }
 
     /// How many elements this rank evaluates for its rows and columns, where the matrix is divided.
     pub fn own_elements(&self) -> Option<usize> {
-        let batches = self.own.as_ref()?.batches[Force::Residual.kind()].as_ref()?;
-        Some(batches.iter().map(|batch| batch.parts.len()).sum())
+        self.own.as_ref()?.count()
     }
 
     /// Factors the matrix, all of it or what this rank has.
@@ -247,39 +232,30 @@ impl Jacobian {
     }
 
     fn add_elements(&mut self, system: &System, (equations, force): (&Equations, Force), point: &Point, p: &[f64], t: f64) {
-        let (shift, moves) = numbers_of(equations.residual);
-        let mut own = self.own.take();
         let whole = system.element_batches(force);
-        let chosen = own.as_mut().map_or(whole, |own| own.batches(system, force));
-        for (whole, batch) in whole.iter().zip(chosen) {
-            let layout = batch.layout;
-            let program = element_matrix(whole, system.options.stabilized, moves);
-            self.evaluated += whole.parts.len();
-            if program.outputs() == 0 || batch.parts.is_empty() {
-                continue;
-            }
-            let Jacobian { values, bases, work, relief, .. } = self;
-            let weights = layout.extra() - layout.weights();
-            run_lanes(
-                program,
-                batch.parts.len(),
-                work,
-                |mut lanes, numbers| {
-                    batch.places.write_elements(&mut lanes, (&point.at, p, t), (force, 1.0));
-                    if force == Force::Stresses {
-                        let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
-                        lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
+        self.evaluated += whole.iter().map(|batch| batch.parts.len()).sum::<usize>();
+        let (shift, moves) = numbers_of(equations.residual);
+        let Jacobian { values, bases, work, relief, own, threads, .. } = self;
+        let at = ElementsAt { system, force, shift, moves, point: (point, p, t), bases, relief };
+        match (own, threads) {
+            (None, Some(threads)) => {
+                // SAFETY: each thread adds to the columns of its own unknowns, and each unknown is one thread's.
+                let target = unsafe { SharedValues::new(values) };
+                threads.threads(system, force).par_iter_mut().for_each(|own| {
+                    let (batches, work) = own.batches(force);
+                    for (whole, batch) in whole.iter().zip(batches) {
+                        at.add(whole, &batch.elements, work, |place| batch.block(system, place), target);
                     }
-                    shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
-                    lanes.gather_bases(batch, bases);
-                },
-                |results| {
-                    let blocks = |part: usize| &system.element_blocks[batch.parts[part]];
-                    add_entries(&results, blocks, program.labels(), 1.0, values);
-                },
-            );
+                });
+            }
+            (own, _) => {
+                let chosen = own.as_mut().map_or(whole, |own| own.batches(system, force));
+                for (whole, batch) in whole.iter().zip(chosen) {
+                    let block = |place: usize| &system.element_blocks[batch.parts[place]];
+                    at.add(whole, batch, work, block, &mut values[..]);
+                }
+            }
         }
-        self.own = own;
     }
 
     fn add_constraints(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
@@ -325,7 +301,7 @@ impl Jacobian {
                 },
                 |results| {
                     let blocks = |part: usize| &system.constraint_blocks[batch.parts[part]];
-                    add_entries(&results, blocks, program.labels(), factor, values);
+                    add_entries(&results, blocks, program.labels(), factor, &mut &mut values[..]);
                 },
             );
         }
@@ -497,6 +473,51 @@ impl Jacobian {
     }
 }
 
+/// Matrices of elements at one point.
+struct ElementsAt<'j> {
+    system: &'j System<'j>,
+    force: Force,
+    shift: [f64; 3],
+    moves: [bool; 3],
+    point: (&'j Point, &'j [f64], f64),
+    bases: &'j NullSpaces,
+    relief: &'j Relief,
+}
+
+impl ElementsAt<'_> {
+    /// Adds those of some elements of a whole batch, which stand where `block` says for each.
+    fn add<'b>(
+        &self,
+        whole: &ElementBatch,
+        batch: &ElementBatch,
+        work: &mut BatchWork<f64>,
+        block: impl Fn(usize) -> &'b ScatterMap + Sync,
+        mut target: impl Target + Send,
+    ) {
+        let ElementsAt { force, point: (point, p, t), relief, .. } = *self;
+        let (layout, program) = (batch.layout, element_matrix(whole, self.system.options.stabilized, self.moves));
+        if program.outputs() == 0 || batch.parts.is_empty() {
+            return;
+        }
+        let weights = layout.extra() - layout.weights();
+        run_lanes(
+            program,
+            batch.parts.len(),
+            work,
+            |mut lanes, numbers| {
+                batch.places.write_elements(&mut lanes, (&point.at, p, t), (force, 1.0));
+                if force == Force::Stresses {
+                    let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
+                    lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
+                }
+                self.shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
+                lanes.gather_bases(batch, self.bases);
+            },
+            |results| add_entries(&results, &block, program.labels(), 1.0, &mut target),
+        );
+    }
+}
+
 /// Maxima that are looked for side by side.
 const LANES: usize = 8;
 
@@ -519,19 +540,19 @@ fn add_entries<'b>(
     blocks: impl Fn(usize) -> &'b ScatterMap,
     labels: &[u32],
     factor: f64,
-    values: &mut [f64],
+    target: &mut impl Target,
 ) {
     // part by part, so that sums have the same order whatever number of parts was evaluated side by side
     results.for_each_part(|part, entries| match blocks(part) {
         // equations that are left out have none
         ScatterMap::Entries(places) => {
-            labels.iter().zip(entries).for_each(|(&label, entry)| add_at(places[label as usize], entry * factor, values));
+            labels.iter().zip(entries).for_each(|(&label, entry)| target.add(places[label as usize], entry * factor));
         }
         ScatterMap::Columns(columns) if labels.len() == columns.size() * columns.size() && factor == 1.0 => {
-            columns.for_each_run(|entry, places| entries.add_to(entry, &mut values[places]));
+            columns.for_each_run(|entry, places| entries.add_to(entry, target.run(places)));
         }
         ScatterMap::Columns(columns) => {
-            columns.for_each_place(labels, entries, |place, entry| add_at(place, entry * factor, values));
+            columns.for_each_place(labels, entries, |place, entry| target.add(place, entry * factor));
         }
     });
 }

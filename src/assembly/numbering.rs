@@ -131,6 +131,24 @@ pub(super) fn add_at(place: u32, entry: f64, values: &mut [f64]) {
     }
 }
 
+impl ScatterMap {
+    /// The same block where only some places are added to.
+    pub fn at_some(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let all = match self {
+            ScatterMap::Entries(places) => places.clone(),
+            ScatterMap::Columns(columns) => {
+                let mut places = vec![NOWHERE; columns.size * columns.size];
+                columns.for_each_run(|entry, run| {
+                    places[entry..entry + run.len()].iter_mut().zip(run).for_each(|(own, place)| *own = place as u32);
+                });
+                places
+            }
+        };
+        let wanted = |place: u32| if place != NOWHERE && is_wanted(place as usize) { place } else { NOWHERE };
+        ScatterMap::Entries(all.into_iter().map(wanted).collect())
+    }
+}
+
 impl ScatterColumns {
     /// Rows and columns of the block.
     pub fn size(&self) -> usize {

@@ -10,10 +10,12 @@ pub use symmetric::Signs;
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
 use super::simd::multiply_add;
-use super::{DenseLu, Kernel, LinearSolver, OwnUnknowns, Singular, dispatch};
+use super::{DenseLu, Kernel, LinearSolver, OwnUnknowns, Owners, Singular, dispatch};
 use crate::exchange::digest;
 use crate::linalg::SparsePattern;
 use crate::scalar::larger;
+use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Which solver factors the matrix.
@@ -128,6 +130,8 @@ pub struct Factorization {
     scaling: Scaling,
     /// Unknowns of each rank, where some share each system.
     own: Option<Arc<OwnUnknowns>>,
+    /// To which thread each unknown belongs, where several share the work.
+    threads: Option<Arc<Owners>>,
     /// Largest of the values given last.
     largest: f64,
     /// Whether unknowns that multipliers tie to far stiffer ones count as weak.
@@ -155,21 +159,21 @@ impl Factorization {
         let of_dense = (n as f64).powi(3) / 3.0;
         let dense = || {
             let work = Work { multiplications: of_dense, fill: n * n };
-            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, (1, None))
+            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, (1, None, None))
         };
         let multifrontal = || {
             let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
             let work = work_of(&solver);
-            let ranks = (solver.ranks(), solver.own_unknowns().map(Arc::new));
+            let ranks = (solver.ranks(), solver.own_unknowns().map(Arc::new), solver.thread_owners().map(Arc::new));
             (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks)
         };
-        let (solver, work, backend, (ranks, own)) = match backend {
+        let (solver, work, backend, (ranks, own, threads)) = match backend {
             Backend::Dense => dense(),
             Backend::Automatic if n <= SMALL => dense(),
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks };
-        Ok(Self { own, ..Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())) })
+        Ok(Self { own, threads, ..Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())) })
     }
 
     /// Shared by ranks, whatever its size.
@@ -186,6 +190,7 @@ impl Factorization {
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>, scaling: Scaling) -> Self {
         Factorization {
             own: None,
+            threads: None,
             plan,
             solver,
             scaled: Vec::new(),
@@ -210,7 +215,7 @@ impl Factorization {
     pub fn another(&self) -> Result<Self, Singular> {
         let Some(solver) = self.solver.another() else { return Factorization::new(&self.pattern, self.plan.backend) };
         let another = Self::of(solver, self.plan, self.pattern.clone(), self.scaling.another());
-        Ok(Self { own: self.own.clone(), ..another })
+        Ok(Self { own: self.own.clone(), threads: self.threads.clone(), ..another })
     }
 
     /// Factors values given in the order of the pattern; the first ones are examined for singularity.
@@ -238,6 +243,11 @@ impl Factorization {
     /// Unknowns of each rank, where some share each system.
     pub fn own_unknowns(&self) -> Option<&Arc<OwnUnknowns>> {
         self.own.as_ref()
+    }
+
+    /// To which thread each unknown belongs, where several share the work.
+    pub fn thread_owners(&self) -> Option<&Arc<Owners>> {
+        self.threads.as_ref()
     }
 
     fn factor_finite(&mut self, values: &mut Values) -> Result<(), Singular> {
@@ -470,7 +480,7 @@ impl Factorization {
 
     /// The same for `W` columns or fewer, whose numbers are laid side by side.
     fn set_residual_columns<const MEASURED: bool, const W: usize>(&mut self, given: &[f64], x: &[f64], r: &mut [f64]) {
-        let Factorization { pattern, scaled, scaling, beside, errors, own, .. } = self;
+        let Factorization { pattern, scaled, scaling, beside, errors, own, threads, .. } = self;
         let (n, columns) = (pattern.size, x.len() / pattern.size);
         beside.resize(n * W, 0.0);
         let (rows, _) = beside.as_chunks_mut::<W>();
@@ -483,11 +493,31 @@ impl Factorization {
             rows.iter_mut().for_each(|row| row[columns..].fill(0.0));
         }
         let scales = &scaling.columns;
-        let own = own.as_deref();
-        let mut worst = dispatch(Residuals::<MEASURED, W> { pattern, scaled, scales, beside: rows, least, given, r, own });
-        if let Some(own) = own {
-            own.gather_columns(r, &mut worst);
-        }
+        let (own, beside) = (own.as_deref(), &*rows);
+        let of = |numbers: Range<usize>, r: &mut [f64]| {
+            dispatch(Residuals::<MEASURED, W> { pattern, scaled, scales, beside, least, given, numbers, r, own })
+        };
+        let worst = match (own, threads) {
+            (Some(own), _) => {
+                let mut worst = of(0..n, r);
+                own.gather_columns(r, &mut worst);
+                worst
+            }
+            (None, None) => of(0..n, r),
+            (None, Some(threads)) => {
+                let length = n.div_ceil(threads.count());
+                let begins = (0..n).step_by(length);
+                let ranges: Vec<Range<usize>> = begins.map(|begin| begin..n.min(begin + length)).collect();
+                let mut apart: Vec<Vec<f64>> = ranges.iter().map(|own| vec![0.0; columns * own.len()]).collect();
+                let all = ranges.par_iter().zip(&mut apart).map(|(own, r)| of(own.clone(), r));
+                let worst = all.reduce(|| [0.0; W], |a, b| std::array::from_fn(|w| larger(a[w], b[w])));
+                for (own, apart) in ranges.iter().zip(&apart) {
+                    let columns = r.chunks_exact_mut(n).zip(apart.chunks_exact(own.len()));
+                    columns.for_each(|(r, apart)| r[own.clone()].copy_from_slice(apart));
+                }
+                worst
+            }
+        };
         errors.extend(&worst[..columns]);
     }
 
@@ -512,6 +542,8 @@ struct Residuals<'f, const MEASURED: bool, const W: usize> {
     /// What terms of each column count for at least.
     least: [f64; W],
     given: &'f [f64],
+    /// Which numbers of each column, and r of them.
+    numbers: Range<usize>,
     r: &'f mut [f64],
     /// Where ranks share the columns of the matrix, each computes the numbers of its own.
     own: Option<&'f OwnUnknowns>,
@@ -521,12 +553,13 @@ impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W>
     type Output = [f64; W];
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> [f64; W] {
-        let Residuals { pattern, scaled, scales, beside, least, given, r, own } = self;
-        let (n, columns) = (pattern.size, r.len() / pattern.size);
+        let Residuals { pattern, scaled, scales, beside, least, given, numbers, r, own } = self;
+        let (n, length) = (pattern.size, numbers.len());
+        let columns = r.len() / length;
         let mut worst = [0.0_f64; W];
         let own = own.map(OwnUnknowns::own);
-        for number in 0..own.map_or(n, <[u32]>::len) {
-            let column = own.map_or(number, |own| own[number] as usize);
+        for number in 0..own.map_or(length, <[u32]>::len) {
+            let column = own.map_or(numbers.start + number, |own| own[number] as usize);
             let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
             // sums of every other entry do not wait for each other
             let [mut sums, mut sizes] = [[[0.0_f64; W]; 2]; 2];
@@ -542,8 +575,8 @@ impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W>
                 add_terms::<MEASURED, FUSED, W>(&mut sums[0], &mut sizes[0], *entry, &beside[*row as usize]);
             }
             for w in 0..columns.min(W) {
-                let (place, sum) = (column + w * n, sums[0][w] + sums[1][w]);
-                let b = given[place] * scales[column];
+                let (place, sum) = (column - numbers.start + w * length, sums[0][w] + sums[1][w]);
+                let b = given[column + w * n] * scales[column];
                 r[place] = b - sum;
                 if MEASURED && r[place] != 0.0 {
                     let size = sizes[0][w] + sizes[1][w] + b.abs();

@@ -9,6 +9,7 @@ mod eigen;
 pub(crate) mod factorization;
 mod multifrontal;
 mod own_unknowns;
+mod owners;
 mod rank;
 mod scaling;
 mod simd;
@@ -22,6 +23,7 @@ pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolut
 pub(crate) use multifrontal::SMALL_FILL;
 pub use multifrontal::{Inertia, MultifrontalLu};
 pub use own_unknowns::OwnUnknowns;
+pub use owners::Owners;
 pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;

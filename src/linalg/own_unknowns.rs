@@ -1,6 +1,6 @@
 //! Matrices of which each rank knows the rows and columns of its own unknowns alone, and numbers of all unknowns.
 
-use super::SparsePattern;
+use super::{Owners, SparsePattern};
 use crate::exchange::Exchange;
 use crate::scalar::larger;
 use std::ops::Range;
@@ -11,17 +11,14 @@ pub struct OwnUnknowns {
     /// Those of each rank.
     of_rank: Vec<Vec<u32>>,
     /// The rank of each.
-    owners: Vec<u32>,
+    owners: Owners,
 }
 
 impl OwnUnknowns {
     /// Of ranks that have all unknowns together, each once.
     pub(crate) fn new(exchange: &'static dyn Exchange, mut of_rank: Vec<Vec<u32>>) -> Self {
         of_rank.iter_mut().for_each(|own| own.sort_unstable());
-        let mut owners = vec![0; of_rank.iter().map(Vec::len).sum()];
-        for (rank, own) in of_rank.iter().enumerate() {
-            own.iter().for_each(|&unknown| owners[unknown as usize] = rank as u32);
-        }
+        let owners = Owners::new(&of_rank);
         OwnUnknowns { exchange, of_rank, owners }
     }
 
@@ -31,8 +28,8 @@ impl OwnUnknowns {
     }
 
     /// Whether this rank has any of some unknowns.
-    pub fn has_any(&self, mut unknowns: Range<usize>) -> bool {
-        unknowns.any(|unknown| self.owners[unknown] as usize == self.exchange.rank())
+    pub fn has_any(&self, unknowns: Range<usize>) -> bool {
+        self.owners.has_any(self.exchange.rank(), unknowns)
     }
 
     /// Lists of all ranks, one after the other, in one: those of other ranks are written to places that `places` gives for each.
@@ -60,8 +57,8 @@ impl OwnUnknowns {
 
     /// The same for several columns of numbers, with the largest of others.
     pub fn gather_columns(&self, columns: &mut [f64], largest: &mut [f64]) {
-        let size = self.owners.len() as u32;
-        let count = columns.len() / self.owners.len();
+        let size = self.owners.unknowns() as u32;
+        let count = columns.len() / self.owners.unknowns();
         let shifted =
             |own: &Vec<u32>| (0..count as u32).flat_map(|k| own.iter().map(move |&place| place + k * size)).collect();
         let places: Vec<Vec<u32>> = self.of_rank.iter().map(shifted).collect();
@@ -74,10 +71,10 @@ impl OwnUnknowns {
             return;
         }
         let mut places = vec![Vec::new(); self.of_rank.len()];
-        entries.iter().for_each(|&(place, column)| places[self.owners[column as usize] as usize].push(place));
+        entries.iter().for_each(|&(place, column)| places[self.owners.of(column as usize)].push(place));
         for &column in columns {
             let all = pattern.column_starts[column as usize] as u32..pattern.column_starts[column as usize + 1] as u32;
-            places[self.owners[column as usize] as usize].extend(all);
+            places[self.owners.of(column as usize)].extend(all);
         }
         self.exchange_at(values, &places, &mut []);
     }

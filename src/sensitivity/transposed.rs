@@ -218,6 +218,7 @@ impl<'m> TransposedSolver<'m> {
         }
         let before = jacobian.evaluated;
         jacobian.divide(self.factorization.own_unknowns());
+        jacobian.divide_by_threads(self.factorization.thread_owners());
         work.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, own, p, *t));
         work.blocks += jacobian.evaluated - before;
         // those of a stage tell nothing of a projection

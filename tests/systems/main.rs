@@ -22,4 +22,5 @@ mod steps;
 #[path = "../support/mod.rs"]
 mod support;
 mod switches;
+mod threads;
 mod variational;

@@ -278,6 +278,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let Newton { counters, residual, jacobian, factorization, system, p, divides, .. } = &mut *self;
         // whether an equilibrium is stable is seen from all of the matrix
         jacobian.divide(factorization.own_unknowns().filter(|_| *divides && !equations.is_static()));
+        jacobian.divide_by_threads(factorization.thread_owners());
         counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
         counters.blocks += jacobian.evaluated - before;
         counters.timed(Phase::Factorization, || jacobian.factor_in(factorization))?;

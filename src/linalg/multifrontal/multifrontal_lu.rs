@@ -13,7 +13,7 @@ use super::thread_solution::ThreadSolution;
 use super::traversal::Traversal;
 use crate::exchange::{self, Exchange};
 use crate::linalg::SparsePattern;
-use crate::linalg::{LinearSolver, OwnUnknowns, Singular};
+use crate::linalg::{LinearSolver, OwnUnknowns, Owners, Singular};
 use std::sync::Arc;
 
 /// Multifrontal LU of matrices of one pattern, whose rows and columns should have the size 1.
@@ -99,6 +99,14 @@ impl MultifrontalLu {
         match &self.work {
             Work::Alone(..) => None,
             Work::Shared(share) => Some(share.own_unknowns(&self.symbolic)),
+        }
+    }
+
+    /// To which thread each unknown belongs, where several share solutions.
+    pub(crate) fn thread_owners(&self) -> Option<Owners> {
+        match &self.work {
+            Work::Alone(_, Some(threads)) => Some(threads.owners(&self.symbolic)),
+            _ => None,
         }
     }
 

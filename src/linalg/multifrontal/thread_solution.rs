@@ -6,6 +6,7 @@ use super::stretches::Stretches;
 use super::substitution::{BLOCK, Side, Substitution};
 use super::symbolic::Symbolic;
 use crate::exchange::on_threads;
+use crate::linalg::Owners;
 use std::sync::Arc;
 
 /// Stretches of all threads, with vectors of each, which have the bits that one thread gives.
@@ -29,6 +30,12 @@ impl ThreadSolution {
         let stretches = Arc::new(stretches);
         let own = |number| (StretchSolution::new(symbolic, Arc::clone(&stretches), number), Substitution::default());
         ThreadSolution { threads: (0..stretches.count()).map(own).collect(), stretches }
+    }
+
+    /// To which thread each unknown belongs, but for those that wait for another one.
+    pub fn owners(&self, symbolic: &Symbolic) -> Owners {
+        let of = |number| symbolic.order[self.stretches.places(symbolic, number)].to_vec();
+        Owners::new(&(0..self.threads.len()).map(of).collect::<Vec<_>>())
     }
 
     /// Takes over where pivots of a new factorization wait.
