@@ -27,12 +27,13 @@ pub struct Phases {
     /// Residual, matrix, factorization, solution, and transposed solution, of one system.
     pub of_a_system: [(&'static str, f64); 5],
     pub step: f64,
-    pub adjoint: f64,
+    /// For the first functional, and for two.
+    pub adjoint: [f64; 2],
     pub iterations: f64,
     pub factorizations: f64,
-    /// At its peak, of the simulation of one step and its gradient, beside what was there before \[bytes\]; where the system tells.
+    /// At its peak, of the simulation of one step and its gradients, beside what was there before \[bytes\]; where the system tells.
     pub memory: Option<f64>,
-    /// Values of the functionals, and then their gradients.
+    /// Value of the first functional, and then its gradient.
     pub results: Vec<f64>,
     /// Elements that this rank evaluates for its part of a matrix, where ranks share it.
     pub own_elements: Option<usize>,
@@ -74,38 +75,22 @@ fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
 }
 
 impl Phases {
-    /// Of a scene with its first functional.
+    /// Of a scene with two functionals.
     pub fn measure(scene: &dyn AnyScene, effort: Effort) -> Result<Self, RunError> {
         let (unknowns, of_a_system, own_elements) = systems(&prepare(scene, 1, 1)?, effort.repeats)?;
         let before = memory_of_now();
         forget_peak();
-        let first = Both::run(&prepare(scene, 1, 1)?)?;
-        let peak = peak_memory();
-        let [step, adjoint, iterations, factorizations] = of_a_step(scene, 1, &first, effort)?;
-        let memory = before.zip(peak).map(|(before, peak)| peak - before);
-        let results = first.results;
+        let first = Run::of(&prepare(scene, 1, 2)?)?;
+        let memory = before.zip(peak_memory()).map(|(before, peak)| peak - before);
+        let mut numbers = first.numbers;
+        if effort.steps > 0 {
+            let whole = Run::of(&prepare(scene, 1 + effort.steps, 2)?)?;
+            numbers = std::array::from_fn(|k| (whole.numbers[k] - first.numbers[k]) / effort.steps as f64);
+        }
+        let ([step, one, two, iterations, factorizations], results) = (numbers, first.results);
+        let adjoint = [one, two];
         Ok(Phases { unknowns, of_a_system, step, adjoint, iterations, factorizations, memory, results, own_elements })
     }
-}
-
-/// Seconds of the adjoint of a step for the first two functionals.
-pub fn adjoint_of_two(scene: &dyn AnyScene, effort: Effort) -> Result<f64, RunError> {
-    let first = Both::run(&prepare(scene, 1, 2)?)?;
-    Ok(of_a_step(scene, 2, &first, effort)?[1])
-}
-
-/// What steps behind the first take, by their number.
-fn of_a_step(
-    scene: &dyn AnyScene,
-    functionals: usize,
-    first: &Both,
-    Effort { steps, .. }: Effort,
-) -> Result<[f64; 4], RunError> {
-    if steps == 0 {
-        return Ok(first.numbers);
-    }
-    let whole = Both::run(&prepare(scene, 1 + steps, functionals)?)?;
-    Ok(std::array::from_fn(|k| (whole.numbers[k] - first.numbers[k]) / steps as f64))
 }
 
 /// Unknowns of a system of the last stage, what its parts take, and elements of this rank.
@@ -147,22 +132,24 @@ fn systems(one: &Prepared, repeats: usize) -> Result<(f64, [(&'static str, f64);
     Ok((system.size() as f64, times, jacobian.own_elements()))
 }
 
-/// A simulation with its gradient.
-struct Both {
-    /// Seconds of both, Newton iterations, and factorizations.
-    numbers: [f64; 4],
+/// A simulation with its gradients.
+struct Run {
+    /// Seconds of the simulation, of the gradient of the first functional, and of two; Newton iterations, and factorizations.
+    numbers: [f64; 5],
     results: Vec<f64>,
 }
 
-impl Both {
-    fn run(prepared: &Prepared) -> Result<Self, RunError> {
+impl Run {
+    fn of(prepared: &Prepared) -> Result<Self, RunError> {
         let analysis = prepared.analysis();
         let (forward, of_forward) = timed(|| analysis.forward(&prepared.x));
         let forward = forward?;
-        let (adjoint, of_adjoint) = timed(|| analysis.adjoint(&prepared.x, &forward));
-        let results = forward.values.iter().copied().chain(adjoint?.rows.concat()).collect();
+        let (one, of_one) = timed(|| analysis.adjoint_of(&prepared.x, &forward, &[true, false]));
+        let (two, of_two) = timed(|| analysis.adjoint(&prepared.x, &forward));
+        two?;
+        let results = [&forward.values[..1], &one?.rows[0]].concat();
         let counters = &forward.counters;
-        let numbers = [of_forward, of_adjoint, counters.iterations as f64, counters.factorizations as f64];
-        Ok(Both { numbers, results })
+        let numbers = [of_forward, of_one, of_two, counters.iterations as f64, counters.factorizations as f64];
+        Ok(Run { numbers, results })
     }
 }

@@ -125,11 +125,11 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
     let of_element = (own.of_a_system[0].1 + own.of_a_system[1].1) / subject.elements as f64;
     report.inform(name("residual and matrix of an element [us]"), 1e6 * of_element);
     report.inform(name("one forward step [s]"), own.step);
-    report.inform(name("its adjoint and gradient [s]"), own.adjoint);
+    report.inform(name("its adjoint and gradient [s]"), own.adjoint[0]);
     report.inform(name("Newton iterations of a step"), own.iterations);
     report.inform(name("factorizations of a step"), own.factorizations);
     if let Some(memory) = own.memory {
-        report.inform(name("memory at its peak, simulation of one step and gradient [MB]"), 1e-6 * memory);
+        report.inform(name("memory at its peak, simulation of one step and gradients [MB]"), 1e-6 * memory);
     }
     Ok(())
 }

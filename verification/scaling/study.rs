@@ -1,6 +1,6 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
-use crate::verification::phases::{Effort, Phases, USUAL, adjoint_of_two};
+use crate::verification::phases::{Effort, Phases, USUAL};
 use crate::verification::{Form, Report, Study};
 use costate::internals::{of_all_ranks, traffic};
 use costate::scenes::built_in::{PlatePendulum, Thicknesses};
@@ -11,14 +11,24 @@ use std::process::Command;
 /// The study.
 pub struct Scaling;
 
-/// Elements along the plate and across it: a short one, and two of 192,000 and 2,000,000 unknowns as Boopathy & Kennedy count them, eight a
-/// node.
-const SHORT: [usize; 2] = [60, 12];
-const USUAL_MESH: [usize; 2] = [150, 39];
-const LARGE: [usize; 2] = [560, 112];
-/// Elements along the plate of one thread, where each has as many, and what their figures begin with.
-const OF_EACH: usize = 75;
-const FOR_EACH: &str = "as many for each, ";
+/// A plate, by its name in figures.
+struct Subject {
+    name: &'static str,
+    /// Elements along the plate, for each thread of all processes where `is_for_each`, and across it.
+    elements: [usize; 2],
+    is_for_each: bool,
+    effort: Effort,
+}
+
+const ONCE: Effort = Effort { repeats: 1, steps: 0 };
+/// Those of the short form; of the whole one, with 192,000 unknowns as Boopathy & Kennedy count them, eight a node; and of the long one, with
+/// 2,000,000.
+const SUBJECTS: [Subject; 4] = [
+    Subject { name: "60 x 12", elements: [60, 12], is_for_each: false, effort: ONCE },
+    Subject { name: "150 x 39", elements: [150, 39], is_for_each: false, effort: USUAL },
+    Subject { name: "75 x 39 for each", elements: [75, 39], is_for_each: true, effort: USUAL },
+    Subject { name: "560 x 112", elements: [560, 112], is_for_each: false, effort: ONCE },
+];
 
 impl Study for Scaling {
     fn name(&self) -> &'static str {
@@ -34,25 +44,35 @@ impl Study for Scaling {
         true
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        if of_all_ranks(&[]).len() > 1 || std::env::var_os(ONE_OF_MANY).is_some() {
-            return measure(report);
+        if let Ok(name) = std::env::var(ONE_OF_MANY) {
+            let subject = SUBJECTS.iter().find(|subject| subject.name == name).ok_or_else(|| format!("no plate {name}"))?;
+            return subject.measure(report);
         }
-        let all = layouts(report.is_short());
-        let mut base: Option<Measured> = None;
-        for layout in all {
-            eprintln!("{layout}");
-            let Some(own) = layout.measured(report)? else {
-                report.note(format!("{layout}: not measured; this needs the feature mpi, and mpirun"));
-                continue;
-            };
-            own.tell(report, &layout, base.as_ref());
-            base.get_or_insert(own);
+        if of_all_ranks(&[]).len() > 1 {
+            return Err("it starts its ranks itself: without mpirun".into());
+        }
+        let subjects = match (report.is_short(), report.is_long()) {
+            (true, _) => &SUBJECTS[..1],
+            (_, true) => &SUBJECTS[3..],
+            _ => &SUBJECTS[1..3],
+        };
+        for subject in subjects {
+            let mut base: Option<Measured> = None;
+            for layout in layouts(report) {
+                eprintln!("{}: {layout}", subject.name);
+                let Some(own) = layout.measured(subject)? else {
+                    report.note(format!("{layout}: not measured; this needs the feature mpi, and mpirun"));
+                    continue;
+                };
+                own.tell(report, subject, &layout, base.as_ref());
+                base.get_or_insert(own);
+            }
         }
         Ok(())
     }
 }
 
-/// Says to a process that it is to measure alone what others do, too.
+/// Names the plate to a process that measures it alone, or with others.
 const ONE_OF_MANY: &str = "COSTATE_SCALING";
 
 /// How many processes, and threads of each.
@@ -69,13 +89,15 @@ impl std::fmt::Display for Layout {
     }
 }
 
-/// Layouts that the cores of this machine have room for: powers of two of either, and all cores in between.
-fn layouts(is_short: bool) -> Vec<Layout> {
+/// Layouts that the cores of this machine have room for: powers of two of either, and all cores in between; of a large plate those with all
+/// cores alone.
+fn layouts(report: &Report) -> Vec<Layout> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let cores = if is_short { cores.min(2) } else { cores };
+    let cores = if report.is_short() { cores.min(2) } else { cores };
     let powers = || (0..).map(|power| 1 << power).take_while(|&count| count <= cores);
     let all = powers().flat_map(|ranks| powers().map(move |threads| Layout { ranks, threads }));
-    let counts = |Layout { ranks, threads }: &Layout| *ranks == 1 || *threads == 1 || ranks * threads * 2 > cores;
+    let has_all = |layout: &Layout| layout.ranks * layout.threads * 2 > cores;
+    let counts = |layout: &Layout| has_all(layout) || !report.is_long() && (layout.ranks == 1 || layout.threads == 1);
     all.filter(|layout| layout.ranks * layout.threads <= cores && counts(layout)).collect()
 }
 
@@ -84,7 +106,7 @@ struct Measured(BTreeMap<String, f64>);
 
 impl Layout {
     /// What processes of this layout measure; nothing where they cannot be started.
-    fn measured(&self, report: &Report) -> Result<Option<Measured>, String> {
+    fn measured(&self, subject: &Subject) -> Result<Option<Measured>, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = match self.ranks {
             1 => Command::new(program),
@@ -96,14 +118,9 @@ impl Layout {
             }
         };
         command.args(["verify", "scaling", "--json"]);
-        match (report.is_short(), report.is_long()) {
-            (true, _) => command.arg("--short"),
-            (_, true) => command.arg("--long"),
-            _ => &mut command,
-        };
         // containers have no other user
         command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
-        let output = command.env(ONE_OF_MANY, "1").env("RAYON_NUM_THREADS", self.threads.to_string()).output();
+        let output = command.env(ONE_OF_MANY, subject.name).env("RAYON_NUM_THREADS", self.threads.to_string()).output();
         let output = match output {
             Err(error) if self.ranks > 1 && error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             output => output.map_err(|error| error.to_string())?,
@@ -122,90 +139,69 @@ impl Layout {
 
 impl Measured {
     /// Reports the figures of a layout, with how many times faster than the first one it is, and whether it has the same results.
-    fn tell(&self, report: &mut Report, layout: &Layout, base: Option<&Measured>) {
+    fn tell(&self, report: &mut Report, subject: &Subject, layout: &Layout, base: Option<&Measured>) {
         for (name, &value) in &self.0 {
-            let full = format!("{layout}/{name}");
+            let full = format!("{}/{layout}/{name}", subject.name);
             let of_base = base.and_then(|base| base.0.get(name)).copied();
-            let is_of_each = name.starts_with(FOR_EACH);
-            if name.contains("result ") {
-                if is_of_each {
-                    continue;
+            if name.starts_with(RESULT) {
+                if !subject.is_for_each {
+                    // the first one has none to differ from
+                    report.compare(full, value, of_base.unwrap_or(value), 0.0);
                 }
-                // without one there is nothing to differ from
-                report.compare(full, value, of_base.unwrap_or(value), 0.0);
                 continue;
             }
-            report.inform(full, value);
-            let is_time = name.ends_with("[s]") && !name.contains(", all ranks");
-            if let (Some(of_base), true) = (of_base, is_time) {
-                let what = if is_of_each { "share of its speed alone" } else { "times as fast" };
-                report.inform(format!("{layout}/{name}, {what}"), of_base / value);
+            report.inform(&full, value);
+            if let (Some(of_base), true) = (of_base, name.ends_with("[s]") && name != ON_PROCESSORS) {
+                let what = if subject.is_for_each { "share of its speed alone" } else { "times as fast" };
+                report.inform(format!("{full}, {what}"), of_base / value);
             }
         }
     }
 }
 
-/// What this process measures, together with those that were started with it.
-fn measure(report: &mut Report) -> Result<(), String> {
-    let processes = of_all_ranks(&[]).len() * rayon::current_num_threads();
-    let plate = |elements: [usize; 2]| PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
-    let of_each = [OF_EACH * processes, USUAL_MESH[1]];
-    let short = Effort { repeats: 1, steps: 0 };
-    let subjects = match (report.is_short(), report.is_long()) {
-        (true, _) => vec![(SHORT, "", short)],
-        (_, true) => vec![(LARGE, "", short)],
-        _ => vec![(USUAL_MESH, "", USUAL), (of_each, FOR_EACH, USUAL)],
-    };
-    for (elements, which, effort) in subjects {
-        let name = match which {
-            "" => format!("{} x {}", elements[0], elements[1]),
-            which => format!("{which}{} x {}", OF_EACH, elements[1]),
-        };
-        phases(report, &name, &plate(elements), effort)?;
-    }
-    Ok(())
-}
+/// Names of figures that are told apart.
+const RESULT: &str = "result";
+const ON_PROCESSORS: &str = "time on processors, all ranks [s]";
 
-/// The figures of a mesh.
-fn phases(report: &mut Report, name: &str, plate: &PlatePendulum, effort: Effort) -> Result<(), String> {
-    let words = |error: costate::integrators::RunError| error.to_string();
-    let begun = (traffic(), processor_seconds());
-    let own = Phases::measure(plate, effort).map_err(words)?;
-    let (after, of_processor) = (traffic(), processor_seconds());
-    let of_two = adjoint_of_two(plate, effort).map_err(words)?;
-    let name = |what: &str| format!("{name}/{what}");
-    report.inform(name("unknowns"), own.unknowns);
-    for (what, seconds) in own.of_a_system {
-        report.inform(name(&format!("{what} [s]")), seconds);
+impl Subject {
+    /// What this process measures, together with those that were started with it.
+    fn measure(&self, report: &mut Report) -> Result<(), String> {
+        let [along, across] = self.elements;
+        let threads = of_all_ranks(&[]).len() * rayon::current_num_threads();
+        let elements = [if self.is_for_each { along * threads } else { along }, across];
+        let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
+        let (before, on_processor) = (traffic(), processor_seconds());
+        let own = Phases::measure(&plate, self.effort).map_err(|error| error.to_string())?;
+        let (after, on_processor) = (traffic(), processor_seconds() - on_processor);
+        report.inform("unknowns", own.unknowns);
+        for (what, seconds) in own.of_a_system {
+            report.inform(format!("{what} [s]"), seconds);
+        }
+        let (residual, matrix) = (own.of_a_system[0].1, own.of_a_system[1].1);
+        report.inform("residual and matrix [s]", residual + matrix);
+        report.inform("forward step [s]", own.step);
+        report.inform("adjoint of a step [s]", own.adjoint[0]);
+        report.inform("second functional by the first", own.adjoint[1] / own.adjoint[0] - 1.0);
+        for (place, &value) in own.results.iter().enumerate() {
+            report.inform(format!("{RESULT} {place}"), value);
+        }
+        let memory = own.memory.unwrap_or(f64::NAN);
+        let of_rank = [on_processor, after.waited - before.waited, after.sent - before.sent, memory];
+        let shared = own.own_elements.unwrap_or(0) as f64;
+        let all = of_all_ranks(&[&of_rank[..], &[shared], &own.results].concat());
+        let is_other = |rank: &&Vec<f64>| rank[5..].iter().zip(&own.results).any(|(a, b)| a.to_bits() != b.to_bits());
+        report.at_most("ranks with other results", all.iter().filter(is_other).count() as f64, 0.0);
+        let of = |column: usize| all.iter().map(move |rank| rank[column]);
+        report.inform(ON_PROCESSORS, of(0).sum());
+        report.inform("memory of the fullest rank [MB]", 1e-6 * of(3).fold(0.0, f64::max));
+        if all.len() > 1 {
+            report.inform("waiting, of the rank that waits most", of(1).fold(0.0, f64::max));
+            report.inform("sent by all [MB]", 1e-6 * of(2).sum::<f64>());
+            let again = of(4).sum::<f64>() / elements.iter().product::<usize>() as f64 - 1.0;
+            report.inform("elements of a matrix that are evaluated again [%]", 100.0 * again.max(0.0));
+        }
+        Ok(())
     }
-    report.inform(name("forward step [s]"), own.step);
-    report.inform(name("adjoint of a step [s]"), own.adjoint);
-    report.inform(name("second functional of a step"), of_two / own.adjoint - 1.0);
-    for (place, &value) in own.results.iter().enumerate() {
-        report.inform(name(&format!("result {place}")), value);
-    }
-    let (waited, sent) = (after.waited - begun.0.waited, after.sent - begun.0.sent);
-    let (memory, elements) = (own.memory.unwrap_or(f64::NAN), own.own_elements.unwrap_or(0) as f64);
-    let of_rank = [of_processor - begun.1, waited, sent, memory, elements];
-    let all = of_all_ranks(&[&of_rank[..], &own.results].concat());
-    let results = of_rank.len()..;
-    let is_other = |rank: &&Vec<f64>| rank[results.clone()].iter().zip(&own.results).any(|(a, b)| a != b);
-    let differing = all.iter().filter(is_other).count();
-    report.at_most(name("ranks with other results"), differing as f64, 0.0);
-    let of = |column: usize| all.iter().map(move |rank| rank[column]);
-    // looks for messages are in it
-    report.inform(name("time on processors, all ranks [s]"), of(0).sum());
-    report.inform(name("memory of the fullest rank [MB]"), 1e-6 * of(3).fold(0.0, f64::max));
-    if all.len() > 1 {
-        report.inform(name("waiting, idlest rank [s]"), of(1).fold(0.0, f64::max));
-        report.inform(name("sent, by all [MB]"), 1e-6 * of(2).sum::<f64>());
-        let elements: f64 = plate.elements.iter().product::<usize>() as f64;
-        report.inform(
-            name("elements of a matrix evaluated again [%]"),
-            100.0 * (of(4).sum::<f64>() / elements - 1.0).max(0.0),
-        );
-    }
-    Ok(())
 }
 
 /// Time that all threads of this process have been on a processor \[s\], in ticks of a hundredth: Linux, `/proc/self/stat`.
