@@ -96,7 +96,7 @@ impl OwnUnknowns {
 #[cfg(test)]
 mod tests {
     use super::super::multifrontal::test_matrices::{Noise, chain, dominant, random_pattern, shell};
-    use super::super::{Backend, Factorization, Singular};
+    use super::super::{Factorization, Singular};
     use super::*;
     use crate::exchange::on_ranks;
     use std::sync::Arc;
@@ -158,8 +158,8 @@ mod tests {
             }
             let other: Vec<f64> = values.iter().map(|value| value * 1.000_000_1).collect();
             let pattern = Arc::new(pattern);
-            let mut alone = Factorization::new(&pattern, Backend::Multifrontal).expect("regular");
-            let expected = bits(&mut alone, (&values, &other, &b), Factorization::factor);
+            let alone = |world| bits(&mut Factorization::on(&pattern, world), (&values, &other, &b), Factorization::factor);
+            let expected = on_ranks(1, alone).remove(0);
             failed += usize::from(expected.is_err());
             for ranks in 2..=4 {
                 let given = on_ranks(ranks, |world| {

@@ -5,7 +5,7 @@
 
 use super::factors::{Factors, Part};
 use super::front::Contribution;
-use super::stretch_solution::{Delayed, StretchSolution, end_out_of_step};
+use super::stretch_solution::{Delayed, StretchSolution, delayed, end_out_of_step};
 use super::stretches::Stretches;
 use super::substitution::{BLOCK, Side, Substitution};
 use super::symbolic::Symbolic;
@@ -47,7 +47,7 @@ impl RankShare {
             true => Piece::front(symbolic, fronts.start, threads),
             false => Piece::subtree(symbolic, fronts.end - 1, &flops, threads),
         };
-        let pieces = solution.pieces.iter().map(piece).collect();
+        let pieces = solution.subtrees.iter().map(piece).collect();
         RankShare { exchange, pieces, early: Vec::new(), solution }
     }
 
@@ -84,8 +84,11 @@ impl RankShare {
         let (_, rest) = factors.part(symbolic).split_at(symbolic, own.start);
         let (mut part, _) = rest.split_at(symbolic, own.end);
         let (mut failure, mut is_broken) = (None, false);
-        let mut delayed = Vec::new();
-        for index in 0..self.pieces.len() {
+        // what waits for nobody comes first
+        let is_parted = |index: &usize| self.solution.subtrees[*index].1;
+        let mut order: Vec<usize> = (0..self.pieces.len()).collect();
+        order.sort_by_key(is_parted);
+        for index in order {
             let (root, first) = (self.pieces[index].root(), self.pieces[index].fronts().start);
             let is_parted = self.solution.stretches.is_parted(symbolic, root);
             let taken = if is_parted { self.take_children(symbolic, root) } else { Vec::new() };
@@ -102,10 +105,11 @@ impl RankShare {
                 (is_broken, failure) = (result.is_err(), result.err());
             }
             let contribution = (!is_broken).then(|| self.pieces[index].contribution(symbolic, &part));
-            self.hand_on(symbolic, root, contribution, &mut delayed);
+            self.hand_on(symbolic, root, contribution);
             self.exchange.hurry();
         }
-        self.agree(symbolic, failure, &delayed)
+        let delayed = if is_broken { Vec::new() } else { delayed(symbolic, &part, &self.solution.pieces) };
+        self.agree(symbolic, failure, delayed)
     }
 
     /// Contributions of other ranks to a front, whenever they come.
@@ -131,17 +135,14 @@ impl RankShare {
         taken
     }
 
-    /// Sends the contribution of a front to the rank that needs it, and notes delayed pivots that other ranks are to know.
-    fn hand_on(&self, symbolic: &Symbolic, front: usize, contribution: Option<Contribution<'_>>, delayed: &mut Vec<f64>) {
+    /// Sends the contribution of a front to the rank that needs it.
+    fn hand_on(&self, symbolic: &Symbolic, front: usize, contribution: Option<Contribution<'_>>) {
         let Some(parent) = symbolic.fronts[front].parent else { return };
         let mut message = vec![CONTRIBUTION, front as f64];
         match contribution {
             Some(Contribution { delayed_rows, delayed_columns, values, .. }) => {
                 message.push(delayed_rows.len() as f64);
                 message.extend([delayed_rows, delayed_columns].into_iter().flatten().map(|&place| f64::from(place)));
-                if !delayed_rows.is_empty() && self.solution.stretches.is_parted(symbolic, parent) {
-                    delayed.extend(&message[1..]);
-                }
                 message.extend_from_slice(values);
             }
             None => message.push(BROKEN),
@@ -153,9 +154,14 @@ impl RankShare {
     }
 
     /// All ranks know of the first failure, and of pivots that were delayed.
-    fn agree(&mut self, symbolic: &Symbolic, failure: Option<Singular>, delayed: &[f64]) -> Result<(), Singular> {
+    fn agree(&mut self, symbolic: &Symbolic, failure: Option<Singular>, delayed: Vec<Delayed>) -> Result<(), Singular> {
         let failed = failure.map_or(BROKEN, |singular| singular.unknown as f64);
-        let all = self.exchange.gather_lists(&[&[failed], delayed].concat());
+        let mut own = vec![failed];
+        for Delayed { front, places: [rows, columns], .. } in delayed {
+            own.extend([front as f64, rows.len() as f64]);
+            own.extend(rows.iter().chain(&columns).map(|&place| f64::from(place)));
+        }
+        let all = self.exchange.gather_lists(&own);
         if let Some(failed) = all.iter().find(|other| other[0] != BROKEN) {
             return Err(Singular { unknown: failed[0] as usize });
         }
@@ -187,7 +193,6 @@ impl RankShare {
             factors.transpose(symbolic);
         }
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            substitution.load(symbolic, block);
             self.solution.forward(self.exchange, (symbolic, factors), substitution, side, block);
             self.solution.backward(self.exchange, (symbolic, factors), substitution, side);
             self.gather(symbolic, substitution, block);

@@ -88,21 +88,16 @@ impl SmallFactors<'_> {
                 }
                 row += LANES;
             }
-            self.reduce_others::<I, W, true>(residual, solution, &[]);
+            self.reduce_others::<I, W>(residual, solution);
         }
     }
 
-    /// What y takes from the other rows for `W` vectors, or, unless from `ALL`, from those of given places.
+    /// What y takes from the other rows for `W` vectors.
     ///
     /// # Safety
     /// As for [`SmallFactors::forward`].
     #[inline(always)]
-    pub unsafe fn reduce_others<I: Instructions, const W: usize, const ALL: bool>(
-        &self,
-        residual: [*mut f64; W],
-        solution: [*mut f64; W],
-        places: &[bool],
-    ) {
+    unsafe fn reduce_others<I: Instructions, const W: usize>(&self, residual: [*mut f64; W], solution: [*mut f64; W]) {
         let SmallFactors { plan, lower, others } = *self;
         let (first, pivots, stride) = (self.first(), plan.pivots as usize, plan.lower_stride as usize);
         // SAFETY: as for the rows of the pivots.
@@ -120,9 +115,7 @@ impl SmallFactors<'_> {
                     let mut lanes = [0.0; LANES];
                     sums[w].store(lanes.as_mut_ptr());
                     for (lane, &place) in rows.iter().enumerate() {
-                        if ALL || places[place as usize] {
-                            *residual[w].add(place as usize) += lanes[lane];
-                        }
+                        *residual[w].add(place as usize) += lanes[lane];
                     }
                 }
                 other += LANES;

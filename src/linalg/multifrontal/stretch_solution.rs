@@ -1,19 +1,21 @@
 //! Solutions by several stretches of the sequence of fronts at once, those of ranks or of threads.
 //!
 //! ```text
-//! forward    subtrees of its own, all stretches at once; then the residuals of fronts above, one stretch after the other in the order of fronts
+//! forward    pieces of its own: what each takes from rows of fronts above goes to the front above it, which adds it up in the order of children
 //! backward   from the last stretch on: each sends the unknowns of fronts that have others' below them as soon as it knows them
 //! ```
+//!
+//! Pieces depend on the tree alone, so that every number has the same bits whatever the number of stretches.
 
-use super::factors::Factors;
-use super::stretches::Stretches;
-use super::substitution::{Rows, Side, Substitution};
+use super::factors::{Factors, Part};
+use super::stretches::{Stretches, pieces};
+use super::substitution::{Side, Substitution};
 use super::symbolic::Symbolic;
 use crate::exchange::Exchange;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Pivots of a front that the front above looks for, in another stretch or in one that has fronts of several below.
+/// Pivots of the last front of a piece that the front above looks for.
 #[derive(Clone)]
 pub struct Delayed {
     pub front: usize,
@@ -22,79 +24,50 @@ pub struct Delayed {
     pub places: [Vec<u32>; 2],
 }
 
-/// Fronts in the second part of the way forward.
-struct Later {
-    fronts: Range<usize>,
-    /// Whether other ranks have fronts below: all of it waits for them, and not only what it takes from rows of fronts above.
-    is_parted: bool,
-}
-
 /// What a stretch does of solutions.
 pub struct StretchSolution {
     /// Its number.
     number: usize,
     pub stretches: Arc<Stretches>,
-    /// Subtrees of its own, and fronts that have some of other stretches below them, which are said to be parted.
-    pub pieces: Vec<(Range<usize>, bool)>,
-    /// By place: rows that other stretches reduce before this one, or fronts with others' below them do, and their list.
-    is_shared: Vec<bool>,
-    shared: Vec<u32>,
-    later: Vec<Later>,
-    /// Places of rows that stretches before this one reduce, and of those that stretches before the next one do.
-    running: [Vec<u32>; 2],
+    /// Its pieces: subtrees at first, and then fronts alone that others have to come before.
+    pub pieces: Vec<Range<usize>>,
+    /// Its fronts by subtrees of its own, and fronts that have some of other stretches below them, which are said to be parted.
+    pub subtrees: Vec<(Range<usize>, bool)>,
     /// Fronts of later stretches that have some of this one below them.
     above: Vec<usize>,
-    /// Pivots of the last factorization that wait for a front of another stretch.
+    /// Pivots of the last factorization that wait, of all pieces.
     pub delayed: Vec<Delayed>,
 }
 
+/// What a piece takes from the rows of others, vector by vector, with its last front.
+type Taken = (usize, Vec<f64>);
+
 /// First numbers of messages: what they are.
-const RESIDUALS: f64 = 2.0;
+const REDUCED: f64 = 2.0;
 const UNKNOWNS: f64 = 3.0;
 
 impl StretchSolution {
     /// Of the stretch with a number.
     pub fn new(symbolic: &Symbolic, stretches: Arc<Stretches>, number: usize) -> Self {
-        let (rank, own) = (number, stretches.fronts(number));
+        let own = stretches.fronts(number);
         let is_parted = |front: usize| stretches.is_parted(symbolic, front);
-        let mut pieces = Vec::new();
+        let mut subtrees = Vec::new();
         for front in own.clone() {
             let parent = symbolic.fronts[front].parent;
             if is_parted(front) {
-                pieces.push((front..front + 1, true));
+                subtrees.push((front..front + 1, true));
             } else if parent.is_none_or(|parent| !own.contains(&parent) || is_parted(parent)) {
-                pieces.push((symbolic.fronts[front].subtree..front + 1, false));
+                subtrees.push((symbolic.fronts[front].subtree..front + 1, false));
             }
         }
-        let running = [rank, rank + 1]
-            .map(|rank| if rank < stretches.count() { running(symbolic, &stretches, rank) } else { Vec::new() });
-        let of_parted = own.clone().filter(|&front| is_parted(front)).map(|front| symbolic.fronts[front].rows.clone());
-        let shared =
-            sorted(running[0].iter().copied().chain(of_parted.flat_map(|rows| symbolic.rows[rows].iter().copied())));
-        let mut is_shared = vec![false; symbolic.size];
-        shared.iter().for_each(|&place| is_shared[place as usize] = true);
-        let touches =
-            |front: usize| symbolic.rows[symbolic.fronts[front].rows.clone()].iter().any(|&row| is_shared[row as usize]);
-        let mut later: Vec<Later> = Vec::new();
-        for front in own.clone().filter(|&front| is_parted(front) || touches(front)) {
-            match later.last_mut() {
-                Some(last) if last.fronts.end == front && !last.is_parted && !is_parted(front) => last.fronts.end += 1,
-                _ => later.push(Later { fronts: front..front + 1, is_parted: is_parted(front) }),
-            }
-        }
+        let mut pieces: Vec<_> = pieces(symbolic).into_iter().filter(|piece| own.contains(&piece.start)).collect();
+        pieces.sort_by_key(|piece| !is_subtree(symbolic, piece));
         let is_above = |front: &usize| symbolic.fronts[*front].subtree < own.end && is_parted(*front);
         let above = (own.end..symbolic.fronts.len()).filter(|front| !own.is_empty() && is_above(front)).rev().collect();
-        let delayed = Vec::new();
-        StretchSolution { number, pieces, is_shared, shared, later, running, above, delayed, stretches }
+        StretchSolution { number, pieces, subtrees, above, delayed: Vec::new(), stretches }
     }
 
-    /// Places of right-hand sides that it begins with: its own, and rows that it reduces for others.
-    pub fn given(&self, symbolic: &Symbolic) -> impl Iterator<Item = usize> {
-        let reduced = self.running[1].iter().map(|&place| place as usize);
-        self.stretches.places(symbolic, self.number).chain(reduced)
-    }
-
-    /// The way forward, after the stretches before this one; residuals of its own rows and of those that it reduces are loaded.
+    /// The way forward, of right-hand sides that lie one after the other.
     pub fn forward(
         &self,
         exchange: &dyn Exchange,
@@ -103,34 +76,74 @@ impl StretchSolution {
         side: Side,
         rhs: &[f64],
     ) {
-        for (fronts, _) in self.pieces.iter().filter(|(_, is_parted)| !is_parted) {
-            substitution.forward(symbolic, factors, side, fronts.clone(), Rows::All);
-        }
-        let rank = self.number;
-        if rank > 0 {
-            // what was subtracted above came before its turn
+        substitution.make_room(symbolic, rhs);
+        let mut waiting: Vec<Taken> = Vec::new();
+        for piece in &self.pieces {
+            let root = piece.end - 1;
+            let own = symbolic.fronts[piece.start].first..symbolic.fronts[root].first + symbolic.fronts[root].pivots;
+            let others = &symbolic.rows[symbolic.fronts[root].rows.clone()];
             for (residual, rhs) in substitution.residuals(symbolic).zip(rhs.chunks_exact(symbolic.size)) {
-                for &place in &self.shared {
-                    residual[place as usize] = rhs[symbolic.order[place as usize] as usize];
-                }
+                let given = symbolic.order[own.clone()].iter().map(|&unknown| rhs[unknown as usize]);
+                residual[own.clone()].iter_mut().zip(given).for_each(|(own, given)| *own = given);
+                others.iter().for_each(|&place| residual[place as usize] = 0.0);
             }
-            let message = exchange.receive(rank - 1);
-            let places = self.running_places(rank, side);
-            put(exchange, &message, [RESIDUALS, rank as f64], &places, substitution.residuals(symbolic), rank - 1);
-            for Later { fronts, is_parted } in &self.later {
-                if *is_parted {
-                    substitution.forward_late(symbolic, factors, side, fronts.start);
-                } else {
-                    let rows = Rows::Some(&self.is_shared);
-                    substitution.forward(symbolic, factors, side, fronts.clone(), rows);
+            if !is_subtree(symbolic, piece) {
+                for &child in &symbolic.children[symbolic.fronts[root].children.clone()] {
+                    self.add_taken(exchange, (symbolic, child as usize), &mut waiting, substitution, side);
                 }
+                substitution.forward_late(symbolic, factors, side, root);
+            } else {
+                substitution.forward(symbolic, factors, side, piece.clone());
+            }
+            let Some(parent) = symbolic.fronts[root].parent else { continue };
+            let places = self.taken_places(symbolic, root, side);
+            let message = take([REDUCED, root as f64], &places, substitution.residuals(symbolic));
+            match self.stretches.owner(parent) {
+                owner if owner == self.number => waiting.push((root, message)),
+                owner => exchange.send(owner, message),
             }
         }
-        if rank + 1 < exchange.ranks() {
-            let places = self.running_places(rank + 1, side);
-            let message = take([RESIDUALS, (rank + 1) as f64], &places, substitution.residuals(symbolic));
-            exchange.send(rank + 1, message);
+    }
+
+    /// Adds what a piece took from rows of a front above it, whose residuals stand there; those of pivots that wait are its own.
+    fn add_taken(
+        &self,
+        exchange: &dyn Exchange,
+        (symbolic, child): (&Symbolic, usize),
+        waiting: &mut Vec<Taken>,
+        substitution: &mut Substitution,
+        side: Side,
+    ) {
+        let owner = self.stretches.owner(child);
+        let taken = loop {
+            if let Some(place) = waiting.iter().position(|taken| taken.0 == child) {
+                break waiting.swap_remove(place).1;
+            }
+            let message = exchange.receive(owner);
+            match message[..] {
+                [REDUCED, front, ..] => waiting.push((front as usize, message)),
+                _ => end_out_of_step(exchange, owner),
+            }
+        };
+        let (others, places) = (symbolic.fronts[child].others(), self.taken_places(symbolic, child, side));
+        let columns = substitution.residuals(symbolic).count();
+        if taken.len() != 2 + columns * places.len() {
+            end_out_of_step(exchange, owner);
         }
+        for (residual, taken) in substitution.residuals(symbolic).zip(taken[2..].chunks_exact(places.len().max(1))) {
+            for (number, (&place, value)) in places.iter().zip(taken).enumerate() {
+                let residual = &mut residual[place as usize];
+                *residual = if number < others { *residual + value } else { *value };
+            }
+        }
+    }
+
+    /// Places of residuals that a piece leaves to the front above its last one: rows that it reduced, and those of pivots that wait.
+    fn taken_places(&self, symbolic: &Symbolic, root: usize, side: Side) -> Vec<u32> {
+        let others = &symbolic.rows[symbolic.fronts[root].rows.clone()];
+        let delayed = self.delayed.iter().filter(|delayed| delayed.front == root);
+        let delayed = delayed.flat_map(|delayed| &delayed.places[usize::from(side == Side::Transposed)]);
+        others.iter().chain(delayed).copied().collect()
     }
 
     /// The way back, behind the stretches after this one.
@@ -148,7 +161,7 @@ impl StretchSolution {
             let places = self.places_of(symbolic, front, side);
             put(exchange, &message, [UNKNOWNS, front as f64], &places, substitution.solutions(symbolic), owner);
         }
-        for (fronts, _) in self.pieces.iter().rev() {
+        for (fronts, _) in self.subtrees.iter().rev() {
             exchange.hurry();
             substitution.backward(symbolic, factors, side, fronts.clone());
             let front = fronts.end - 1;
@@ -162,18 +175,6 @@ impl StretchSolution {
         }
     }
 
-    /// Places of residuals that the ranks before one leave to it: rows that they reduced, and those of pivots that wait for a front there or
-    /// behind it.
-    fn running_places(&self, rank: usize, side: Side) -> Vec<u32> {
-        let rows = &self.running[rank - self.number];
-        let waiting = self
-            .delayed
-            .iter()
-            .filter(|delayed| self.stretches.owner(delayed.front) < rank && self.stretches.owner(delayed.parent) >= rank);
-        let delayed = waiting.flat_map(|delayed| &delayed.places[usize::from(side == Side::Transposed)]);
-        rows.iter().chain(delayed).copied().collect()
-    }
-
     /// Places of the unknowns of a front, and of those that it took over from fronts below it.
     fn places_of(&self, symbolic: &Symbolic, front: usize, side: Side) -> Vec<u32> {
         let planned = &symbolic.fronts[front];
@@ -181,6 +182,21 @@ impl StretchSolution {
         let below = self.delayed.iter().filter(|delayed| delayed.parent == front);
         own.chain(below.flat_map(|delayed| delayed.places[usize::from(side == Side::Plain)].iter().copied())).collect()
     }
+}
+
+/// Pivots of pieces that wait.
+pub fn delayed(symbolic: &Symbolic, part: &Part<'_>, pieces: &[Range<usize>]) -> Vec<Delayed> {
+    let of_piece = |piece: &Range<usize>| {
+        let front = piece.end - 1;
+        let (parent, places) = (symbolic.fronts[front].parent?, part.delayed(symbolic, front).map(<[u32]>::to_vec));
+        (!places[0].is_empty()).then_some(Delayed { front, parent, places })
+    };
+    pieces.iter().filter_map(of_piece).collect()
+}
+
+/// Whether a piece is all that is below its last front.
+fn is_subtree(symbolic: &Symbolic, piece: &Range<usize>) -> bool {
+    symbolic.fronts[piece.end - 1].subtree == piece.start
 }
 
 /// Ends what others do in another order.
@@ -218,18 +234,4 @@ fn take<'v>(head: [f64; 2], places: &[u32], vectors: impl Iterator<Item = &'v mu
         message.extend(places.iter().map(|&place| vector[place as usize]));
     }
     message
-}
-
-/// Each number once, in their order.
-fn sorted(numbers: impl Iterator<Item = u32>) -> Vec<u32> {
-    let mut numbers: Vec<u32> = numbers.collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    numbers
-}
-
-/// Places of rows in the stretch of a rank, or behind it, that fronts before it reduce.
-fn running(symbolic: &Symbolic, stretches: &Stretches, rank: usize) -> Vec<u32> {
-    let rows = |front: usize| symbolic.rows[symbolic.fronts[front].rows.clone()].iter().copied();
-    sorted(stretches.waiting(symbolic, rank).flat_map(rows))
 }

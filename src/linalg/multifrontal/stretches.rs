@@ -1,14 +1,39 @@
-//! The fronts of each rank: the sequence of all, in which each stands after those below it, cut into stretches.
+//! The fronts of each rank or thread: the sequence of all, in which each stands after those below it, cut into stretches.
 
 use super::supernodes::elimination_flops;
 use super::symbolic::{Front, Symbolic};
 use std::ops::Range;
 
-/// Stretches of the sequence of fronts, one of each rank.
+/// Share of the time of all fronts that a piece has at most.
+const SHARE: f64 = 1.0 / 128.0;
+
+/// Pieces of the tree of fronts, which depend on nothing but the tree: subtrees that take little time, and each front above them alone. The way
+/// forward of solutions adds up what pieces take from the rows of others piece by piece, whoever has them.
+pub fn pieces(symbolic: &Symbolic) -> Vec<Range<usize>> {
+    let mut times: Vec<f64> = symbolic.fronts.iter().map(front_time).collect();
+    let most = SHARE * times.iter().sum::<f64>();
+    for front in 0..times.len() {
+        if let Some(parent) = symbolic.fronts[front].parent {
+            times[parent] += times[front];
+        }
+    }
+    let is_small = |front: usize| times[front] <= most;
+    let mut pieces = Vec::new();
+    for (number, front) in symbolic.fronts.iter().enumerate() {
+        if !is_small(number) {
+            pieces.push(number..number + 1);
+        } else if front.parent.is_none_or(|parent| !is_small(parent)) {
+            pieces.push(front.subtree..number + 1);
+        }
+    }
+    pieces
+}
+
+/// Stretches of the sequence of fronts, one of each rank or thread, each of whole pieces.
 ///
 /// Only the last fronts of a tree have some below them that stand in stretches of other ranks: cuts are where these are few and small.
 pub struct Stretches {
-    /// The first front of each rank, and the end.
+    /// The first front of each, and the end.
     starts: Vec<usize>,
 }
 
@@ -33,21 +58,24 @@ impl Stretches {
             parted[number + 1] -= time;
         }
         (1..=count).for_each(|cut| parted[cut] += parted[cut - 1]);
-        let mut starts = vec![0];
+        let (mut starts, pieces) = (vec![0], pieces(symbolic));
         for rank in 1..ranks {
             let target = before[count] * rank as f64 / ranks as f64;
             let cost = |cut: usize| (before[cut] - target).abs() + parted[cut];
             let first = starts[rank - 1];
-            starts.push((first..=count).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(count));
+            let cuts = pieces.iter().map(|piece| piece.end).filter(|&cut| cut >= first);
+            starts.push(cuts.min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(count));
         }
         starts.push(count);
         Stretches { starts }
     }
 
-    /// Cut before given fronts.
+    /// Cut before the pieces of given fronts.
     #[cfg(test)]
     pub fn at(symbolic: &Symbolic, cuts: &[usize]) -> Self {
-        Stretches { starts: [&[0], cuts, &[symbolic.fronts.len()]].concat() }
+        let (pieces, count) = (pieces(symbolic), symbolic.fronts.len());
+        let start = |cut: &usize| pieces.iter().find(|piece| piece.contains(cut)).map_or(count, |piece| piece.start);
+        Stretches { starts: [&[0], &cuts.iter().map(start).collect::<Vec<_>>()[..], &[count]].concat() }
     }
 
     /// How many they are.
@@ -74,12 +102,6 @@ impl Stretches {
     pub fn places(&self, symbolic: &Symbolic, rank: usize) -> Range<usize> {
         let place = |front: usize| symbolic.fronts.get(front).map_or(symbolic.size, |front| front.first);
         place(self.starts[rank])..place(self.starts[rank + 1])
-    }
-
-    /// Fronts before the stretch of a rank that contribute to fronts in it or behind it.
-    pub fn waiting(&self, symbolic: &Symbolic, rank: usize) -> impl Iterator<Item = usize> {
-        let start = self.starts[rank];
-        (0..start).filter(move |&front| symbolic.fronts[front].parent.is_some_and(|parent| parent >= start))
     }
 }
 

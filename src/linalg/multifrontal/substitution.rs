@@ -24,15 +24,6 @@ pub enum Side {
     Transposed,
 }
 
-/// Which residuals the way forward reduces by the unknowns of a front.
-#[derive(Clone, Copy)]
-pub enum Rows<'r> {
-    /// All that the front has.
-    All,
-    /// Those of some places, by place, of fronts above: fronts whose unknowns are known already reduce them, and nothing else.
-    Some(&'r [bool]),
-}
-
 /// Right-hand sides that are solved at once.
 pub const BLOCK: usize = 32;
 /// Right-hand sides that go through a front together: each has the bits that it has alone. More of them are worth products of matrices.
@@ -70,13 +61,14 @@ impl Substitution {
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
             self.load(symbolic, block);
             let all = 0..symbolic.fronts.len();
-            self.forward(symbolic, factors, side, all.clone(), Rows::All);
+            self.forward(symbolic, factors, side, all.clone());
             self.backward(symbolic, factors, side, all);
             self.store(symbolic, block);
         }
     }
 
-    fn make_room(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+    /// Memory for as many vectors as right-hand sides.
+    pub fn make_room(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
         let length = rhs.len() / symbolic.size.max(1) * stride(symbolic);
         for own in [&mut self.residual, &mut self.solution] {
             if own.is_empty() {
@@ -84,14 +76,6 @@ impl Substitution {
                 *own = vec![0.0; length];
             }
             own.resize(length, 0.0);
-        }
-    }
-
-    /// Takes right-hand sides over at some places.
-    pub fn load_some<P: Iterator<Item = usize>>(&mut self, symbolic: &Symbolic, rhs: &[f64], places: impl Fn() -> P) {
-        self.make_room(symbolic, rhs);
-        for (residual, rhs) in self.residuals(symbolic).zip(rhs.chunks_exact(symbolic.size.max(1))) {
-            places().for_each(|place| residual[place] = rhs[symbolic.order[place] as usize]);
         }
     }
 
@@ -130,7 +114,7 @@ impl Substitution {
 
     /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows). In small fronts U has ones on its
     /// diagonal, and the way back divides by the pivots.
-    pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, all: Range<usize>, rows: Rows<'_>) {
+    pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, all: Range<usize>) {
         let mut first = all.start;
         while first < all.end {
             let is_small = factors.is_small(first);
@@ -139,9 +123,9 @@ impl Substitution {
             first = fronts.end;
             if is_small {
                 let Substitution { residual, solution, .. } = self;
-                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: Some(residual), rows, solution });
+                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: Some(residual), solution });
             } else {
-                self.forward_large(symbolic, factors, side, fronts, rows);
+                self.forward_large(symbolic, factors, side, fronts);
             }
         }
     }
@@ -153,7 +137,7 @@ impl Substitution {
         for (kept, solution) in kept.iter_mut().zip(self.solutions(symbolic)) {
             kept.copy_from_slice(&solution[end..end + LANES]);
         }
-        self.forward(symbolic, factors, side, front..front + 1, Rows::All);
+        self.forward(symbolic, factors, side, front..front + 1);
         for (kept, solution) in kept.iter().zip(self.solutions(symbolic)) {
             solution[end..end + LANES].copy_from_slice(kept);
         }
@@ -168,8 +152,8 @@ impl Substitution {
             let fronts = before.map_or(all.start, |front| front + 1)..end;
             end = fronts.start;
             if is_small {
-                let (solution, rows) = (&mut self.solution, Rows::All);
-                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: None, rows, solution });
+                let solution = &mut self.solution;
+                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: None, solution });
             } else {
                 self.backward_large(symbolic, factors, side, fronts);
             }
@@ -182,12 +166,11 @@ impl Substitution {
         factors: &Factors,
         side: Side,
         fronts: Range<usize>,
-        rows_reduced: Rows<'_>,
     ) {
         let Substitution { residual, solution, front } = self;
         let stride = stride(symbolic);
         if residual.len() <= FEW * stride {
-            return dispatch(ForwardFew { symbolic, factors, side, fronts, rows: rows_reduced, residual, solution, front });
+            return dispatch(ForwardFew { symbolic, factors, side, fronts, residual, solution, front });
         }
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
@@ -216,7 +199,7 @@ impl Substitution {
                 front.chunks_exact(order.max(1)).zip(residual.chunks_mut(stride).zip(solution.chunks_mut(stride)))
             {
                 lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
-                lists.scatter_rest(&values[eliminated..], residual, rows_reduced);
+                lists.scatter_rest(&values[eliminated..], residual);
             }
         }
     }
@@ -290,16 +273,11 @@ impl<'l> Lists<'l> {
         self.given.len() + self.others.len()
     }
 
-    /// Copies the rows below the pivots, or some of them, back to a vector.
+    /// Copies the rows below the pivots back to a vector.
     #[inline(always)]
-    fn scatter_rest(&self, values: &[f64], vector: &mut [f64], rows: Rows<'_>) {
+    fn scatter_rest(&self, values: &[f64], vector: &mut [f64]) {
         let delayed = &self.given[self.factors.eliminated..];
         let (of_delayed, of_others) = values.split_at(delayed.len());
-        if let Rows::Some(places) = rows {
-            let some = self.others.iter().zip(of_others).filter(|(place, _)| places[**place as usize]);
-            some.for_each(|(&place, value)| vector[place as usize] = *value);
-            return;
-        }
         delayed.iter().zip(of_delayed).for_each(|(&place, value)| vector[place as usize] = *value);
         self.others.iter().zip(of_others).for_each(|(&place, value)| vector[place as usize] = *value);
     }
@@ -367,7 +345,6 @@ struct SmallFronts<'j> {
     side: Side,
     fronts: Range<usize>,
     residual: Option<&'j mut [f64]>,
-    rows: Rows<'j>,
     solution: &'j mut [f64],
 }
 
@@ -392,7 +369,7 @@ impl SmallFronts<'_> {
     /// For `W` vectors from `column` on.
     #[inline(always)]
     fn columns<I: Instructions, const W: usize>(&mut self, column: usize) {
-        let SmallFronts { symbolic, factors, side, ref fronts, ref mut residual, rows, ref mut solution } = *self;
+        let SmallFronts { symbolic, factors, side, ref fronts, ref mut residual, ref mut solution } = *self;
         let (stride, is_transposed) = (stride(symbolic), side == Side::Transposed);
         let solution = &mut solution[column * stride..][..W * stride];
         let mut solutions = [solution.as_mut_ptr(); W];
@@ -409,10 +386,6 @@ impl SmallFronts<'_> {
                 let small = factors.small(symbolic, number, is_transposed);
                 // SAFETY: `stride` numbers from each pointer on, all places and some more.
                 unsafe {
-                    if let Rows::Some(places) = rows {
-                        small.reduce_others::<I, W, false>(residuals, solutions, places);
-                        continue;
-                    }
                     if let (Some(rows), false) = (factors.exchanged(symbolic, number), is_transposed) {
                         residuals.iter().for_each(|&vector| gather_rows(rows, small.first(), vector));
                     }
@@ -472,7 +445,6 @@ struct ForwardFew<'j> {
     factors: &'j Factors,
     side: Side,
     fronts: Range<usize>,
-    rows: Rows<'j>,
     residual: &'j mut [f64],
     solution: &'j mut [f64],
     front: &'j mut Vec<f64>,
@@ -482,7 +454,7 @@ impl Kernel for ForwardFew<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let ForwardFew { symbolic, factors, side, fronts, rows, residual, solution, front } = self;
+        let ForwardFew { symbolic, factors, side, fronts, residual, solution, front } = self;
         let size = stride(symbolic);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
@@ -504,7 +476,7 @@ impl Kernel for ForwardFew<'_> {
             for (front, (residual, solution)) in front.chunks_exact(order).zip(vectors) {
                 let (own, rest) = front.split_at(eliminated);
                 lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
-                lists.scatter_rest(rest, residual, rows);
+                lists.scatter_rest(rest, residual);
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Solutions on several threads of a process, each with a stretch of the sequence of fronts.
 
 use super::factors::Factors;
-use super::stretch_solution::{Delayed, StretchSolution};
+use super::multifrontal_lu::SMALL_FILL;
+use super::stretch_solution::{Delayed, StretchSolution, delayed};
 use super::stretches::Stretches;
 use super::substitution::{BLOCK, Side, Substitution};
 use super::symbolic::Symbolic;
@@ -19,10 +20,10 @@ pub struct ThreadSolution {
 const OF_EACH: usize = 500_000;
 
 impl ThreadSolution {
-    /// For so many threads, or fewer; nothing where one is as fast.
+    /// For so many threads, or fewer where these would have little to do; nothing where the factors are small.
     pub fn new(symbolic: &Symbolic, threads: usize) -> Option<Self> {
-        let threads = threads.min(symbolic.analysis(0).entries / OF_EACH);
-        (threads > 1).then(|| Self::of(symbolic, Stretches::new(symbolic, threads)))
+        let entries = symbolic.analysis(0).entries;
+        (entries > SMALL_FILL).then(|| Self::of(symbolic, Stretches::new(symbolic, threads.clamp(1, entries / OF_EACH))))
     }
 
     /// With given stretches.
@@ -32,23 +33,17 @@ impl ThreadSolution {
         ThreadSolution { threads: (0..stretches.count()).map(own).collect(), stretches }
     }
 
-    /// To which thread each unknown belongs, but for those that wait for another one.
-    pub fn owners(&self, symbolic: &Symbolic) -> Owners {
+    /// To which thread each unknown belongs, where there are several.
+    pub fn owners(&self, symbolic: &Symbolic) -> Option<Owners> {
         let of = |number| symbolic.order[self.stretches.places(symbolic, number)].to_vec();
-        Owners::new(&(0..self.threads.len()).map(of).collect::<Vec<_>>())
+        (self.threads.len() > 1).then(|| Owners::new(&(0..self.threads.len()).map(of).collect::<Vec<_>>()))
     }
 
     /// Takes over where pivots of a new factorization wait.
     pub fn set_delayed(&mut self, symbolic: &Symbolic, factors: &mut Factors) {
         let part = factors.part(symbolic);
-        let mut delayed = Vec::new();
-        for (front, planned) in symbolic.fronts.iter().enumerate() {
-            let Some(parent) = planned.parent.filter(|&parent| self.stretches.is_parted(symbolic, parent)) else { continue };
-            let places = part.delayed(symbolic, front).map(<[u32]>::to_vec);
-            if !places[0].is_empty() {
-                delayed.push(Delayed { front, parent, places });
-            }
-        }
+        let of_own = self.threads.iter().flat_map(|(own, _)| delayed(symbolic, &part, &own.pieces));
+        let delayed: Vec<Delayed> = of_own.collect();
         self.threads.iter_mut().for_each(|(own, _)| own.delayed.clone_from(&delayed));
     }
 
@@ -61,7 +56,6 @@ impl ThreadSolution {
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
             let given = &*block;
             on_threads(&mut self.threads, |exchange, (own, vectors)| {
-                vectors.load_some(symbolic, given, || own.given(symbolic));
                 own.forward(exchange, both, vectors, side, given);
                 own.backward(exchange, both, vectors, side);
             });
