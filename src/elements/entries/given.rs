@@ -99,6 +99,18 @@ impl<S: Scalar> Given<S> {
         Placed { kind: *kind, q }
     }
 
+    /// Places of all nodes \[m\].
+    pub fn positions(&self) -> Vec<Vector3<S>> {
+        (0..self.nodes.len()).map(|node| self.node(node).position()).collect()
+    }
+
+    /// All nodes must be of a kind, as those of `what` are.
+    pub fn all_are(&mut self, kind: NodeKind, what: &str) {
+        let others = self.nodes.iter().filter(|node| node.kind != kind);
+        let told = others.map(|own| format!("\"{}\" needs nodes of {what}, but node \"{}\" is none", self.owner, own.name));
+        told.collect::<Vec<_>>().into_iter().for_each(|text| self.wrong(text));
+    }
+
     /// The kind of a node that must be a body.
     pub fn body(&mut self, node: usize) -> NodeKind {
         let kind = self.nodes[node].kind;
@@ -279,12 +291,17 @@ impl<S: Scalar> Given<S> {
         Some((law, numbers))
     }
 
+    /// A function of time with its numbers.
+    pub fn function(&mut self, key: &'static str) -> (TimeFunction, Vec<S>) {
+        match self.value(key) {
+            Some(GivenValue::Function(function, numbers)) => (function.clone(), numbers.clone()),
+            _ => self.missing(key, "a function of time", (TimeFunction::Constant, vec![S::zero()])),
+        }
+    }
+
     /// The function of time of a motion, which has two derivatives, with its numbers.
     pub fn motion(&mut self, key: &'static str) -> (TimeFunction, Vec<S>) {
-        let (function, numbers) = match self.value(key) {
-            Some(GivenValue::Function(function, numbers)) => (function.clone(), numbers.clone()),
-            _ => return self.missing(key, "a function of time", (TimeFunction::Constant, vec![S::zero()])),
-        };
+        let (function, numbers) = self.function(key);
         let values: Vec<f64> = numbers.iter().map(|own| own.value()).collect();
         if let Some(switch) = function.rate_jump(&values).filter(|_| function.parameters("").len() == values.len()) {
             let name = &self.owner;

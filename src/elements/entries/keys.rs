@@ -123,9 +123,9 @@ pub enum Type {
 }
 
 impl Type {
-    /// Whether it says on which nodes a part is.
+    /// Whether it says on which nodes a part is: these, or those of the elements of a member.
     pub(crate) fn is_nodes(&self) -> bool {
-        matches!(self, Type::Node | Type::Nodes(_))
+        matches!(self, Type::Node | Type::Nodes(_) | Type::NodeSet | Type::Item(_))
     }
 }
 
@@ -188,7 +188,7 @@ pub struct Forms {
 impl Forms {
     /// True if a key `type` says which.
     pub(crate) fn have_types(&self) -> bool {
-        self.forms.iter().any(|form| !form.name.is_empty())
+        self.forms.len() > 1
     }
 }
 

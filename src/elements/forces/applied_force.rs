@@ -1,4 +1,5 @@
-use super::LoadFrame;
+use super::load_frame::{FRAME, LoadFrame, SIZE, size};
+use crate::elements::entries::{AT, Entry, Example, Given, HEADING, Key, ONE_BODY, PLACE, Type, need};
 use crate::elements::{Element, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -42,5 +43,27 @@ impl Element for AppliedForce {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[6..])
+    }
+}
+
+impl Entry for AppliedForce {
+    type Law = Self;
+    const NAME: &'static str = "force";
+    const DOC: &'static str = "A force at a point of a node: direction times size.";
+    const KEYS: &'static [Key] = &[
+        need("on", Type::NodeSet, "node; of an edge, an end or a node set of a mesh each node takes an equal share"),
+        PLACE,
+        FRAME,
+        need("direction", Type::Vector("-"), "direction in the world at the start; its length counts"),
+        size("N"),
+    ];
+    const EXAMPLE: Example = (ONE_BODY, &[AT, HEADING, SIZE]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let (on, frame) = (given.in_space(0), LoadFrame::given(given, LoadFrame::World));
+        let (direction, point) = (frame.kept(given, "direction"), given.point("point", 0));
+        let (size, values) = given.function("size");
+        let point = given.node(0).local_point(point).components();
+        (AppliedForce { on, frame, size }, [&direction[..], &point, &values].concat())
     }
 }

@@ -1,10 +1,11 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
+use super::entries::{Wrong, entry};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::TimeFunction;
-use crate::elements::entries::{GivenValue, SpringPart};
-use crate::elements::forces::{AppliedForce, AppliedTorque, DAMPERS, Gravity, LoadFrame, SPRINGS};
+use crate::elements::entries::{GivenValue, SpringPart, Values};
+use crate::elements::forces::{DAMPERS, Gravity, LOADS, LoadFrame, SPRINGS};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
@@ -58,14 +59,6 @@ pub struct BushingRates<S> {
     pub damping_along: [S; 3],
     /// [N m s/rad].
     pub damping_about: [S; 3],
-}
-
-/// An entry of a list of the library.
-fn entry(list: &'static [SpringPart], name: &str) -> &'static SpringPart {
-    let Some(part) = list.iter().find(|part| part.form.name == name) else {
-        unreachable!("{name} is in no list of entries")
-    };
-    part
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
@@ -127,26 +120,36 @@ impl<S: Scalar> MechanismBuilder<S> {
         })
     }
 
-    /// A direction of the world at the start in the frame of a load.
-    fn in_frame(&self, node: NodeId, frame: LoadFrame, direction: Vector3<S>) -> Vector3<S> {
-        if frame == LoadFrame::Body { self.local_direction(node, direction) } else { direction }
+    /// Adds a load by its entry to nodes, or to those of each element of a member, with names.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes or the values of its keys.
+    pub(in crate::scenes) fn load_part(
+        &mut self,
+        part: &SpringPart,
+        on: &[(String, Vec<NodeId>)],
+        values: &Values<S>,
+    ) -> Result<(), Vec<Wrong>> {
+        on.iter().try_for_each(|(name, nodes)| self.spring_part(part, name, nodes, values.clone()).map(drop))
+    }
+
+    /// Values of the keys that all loads have.
+    pub(super) fn load_keys(&mut self, name: &str, frame: LoadFrame, size: Signal<S>) -> [(&'static str, GivenValue<S>); 2] {
+        [("frame", GivenValue::Word(frame.word().into())), ("size", self.function_value(name, size))]
     }
 
     /// A force on a body or a point.
-    pub fn force(&mut self, name: &str, Force { on: node, point, direction, frame, size }: Force<S>) -> ElementId {
-        let on = self.kind_in_space(name, node);
-        let (size, values) = self.function_of(name, size);
-        let [direction, point] = [self.in_frame(node, frame, direction), self.local_point(node, point)];
-        let p = [&direction.components()[..], &point.components(), &values].concat();
-        self.add_element(name, &[node], AppliedForce { on, frame, size }.into(), &p)
+    pub fn force(&mut self, name: &str, Force { on, point, direction, frame, size }: Force<S>) -> ElementId {
+        let mut keys = self.load_keys(name, frame, size).to_vec();
+        keys.push(("direction", direction.into()));
+        keys.extend(self.kind_of(name, on).filter(|kind| kind.has_axes()).map(|_| ("point", point.into())));
+        self.spring(entry(LOADS, "force"), name, &[on], keys)
     }
 
     /// A torque on a body.
-    pub fn torque(&mut self, name: &str, Torque { on: node, axis, frame, size }: Torque<S>) -> ElementId {
-        let on = self.kind_of_body(name, node);
-        let (size, values) = self.function_of(name, size);
-        let p = [&self.in_frame(node, frame, axis).components()[..], &values].concat();
-        self.add_element(name, &[node], AppliedTorque { on, frame, size }.into(), &p)
+    pub fn torque(&mut self, name: &str, Torque { on, axis, frame, size }: Torque<S>) -> ElementId {
+        let keys = [&[("axis", axis.into())], &self.load_keys(name, frame, size)[..]].concat();
+        self.spring(entry(LOADS, "torque"), name, &[on], keys)
     }
 
     /// A torsion spring and damper about a world axis; the angle is zero at the start.

@@ -4,19 +4,19 @@ use super::build_functionals::functional;
 
 use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
-use super::build_parts::{joint, rolling, spring};
+use super::build_parts::{joint, load, rolling, spring};
 
 use super::formula_parts;
-use super::known::{Found, Known, Made, count, fixed, frame, list, text};
+use super::known::{Found, Known, Made, count, fixed, list, text};
 use super::mistake::Mistake;
-use super::own_parts::named;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
+use crate::elements::entries::named;
 use crate::elements::flexible::Material;
-use crate::elements::forces::{DAMPERS, LoadFrame};
+use crate::elements::forces::{DAMPERS, LOADS};
 use crate::elements::joints::{DRIVERS, Freedom};
 use crate::scalar::{Quaternion, Scalar, Vector3};
-use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Solid, SolidShape, Torque};
+use crate::scenes::{MechanismBuilder, Solid, SolidShape};
 
 pub(super) type Builder<S> = MechanismBuilder<S>;
 
@@ -68,9 +68,11 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
         "spring" => spring(known, known.own.spring_named(fields.form), name, fields, m),
         "damper" => spring(known, named(DAMPERS, fields.form), name, fields, m),
         "element" => formula_parts::element(known, name, fields, m),
-        "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
         "functional" => functional(known, name, fields, m),
-        other => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
+        other => match named(LOADS, other) {
+            Some(part) => load(known, part, name, fields, m),
+            None => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
+        },
     }
 }
 
@@ -237,61 +239,7 @@ pub(super) fn place<S: Scalar>(
 ) -> Found<Vector3<S>> {
     let point = known.vector_or(fields, key, m.position(node))?;
     if let Some((at, _)) = fields.get(key) {
-        check_place(at, node, point, m)?;
+        m.check_point(node, point).map_err(|why| Mistake::new(at, why))?;
     }
     Ok(point)
-}
-
-/// A node without axes has no places but its own.
-fn check_place<S: Scalar>(at: usize, node: NodeId, point: Vector3<S>, m: &Builder<S>) -> Found<()> {
-    m.check_point(node, point).map_err(|why| Mistake::new(at, why))
-}
-
-fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (name, fields) = (item.name.as_str(), &item.fields);
-    let size: Signal<S> = known.function(fields, "size")?;
-    match item.section {
-        "distributed_load" => {
-            let Made::Beam(beam) = known.made(fields, "beam")? else {
-                return Err(Mistake::new(fields.at, "beam must name a beam"));
-            };
-            let direction = known.vector(fields, "direction")?;
-            m.distributed_load(name, beam, (frame(fields, LoadFrame::World), direction), size);
-        }
-        "pressure" => {
-            let shell: &MeshedShell = match known.made(fields, "shell")? {
-                Made::Shell(shell) => shell,
-                Made::Mesh(shell) => shell,
-                _ => return Err(Mistake::new(fields.at, "shell must name a shell or a mesh")),
-            };
-            let group = match fields.get("shell") {
-                Some((at, Value::Group(_, group))) => shell.group_named(group).map_err(|why| Mistake::new(at, why))?,
-                _ => shell.group(),
-            };
-            m.pressure_on(name, shell, &group, frame(fields, LoadFrame::Body), size);
-        }
-        "torque" => {
-            let node = known.node(fields, "on", m)?;
-            let (axis, frame) = (known.vector(fields, "axis")?, frame(fields, LoadFrame::World));
-            m.torque(name, Torque { on: node, axis, frame, size });
-        }
-        _ => {
-            let (nodes, frame) = (known.node_set(fields, "on", m)?, frame(fields, LoadFrame::World));
-            if let Some((at, _)) = fields.get("point").filter(|_| nodes.len() > 1) {
-                let text =
-                    format!("a force on {} nodes has no point of its own: each takes its share where it is", nodes.len());
-                return Err(Mistake::new(at, text));
-            }
-            let direction = known.vector(fields, "direction")?;
-            for (number, &node) in nodes.iter().enumerate() {
-                let point = place(known, fields, "point", node, m)?;
-                let (direction, name) = match nodes.len() {
-                    1 => (direction, name.to_string()),
-                    count => (direction * S::from(1.0 / count as f64), format!("{name}, node {}", number + 1)),
-                };
-                m.force(&name, Force { on: node, point, direction, frame, size: size.clone() });
-            }
-        }
-    }
-    Ok(Made::Nothing)
 }

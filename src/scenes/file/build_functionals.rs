@@ -3,7 +3,7 @@
 use super::build::{Builder, place};
 use super::build_parts::measure;
 use super::formula_parts;
-use super::known::{Found, Known, Made, fixed, frame, over, text};
+use super::known::{Found, Known, Made, fixed, over, text};
 use super::mistake::Mistake;
 use super::reader::Fields;
 use crate::elements::forces::LoadFrame;
@@ -60,7 +60,8 @@ fn of_joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Bu
                 LoadKind::Force | LoadKind::Moment => known.vector(fields, "direction")?,
                 _ => Vector3::from_f64([1.0, 0.0, 0.0]),
             };
-            m.joint_load_functional(name, over, (joint, node), (kind, frame(fields, LoadFrame::World)), direction, point);
+            let frame = if text(fields, "frame") == Some("body") { LoadFrame::Body } else { LoadFrame::World };
+            m.joint_load_functional(name, over, (joint, node), (kind, frame), direction, point);
         }
     }
     Ok(())

@@ -11,7 +11,13 @@ use crate::scalar::{Scalar, Vector3};
 use crate::scenes::builder::Wrong;
 
 /// The value of a key of an entry, if it is given.
-fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builder<S>) -> Found<Option<GivenValue<S>>> {
+fn value<S: Scalar>(
+    known: &Known<S>,
+    name: &str,
+    fields: &Fields,
+    key: &Key,
+    m: &mut Builder<S>,
+) -> Found<Option<GivenValue<S>>> {
     if fields.get(key.name).is_none() {
         return Ok(None);
     }
@@ -22,7 +28,7 @@ fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builde
         Type::Points => GivenValue::Vectors(known.points(fields, key.name)?),
         Type::Choice(_) => GivenValue::Word(text(fields, key.name).unwrap_or_default().into()),
         Type::Function(..) => {
-            let (function, numbers) = m.function_of(key.name, known.function(fields, key.name)?);
+            let (function, numbers) = m.function_of(name, known.function(fields, key.name)?);
             GivenValue::Function(function, numbers)
         }
         Type::Law(..) | Type::Energy(..) => {
@@ -39,10 +45,10 @@ fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builde
 }
 
 /// Values of the keys of an entry but the nodes.
-fn values<S: Scalar>(known: &Known<S>, fields: &Fields, form: &Form, m: &mut Builder<S>) -> Found<Values<S>> {
+fn values<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, form: &Form, m: &mut Builder<S>) -> Found<Values<S>> {
     let mut values = Vec::new();
     for key in form.keys.iter().filter(|key| !key.takes.is_nodes()) {
-        values.extend(value(known, fields, key, m)?.map(|value| (key.name, value)));
+        values.extend(value(known, name, fields, key, m)?.map(|value| (key.name, value)));
     }
     Ok(values)
 }
@@ -65,7 +71,7 @@ pub(super) fn joint<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, &part.form, m)?);
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, name, fields, &part.form, m)?);
     let made = match rates(known, fields)? {
         Some([stiffness, damping]) => {
             m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
@@ -86,8 +92,28 @@ pub(super) fn spring<S: Scalar>(
     let Some(part) = part else {
         return Err(Mistake::new(fields.at, format!("nothing builds a spring of type {}", fields.form)));
     };
-    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, &part.form, m)?);
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, name, fields, &part.form, m)?);
     let made = m.spring_part(part, name, &nodes, values).map(|_| Made::Nothing);
+    located(made, name, fields, m)
+}
+
+/// Makes a load of its entry, on each node or element of what carries it.
+pub(super) fn load<S: Scalar>(
+    known: &Known<S>,
+    part: &SpringPart,
+    name: &str,
+    fields: &Fields,
+    m: &mut Builder<S>,
+) -> Found<Made<S>> {
+    let (on, mut values) = (known.carriers(name, fields, m)?, values(known, name, fields, &part.form, m)?);
+    if fields.get("on").is_some() && on.len() > 1 {
+        let share = S::from(1.0 / on.len() as f64);
+        values.iter_mut().for_each(|(key, own)| match own {
+            GivenValue::Vector(own) if *key == "direction" => *own *= share,
+            _ => {}
+        });
+    }
+    let made = m.load_part(part, &on, &values).map(|()| Made::Nothing);
     located(made, name, fields, m)
 }
 
@@ -100,7 +126,7 @@ pub(super) fn measure<S: Scalar>(
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
     let nodes = known.nodes_of_part(fields, m)?;
-    let values = values(known, fields, &part.form, m)?;
+    let values = values(known, name, fields, &part.form, m)?;
     let made = m.quantity_part(part, name, over(fields), &nodes, values).map(|()| Made::Nothing);
     located(made, name, fields, m)
 }

@@ -12,7 +12,6 @@ use crate::elements::Characteristic;
 use crate::elements::entries::Range;
 use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
-use crate::elements::forces::LoadFrame;
 use crate::elements::{TimeFormula, TimeFunction};
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
@@ -233,11 +232,33 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    /// All nodes that a key names.
-    pub fn node_set(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
-        match fields.get(key) {
-            Some((at, Value::Node(place))) => self.nodes_at(at, place, m),
-            _ => missing(fields, key),
+    /// What a load acts on: its nodes, or those of each element of a member, with names.
+    pub fn carriers(&self, name: &str, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<(String, Vec<NodeId>)>> {
+        let (at, value) =
+            ["on", "beam", "shell"].into_iter().find_map(|key| fields.get(key)).map_or_else(|| missing(fields, "on"), Ok)?;
+        let item = match value {
+            Value::Node(place) => {
+                let nodes = self.nodes_at(at, place, m)?;
+                let (count, point) = (nodes.len(), fields.get("point"));
+                if let Some((at, _)) = point.filter(|_| count > 1) {
+                    let text = format!("a force on {count} nodes has no point of its own: each takes its share where it is");
+                    return Err(Mistake::new(at, text));
+                }
+                let named =
+                    |(i, node)| (if count == 1 { name.into() } else { format!("{name}, node {}", i + 1) }, vec![node]);
+                return Ok(nodes.into_iter().enumerate().map(named).collect());
+            }
+            Value::Item(item) | Value::Group(item, _) => *item,
+            _ => return missing(fields, "on"),
+        };
+        match (&self.made[item], value) {
+            (Made::Beam(beam), _) => Ok(beam.carriers(name)),
+            (Made::Shell(shell), _) => Ok(shell.carriers(name, &shell.group())),
+            (Made::Mesh(shell), Value::Group(_, group)) => {
+                Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
+            }
+            (Made::Mesh(shell), _) => Ok(shell.carriers(name, &shell.group())),
+            _ => Err(Mistake::new(at, "no load acts on this")),
         }
     }
 
@@ -547,15 +568,6 @@ pub(super) fn edge_named(name: &str) -> Edge {
         "first_end" => Edge::FirstEnd,
         "second_start" => Edge::SecondStart,
         _ => Edge::SecondEnd,
-    }
-}
-
-/// The frame of a load.
-pub(super) fn frame(fields: &Fields, default: LoadFrame) -> LoadFrame {
-    match text(fields, "frame") {
-        Some("body") => LoadFrame::Body,
-        Some(_) => LoadFrame::World,
-        None => default,
     }
 }
 

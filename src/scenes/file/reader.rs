@@ -9,7 +9,8 @@ use super::own_parts::OwnParts;
 use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
-use crate::elements::entries::{Form, Forms, Range};
+use crate::elements::entries::{Form, Forms, Range, named};
+use crate::elements::forces::LOADS;
 use crate::scenes::unknown;
 use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::{HashMap, HashSet};
@@ -189,7 +190,8 @@ pub(super) fn name_space(section: &str) -> &'static str {
             SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
         }
         "joint" | "driver" | "rigid_interface" | "tie" => "joint",
-        "spring" | "damper" | "element" | "force" | "torque" | "distributed_load" | "pressure" => "force",
+        "spring" | "damper" | "element" => "force",
+        load if named(LOADS, load).is_some() => "force",
         "functional" => "functional",
         _ => "member",
     }

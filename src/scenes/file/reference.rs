@@ -81,7 +81,7 @@ fn all_keys(forms: &'static Forms) -> impl Iterator<Item = &'static Key> {
 fn forms(page: &mut String, own: &Forms) {
     keys(page, own.common);
     for form in own.forms {
-        if !form.name.is_empty() {
+        if own.have_types() {
             let _ = write!(page, "\n`type = \"{}\"`: {}\n\n", form.name, escaped(form.doc));
         }
         keys(page, form.keys);

@@ -80,7 +80,7 @@ fn inner(forms: &'static Forms) -> Value {
 fn table(forms: &Forms, is_repeated: bool, parts: &OwnParts) -> Value {
     let of_form = |name: &str, doc: &str, keys: &[Key]| {
         let (mut properties, mut required) = (Map::new(), Vec::new());
-        if !name.is_empty() {
+        if forms.have_types() {
             properties.insert("type".into(), json!({"const": name, "description": doc}));
             required.push("type");
         }

@@ -4,17 +4,18 @@ use super::extended::EXTENDS;
 use super::section::{Section, Shape};
 use super::state_laws::STATE_FORMS;
 use crate::elements::entries::{
-    AXIS, BETWEEN, FUNCTION, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, may, need,
+    AXIS, BETWEEN, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, joined, may,
+    names_of, need,
 };
-use crate::elements::forces::{DAMPERS, SPRINGS};
+use crate::elements::forces::load_frame::FRAME;
+use crate::elements::forces::{DAMPERS, LOADS, SPRINGS};
 use crate::elements::joints::{DRIVERS, Freedom, JOINTS};
 use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Function, Item, Items, Lists, Node, NodeSet, NodeSets,
-    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Stl, Strips, Table, Tables, Text, Texts,
-    Vector, Weights,
+    Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Item, Items, Lists, Node, NodeSets, Number, Numbers,
+    OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Stl, Strips, Table, Tables, Text, Texts, Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -83,8 +84,6 @@ const OVER: Key = need(
     Over(&["initial", "terminal", "integral"], &AGGREGATE),
     "value at the start, at the end, integral, or an aggregate",
 );
-
-const FRAME: Key = may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the node; world");
 
 /// What makes springs of a joint.
 const SOFT: [Key; 2] = [
@@ -206,25 +205,12 @@ pub(super) const WITH_NODES: &[&str] =
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries put energy in or take it out.
-const WITH_POWER: &[&str] = &[
-    "spring",
-    "damper",
-    "element",
-    "force",
-    "torque",
-    "distributed_load",
-    "pressure",
-    "joint",
-    "body",
-    "point",
-    "beam",
-    "cable",
-    "shell",
-    "mesh",
-    "thin_walls",
-    "sphere",
-    "group",
-];
+const WITH_POWER: &[&str] = &joined::<&str, { LOADS.len() + 13 }>(&[
+    &["spring", "damper", "element"],
+    &names_of::<{ LOADS.len() }, _>(LOADS),
+    &["joint", "body", "point"],
+    WITH_ELEMENTS,
+]);
 /// Sections whose entries are joints.
 pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver"];
 
@@ -371,8 +357,25 @@ const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS, &[]);
 const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS, &[]);
 const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS, &[]);
 
+const LOAD_SECTIONS: [Section; LOADS.len()] = {
+    let mut sections = [Section::of_part(&LOADS[0], &[NAME]); LOADS.len()];
+    let mut place = 1;
+    while place < LOADS.len() {
+        sections[place] = Section::of_part(&LOADS[place], &[NAME]);
+        place += 1;
+    }
+    sections
+};
+
 /// All sections, in the order of the reference page.
-pub(super) const SECTIONS: &[Section] = &[
+pub(super) const SECTIONS: &[Section] = &joined::<Section, { FIRST_SECTIONS.len() + LOADS.len() + MORE_SECTIONS.len() }>(&[
+    FIRST_SECTIONS,
+    &LOAD_SECTIONS,
+    MORE_SECTIONS,
+]);
+
+/// Sections before the loads.
+const FIRST_SECTIONS: &[Section] = &[
     Section {
         name: "variable",
         shape: Shape::Named,
@@ -797,58 +800,9 @@ pub(super) const SECTIONS: &[Section] = &[
             BREAKPOINTS,
         ],
     },
-    Section {
-        name: "force",
-        shape: Shape::Listed,
-        doc: "A force at a point of a node: direction times size.",
-        forms: one_form![
-            NAME,
-            need("on", NodeSet, "node; of an edge, an end or a node set of a mesh each node takes an equal share"),
-            PLACE,
-            FRAME,
-            need("direction", Vector("-"), "direction in the world at the start; its length counts"),
-            need("size", Function("N", &FUNCTION), "size over time"),
-        ],
-    },
-    Section {
-        name: "torque",
-        shape: Shape::Listed,
-        doc: "A torque on a body: axis times size.",
-        forms: one_form![
-            NAME,
-            ON,
-            FRAME,
-            need("axis", Vector("-"), "axis in the world at the start; its length counts"),
-            need("size", Function("N m", &FUNCTION), "size over time"),
-        ],
-    },
-    Section {
-        name: "distributed_load",
-        shape: Shape::Listed,
-        doc: "A force for each length of a beam: direction times size.",
-        forms: one_form![
-            NAME,
-            OF_BEAM,
-            may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the sections; world"),
-            need("direction", Vector("-"), "direction in the world at the start; its length counts"),
-            need("size", Function("N/m", &FUNCTION), "size over time"),
-        ],
-    },
-    Section {
-        name: "pressure",
-        shape: Shape::Listed,
-        doc: "A pressure on a shell; it pushes to where the normal points.",
-        forms: one_form![
-            NAME,
-            need(
-                "shell",
-                Item(&["shell", "mesh"]),
-                "name of a shell or a mesh, or a group of the faces of one: PLATE.GROUP"
-            ),
-            may("frame", Choice(&["world", "body"]), "dead load, or normal to the deformed surface; body"),
-            need("size", Function("N/m2", &FUNCTION), "size over time"),
-        ],
-    },
+];
+/// Sections behind the loads.
+const MORE_SECTIONS: &[Section] = &[
     Section {
         name: "drawing",
         shape: Shape::Listed,
