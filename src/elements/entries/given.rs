@@ -145,6 +145,11 @@ impl<S: Scalar> Given<S> {
         self.values.iter().find(|own| own.0 == key).map(|own| &own.1)
     }
 
+    /// Whether a key is given.
+    pub fn has(&self, key: &str) -> bool {
+        self.value(key).is_some()
+    }
+
     fn missing<T>(&mut self, key: &'static str, what: &str, instead: T) -> T {
         let text = format!("\"{}\" needs {what} for {key}", self.owner);
         self.wrong_key(key, text);
@@ -153,7 +158,7 @@ impl<S: Scalar> Given<S> {
 
     /// What a key is without being given; a mistake where it has a value that is not `what`.
     fn without<T>(&mut self, key: &'static str, what: &str, value: T) -> T {
-        if self.value(key).is_some() { self.missing(key, what, value) } else { value }
+        if self.has(key) { self.missing(key, what, value) } else { value }
     }
 
     /// A number.
@@ -175,12 +180,12 @@ impl<S: Scalar> Given<S> {
 
     /// A number, or what it is without the key.
     pub fn number_or(&mut self, key: &'static str, without: S) -> S {
-        if self.value(key).is_some() { self.number(key) } else { without }
+        if self.has(key) { self.number(key) } else { without }
     }
 
     /// As many numbers, zeros without the key.
     pub fn numbers_or_zero<const N: usize>(&mut self, key: &'static str) -> [S; N] {
-        if self.value(key).is_some() { self.numbers(key) } else { [S::zero(); N] }
+        if self.has(key) { self.numbers(key) } else { [S::zero(); N] }
     }
 
     /// A whole number, 0 without the key.
@@ -209,7 +214,7 @@ impl<S: Scalar> Given<S> {
 
     /// A vector of the world, or what it is without the key.
     pub fn vector_or(&mut self, key: &'static str, without: Vector3<S>) -> Vector3<S> {
-        if self.value(key).is_some() { self.vector(key) } else { without }
+        if self.has(key) { self.vector(key) } else { without }
     }
 
     /// The kind of the first node, and which of its coordinates the key `index` means.

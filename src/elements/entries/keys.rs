@@ -186,6 +186,12 @@ pub struct Forms {
 }
 
 impl Forms {
+    /// The keys of a form.
+    pub(crate) fn keys(&self, form: &str) -> impl Iterator<Item = &'static Key> {
+        let own = self.forms.iter().filter(move |own| own.name == form).flat_map(|own| own.keys);
+        self.common.iter().chain(own)
+    }
+
     /// True if a key `type` says which.
     pub(crate) fn have_types(&self) -> bool {
         self.forms.len() > 1

@@ -16,7 +16,6 @@ pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, HEADING, ON
 pub use functions::{CHARACTERISTIC, FUNCTION, ORIENTATION};
 pub use given::{Given, GivenValue, Values};
 pub(crate) use given::{no_body, nowhere, unit};
-#[cfg(feature = "files")]
 pub(crate) use keys::forms;
 pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,

@@ -29,6 +29,7 @@ pub use faces::FaceKind;
 pub use laminate::{Laminate, Ply, PlyStrength};
 pub use outline::Outline;
 pub use outline_stress::OutlineStress;
+pub(crate) use section::{MATERIAL, MATERIAL_KEYS, OfShape, SECTION};
 pub use section::{Material, Section, Shape};
 pub(crate) use shell::Shell;
 pub use shell::{ShellKind, ShellSection};

@@ -4,7 +4,7 @@ use super::build_functionals::functional;
 
 use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
-use super::build_parts::{joint, load, rolling, spring};
+use super::build_parts::{joint, load, made_of, rolling, spring};
 
 use super::formula_parts;
 use super::known::{Found, Known, Made, count, fixed, list, text};
@@ -12,7 +12,7 @@ use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
 use crate::elements::entries::named;
-use crate::elements::flexible::Material;
+use crate::elements::flexible::{MATERIAL_KEYS, Material};
 use crate::elements::forces::{DAMPERS, LOADS};
 use crate::elements::joints::{DRIVERS, Freedom};
 use crate::scalar::{Quaternion, Scalar, Vector3};
@@ -26,12 +26,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
     let (name, fields) = (item.name.as_str(), &item.fields);
     match item.section {
         "variable" => Ok(Made::Nothing),
-        "material" => {
-            let number = |key| known.number(fields, key);
-            let [young, poisson, density] = [number("young")?, number("poisson")?, number("density")?];
-            Ok(Made::Material(Material { young, poisson, density }))
-        }
-        "section" => section(known, fields),
+        "material" => made_of(known, fields, &MATERIAL_KEYS, Material::given).map(Made::Material),
+        "section" => Ok(section(known, fields)?.map_or(Made::Nothing, |(material, shape)| Made::Shape(material, shape))),
         "laminate" => laminate(known, fields),
         "body" => body(known, name, fields, m),
         "point" => point(known, name, fields, m),

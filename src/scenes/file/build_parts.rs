@@ -1,23 +1,17 @@
 //! Joints, drivers, springs, dampers and quantities, by their entries.
 
 use super::build::{Builder, place};
-use super::known::{Found, Known, Made, count, over, text};
+use super::known::{Found, Known, Made, count, missing, over, text};
 use super::mistake::Mistake;
 use super::reader::Fields;
 use crate::assembly::NodeId;
-use crate::elements::entries::{Form, GivenValue, JointPart, Key, SpringPart, Type, Values};
+use crate::elements::entries::{Forms, Given, GivenValue, JointPart, Key, SpringPart, Type, Values};
 use crate::functionals::QuantityPart;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::builder::Wrong;
 
 /// The value of a key of an entry, if it is given.
-fn value<S: Scalar>(
-    known: &Known<S>,
-    name: &str,
-    fields: &Fields,
-    key: &Key,
-    m: &mut Builder<S>,
-) -> Found<Option<GivenValue<S>>> {
+fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key) -> Found<Option<GivenValue<S>>> {
     if fields.get(key.name).is_none() {
         return Ok(None);
     }
@@ -28,7 +22,8 @@ fn value<S: Scalar>(
         Type::Points => GivenValue::Vectors(known.points(fields, key.name)?),
         Type::Choice(_) => GivenValue::Word(text(fields, key.name).unwrap_or_default().into()),
         Type::Function(..) => {
-            let (function, numbers) = m.function_of(name, known.function(fields, key.name)?);
+            let parts = known.function(fields, key.name)?.parts();
+            let (function, numbers) = parts.map_err(|why| Mistake::new(fields.at(key.name), why))?;
             GivenValue::Function(function, numbers)
         }
         Type::Law(..) | Type::Energy(..) => {
@@ -45,12 +40,28 @@ fn value<S: Scalar>(
 }
 
 /// Values of the keys of an entry but the nodes.
-fn values<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, form: &Form, m: &mut Builder<S>) -> Found<Values<S>> {
+fn values<S: Scalar>(known: &Known<S>, fields: &Fields, keys: impl IntoIterator<Item = &'static Key>) -> Found<Values<S>> {
     let mut values = Vec::new();
-    for key in form.keys.iter().filter(|key| !key.takes.is_nodes()) {
-        values.extend(value(known, name, fields, key, m)?.map(|value| (key.name, value)));
+    for key in keys.into_iter().filter(|key| !key.takes.is_nodes()) {
+        values.extend(value(known, fields, key)?.map(|value| (key.name, value)));
     }
     Ok(values)
+}
+
+/// What is made of the values of keys alone.
+pub(super) fn made_of<S: Scalar, T>(
+    known: &Known<S>,
+    fields: &Fields,
+    forms: &Forms,
+    make: impl FnOnce(&mut Given<S>) -> T,
+) -> Found<T> {
+    let mut given = Given::new("", [], values(known, fields, forms.keys(fields.form))?);
+    let made = make(&mut given);
+    match given.mistakes().into_iter().find_map(|(key, what)| Some((key?, what))) {
+        Some((key, _)) if fields.get(key).is_none() => missing(fields, key),
+        Some((key, what)) => Err(Mistake::new(fields.at(key), what)),
+        None => Ok(made),
+    }
 }
 
 /// What was made of an entry, or where in the file what is wrong stands.
@@ -71,7 +82,7 @@ pub(super) fn joint<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, name, fields, &part.form, m)?);
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, part.form.keys)?);
     let made = match rates(known, fields)? {
         Some([stiffness, damping]) => {
             m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
@@ -92,7 +103,7 @@ pub(super) fn spring<S: Scalar>(
     let Some(part) = part else {
         return Err(Mistake::new(fields.at, format!("nothing builds a spring of type {}", fields.form)));
     };
-    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, name, fields, &part.form, m)?);
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, part.form.keys)?);
     let made = m.spring_part(part, name, &nodes, values).map(|_| Made::Nothing);
     located(made, name, fields, m)
 }
@@ -105,7 +116,7 @@ pub(super) fn load<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let (on, mut values) = (known.carriers(name, fields, m)?, values(known, name, fields, &part.form, m)?);
+    let (on, mut values) = (known.carriers(name, fields, m)?, values(known, fields, part.form.keys)?);
     if fields.get("on").is_some() && on.len() > 1 {
         let share = S::from(1.0 / on.len() as f64);
         values.iter_mut().for_each(|(key, own)| match own {
@@ -126,7 +137,7 @@ pub(super) fn measure<S: Scalar>(
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
     let nodes = known.nodes_of_part(fields, m)?;
-    let values = values(known, name, fields, &part.form, m)?;
+    let values = values(known, fields, part.form.keys)?;
     let made = m.quantity_part(part, name, over(fields), &nodes, values).map(|()| Made::Nothing);
     located(made, name, fields, m)
 }

@@ -63,7 +63,7 @@ pub(super) struct Known<'f, S> {
 /// A result, or what is wrong and where.
 pub(super) type Found<T> = Result<T, Mistake>;
 
-fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
+pub(super) fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
     Err(Mistake::new(fields.at, format!("the key {key} is needed here")))
 }
 

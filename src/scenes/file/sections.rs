@@ -7,6 +7,7 @@ use crate::elements::entries::{
     AXIS, BETWEEN, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, joined, may,
     names_of, need,
 };
+use crate::elements::flexible::{MATERIAL, MATERIAL_KEYS, SECTION};
 use crate::elements::forces::load_frame::FRAME;
 use crate::elements::forces::{DAMPERS, LOADS, SPRINGS};
 use crate::elements::joints::{DRIVERS, Freedom, JOINTS};
@@ -218,7 +219,6 @@ const BEAM: &[&str] = &["beam"];
 const CABLE: &[&str] = &["cable"];
 const MEMBERS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 const SHELLS: &[&str] = &["shell", "mesh", "thin_walls"];
-const MATERIAL: Key = need("material", Item(&["material"]), "name of a material");
 const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
 const OF_BEAM: Key = need("beam", Item(BEAM), "name of a beam");
 const OF_CABLE: Key = need("cable", Item(CABLE), "name of a cable");
@@ -400,59 +400,13 @@ const FIRST_SECTIONS: &[Section] = &[
             may("name", Text, "how commands and results call it; NAME"),
         ],
     },
-    Section {
-        name: "material",
-        shape: Shape::Named,
-        doc: "An isotropic elastic material.",
-        forms: one_form![
-            need("young", Number("N/m2", Positive), "Young's modulus E"),
-            need("poisson", Number("-", Any), "Poisson's ratio"),
-            need("density", Number("kg/m3", AtLeastZero), "density"),
-        ],
-    },
+    Section { name: "material", shape: Shape::Named, doc: "An isotropic elastic material.", forms: MATERIAL_KEYS },
     Section {
         name: "section",
         shape: Shape::Named,
         doc: "The section of beams and cables; axis 1 along the line, 2 and 3 across. For beams that taper its numbers may use `share`, the place \
               along the length from 0 to 1: `width = \"0.05 - 0.02 * share\"`.",
-        forms: forms!([
-            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-            may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
-        ]
-        "rectangle" "solid rectangle" [
-            MATERIAL,
-            need("width", Number("m", Positive), "along axis 2"),
-            need("height", Number("m", Positive), "along axis 3"),
-        ]
-        "box" "hollow rectangle" [
-            MATERIAL,
-            need("width", Number("m", Positive), "outer size along axis 2"),
-            need("height", Number("m", Positive), "outer size along axis 3"),
-            need("wall", Number("m", Positive), "thickness of the wall"),
-        ]
-        "circle" "solid circle" [MATERIAL, need("diameter", Number("m", Positive), "diameter")]
-        "tube" "circular tube" [
-            MATERIAL,
-            need("diameter", Number("m", Positive), "outer diameter"),
-            need("wall", Number("m", Positive), "thickness of the wall"),
-        ]
-        "beam" "by stiffness and inertia, for beams" [
-            may("axial", Number("N", Positive), "EA; needed but with stiffness, as the next three"),
-            may("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
-            may("torsion", Number("N m2", Positive), "GJ"),
-            may("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
-            may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
-            may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
-            may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
-            may("stiffness", Numbers(&[21], "N, N m, N m2", Any),
-                "upper triangle by rows of the symmetric stiffness against axial strain, shear 2 and 3, torsion, bending 2 and 3, \
-                 instead of the numbers above; diagonal"),
-        ]
-        "cable" "by stiffness and mass, for cables" [
-            need("axial", Number("N", Positive), "EA"),
-            need("bending", Number("N m2", Positive), "EI about every axis"),
-            need("mass", Number("kg/m", AtLeastZero), "mass for each length"),
-        ]),
+        forms: SECTION,
     },
     Section {
         name: "laminate",
