@@ -117,16 +117,18 @@ impl<S: Scalar> Given<S> {
         if kind.has_axes() {
             return kind;
         }
-        let text = no_body(&self.owner, &self.nodes[node].name);
-        self.wrong(text);
+        let (owner, name) = (&self.owner, &self.nodes[node].name);
+        self.wrong(format!(
+            "\"{owner}\" needs a body, which has axes, but node \"{name}\" is none: make it a body, or take a joint for points"
+        ));
         NodeKind::Body
     }
 
     /// The kind of a node that must have a place in space.
     pub fn in_space(&mut self, node: usize) -> NodeKind {
         self.nodes[node].kind.in_space().unwrap_or_else(|| {
-            let text = nowhere(&self.owner, &self.nodes[node].name);
-            self.wrong(text);
+            let (owner, name) = (&self.owner, &self.nodes[node].name);
+            self.wrong(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
             NodeKind::Point
         })
     }
@@ -237,10 +239,13 @@ impl<S: Scalar> Given<S> {
 
     /// A vector of length one along a direction.
     pub fn unit_of(&mut self, direction: Vector3<S>) -> Vector3<S> {
-        unit(&self.owner, direction).unwrap_or_else(|text| {
-            self.wrong(text);
-            Vector3::from_f64([1.0, 0.0, 0.0])
-        })
+        let length = direction.length().value();
+        if length > 0.0 && length.is_finite() {
+            return direction.unit();
+        }
+        let (owner, components) = (&self.owner, direction.components().map(Scalar::value));
+        self.wrong(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"));
+        Vector3::from_f64([1.0, 0.0, 0.0])
     }
 
     /// A world point \[m\] on a node; without the key the place of the node.
@@ -359,26 +364,4 @@ impl<S: Scalar> Given<S> {
         let cosine = a.dot(&b).value();
         (cosine.abs() > RIGHT_ANGLE).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
     }
-}
-
-/// What `owner` takes hold of must be a body.
-pub(crate) fn no_body(owner: &str, node: &str) -> String {
-    format!(
-        "\"{owner}\" needs a body, which has axes, but node \"{node}\" is none: make it a body, or take a joint for points"
-    )
-}
-
-/// What `owner` takes hold of must have a place in space.
-pub(crate) fn nowhere(owner: &str, node: &str) -> String {
-    format!("\"{owner}\" needs a point or a body, but node \"{node}\" is neither")
-}
-
-/// A vector of length one along a direction.
-pub(crate) fn unit<S: Scalar>(owner: &str, direction: Vector3<S>) -> Result<Vector3<S>, String> {
-    let length = direction.length().value();
-    if length > 0.0 && length.is_finite() {
-        return Ok(direction.unit());
-    }
-    let components = direction.components().map(Scalar::value);
-    Err(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"))
 }

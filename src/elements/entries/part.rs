@@ -222,13 +222,11 @@ pub(crate) fn named<'p, L: ?Sized>(parts: &'p [Part<L>], name: &str) -> Option<&
     parts.iter().find(|part| part.form.name == name)
 }
 
-/// Forms of a section of scene files, of a list of entries and what follows it.
-pub const fn forms_of<const N: usize, L: ?Sized>(parts: &[Part<L>], rest: &[Form]) -> [Form; N] {
-    let mut forms = [Form { name: "", doc: "", keys: &[] }; N];
-    assert!(N == parts.len() + rest.len());
-    let mut place = 0;
+/// The forms of as many parts.
+pub const fn forms_of<const N: usize, L: ?Sized>(parts: &[Part<L>]) -> [Form; N] {
+    let (mut forms, mut place) = ([Form { name: "", doc: "", keys: &[] }; N], 0);
     while place < N {
-        forms[place] = if place < parts.len() { parts[place].form } else { rest[place - parts.len()] };
+        forms[place] = parts[place].form;
         place += 1;
     }
     forms
@@ -236,7 +234,7 @@ pub const fn forms_of<const N: usize, L: ?Sized>(parts: &[Part<L>], rest: &[Form
 
 /// The names of as many parts.
 pub(crate) const fn names_of<const N: usize, L: ?Sized>(parts: &[Part<L>]) -> [&'static str; N] {
-    let (forms, mut names, mut place) = (forms_of::<N, L>(parts, &[]), [""; N], 0);
+    let (forms, mut names, mut place) = (forms_of::<N, L>(parts), [""; N], 0);
     while place < N {
         names[place] = forms[place].name;
         place += 1;

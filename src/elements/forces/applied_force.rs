@@ -18,20 +18,12 @@ pub struct AppliedForce {
 }
 
 impl Element for AppliedForce {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("direction x", "-"),
-        Parameter::new("direction y", "-"),
-        Parameter::new("direction z", "-"),
-        Parameter::new("point x", "m"),
-        Parameter::new("point y", "m"),
-        Parameter::new("point z", "m"),
-    ];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.on]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
+        let geometry = [Parameter::vectors(&["direction"], "-"), Parameter::vectors(&["point"], "m")].concat();
+        [geometry, self.size.parameters("N")].concat()
     }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {

@@ -17,14 +17,11 @@ pub struct AppliedTorque {
 }
 
 impl Element for AppliedTorque {
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("axis x", "-"), Parameter::new("axis y", "-"), Parameter::new("axis z", "-")];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.on]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N m")).collect()
+        [Parameter::vectors(&["axis"], "-"), self.size.parameters("N m")].concat()
     }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {

@@ -132,6 +132,18 @@ impl BeamMember {
     }
 }
 
+/// Elements of a line of so many and the place in each, whose ends have some coordinates, at a share of its length: both where two meet.
+pub(super) fn places_at(share: f64, count: usize, [start, end]: [f64; 2]) -> Vec<(usize, f64)> {
+    let place = share * count as f64;
+    let nearest = place.round();
+    // a share such as 1/3 of three elements is an end of elements in spite of its last digit
+    if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
+        return vec![(nearest as usize - 1, end), (nearest as usize, start)];
+    }
+    let element = (place as usize).min(count.saturating_sub(1));
+    vec![(element, (end - start) * (place - element as f64) + start)]
+}
+
 /// Unit tangent, `second` at right angles to it, and the axis that completes them.
 fn triad<S: Scalar>(tangent: Vector3<S>, second: Vector3<S>) -> [Vector3<S>; 3] {
     let tangent = tangent.unit();
@@ -401,16 +413,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             ));
             return;
         }
-        let count = beam.elements.len();
-        let place = share * count as f64;
-        let nearest = place.round();
-        // a share such as 1/3 of three elements is an end of elements in spite of its last digit
-        let places: Vec<(usize, f64)> = if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
-            vec![(nearest as usize - 1, 1.0), (nearest as usize, -1.0)]
-        } else {
-            let element = (place as usize).min(count.saturating_sub(1));
-            vec![(element, 2.0 * (place - element as f64) - 1.0)]
-        };
+        let places = places_at(share, beam.elements.len(), [-1.0, 1.0]);
         let own = TYING_POINTS * beam.field.tying_parameters();
         let (mut nodes, mut p) = (Vec::new(), Vec::new());
         for &(element, _) in &places {

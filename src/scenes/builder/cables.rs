@@ -1,6 +1,6 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
-use super::beams::End;
+use super::beams::{End, places_at};
 use super::entries::entry;
 use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
@@ -258,16 +258,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!("\"{name}\" asks for {share} of the length of \"{of}\"; shares are 0 to 1"));
             return;
         }
-        let count = cable.elements.len();
-        let place = share * count as f64;
-        let nearest = place.round();
-        // a share such as 1/3 of three elements is an end of elements in spite of its last digit
-        let places: Vec<(usize, f64)> = if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
-            vec![(nearest as usize - 1, 1.0), (nearest as usize, 0.0)]
-        } else {
-            let element = (place as usize).min(count.saturating_sub(1));
-            vec![(element, place - element as f64)]
-        };
+        let places = places_at(share, cable.elements.len(), [0.0, 1.0]);
         let (mut nodes, mut p) = (Vec::new(), Vec::new());
         for &(element, _) in &places {
             // a cable that was refused has been reported already

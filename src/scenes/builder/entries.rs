@@ -15,7 +15,7 @@ pub(super) fn entry<L: ?Sized>(list: &'static [Part<L>], name: &str) -> &'static
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// What an entry, or what is like one, makes its parameters of.
-    pub(super) fn given(&self, name: &str, nodes: &[NodeId], values: Values<S>) -> Given<S> {
+    pub(in crate::scenes) fn given(&self, name: &str, nodes: &[NodeId], values: Values<S>) -> Given<S> {
         let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
         Given::new(name, placed, values)
     }

@@ -3,7 +3,6 @@
 use super::MechanismBuilder;
 use super::entries::{Wrong, entry};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::TimeFunction;
 use crate::elements::entries::{GivenValue, SpringPart, Values};
 use crate::elements::forces::{DAMPERS, Gravity, LOADS, LoadFrame, SPRINGS};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -110,14 +109,6 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
         let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
         self.spring(entry(DAMPERS, "vector"), name, &nodes, keys)
-    }
-
-    /// The function and the numbers of a signal; what is wrong with it is told with the other mistakes.
-    pub(in crate::scenes) fn function_of(&mut self, owner: &str, signal: Signal<S>) -> (TimeFunction, Vec<S>) {
-        signal.parts().unwrap_or_else(|why| {
-            self.mistakes.push(format!("\"{owner}\": {why}"));
-            (TimeFunction::Constant, vec![S::zero()])
-        })
     }
 
     /// Adds a load by its entry to nodes, or to those of each element of a member, with names.

@@ -3,6 +3,7 @@
 use super::MechanismBuilder;
 use super::entries::{Wrong, entry};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
+use crate::elements::TimeFunction;
 use crate::elements::entries::{GivenValue, JointPart, Values};
 use crate::elements::joints::{AngleCoordinate, DRIVERS, HeldSlope, JOINTS};
 use crate::scalar::{Scalar, Vector3};
@@ -72,9 +73,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         })
     }
 
-    /// The value of a key that is a function of time.
+    /// The value of a key that is a function of time; what is wrong with it is told with the other mistakes.
     pub(super) fn function_value(&mut self, name: &str, signal: Signal<S>) -> GivenValue<S> {
-        let (function, numbers) = self.function_of(name, signal);
+        let (function, numbers) = signal.parts().unwrap_or_else(|why| {
+            self.mistakes.push(format!("\"{name}\": {why}"));
+            (TimeFunction::Constant, vec![S::zero()])
+        });
         GivenValue::Function(function, numbers)
     }
 
@@ -180,11 +184,10 @@ impl<S: Scalar> MechanismBuilder<S> {
         if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
             return angle;
         }
-        let mut given = self.given(name, &nodes, Vec::new());
-        let ([a, b], axis) = (given.bodies(), given.unit_of(axis));
-        let p = given.angle_frame(axis);
-        let wrong = given.mistakes();
-        self.tell(name, wrong);
+        let ([a, b], axis, p) = self.asked(name, &nodes, |given| {
+            let (bodies, axis) = (given.bodies(), given.unit_of(axis));
+            (bodies, axis, given.angle_frame(axis))
+        });
         self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate { a, b }.into(), &p);
         self.angles.push((angle, nodes, axis));
         self.set_angle_rates();

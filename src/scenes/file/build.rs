@@ -4,14 +4,14 @@ use super::build_functionals::functional;
 
 use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
-use super::build_parts::{joint, load, made_of, rolling, spring};
+use super::build_parts::{element, given, joint, made_of, rolling};
 
 use super::formula_parts;
 use super::known::{Found, Known, Made, count, fixed, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
-use crate::elements::entries::named;
+use crate::elements::entries::{Part, named};
 use crate::elements::flexible::{MATERIAL_KEYS, Material};
 use crate::elements::forces::{DAMPERS, LOADS};
 use crate::elements::joints::{DRIVERS, Freedom};
@@ -26,7 +26,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
     let (name, fields) = (item.name.as_str(), &item.fields);
     match item.section {
         "variable" => Ok(Made::Nothing),
-        "material" => made_of(known, fields, &MATERIAL_KEYS, Material::given).map(Made::Material),
+        "material" => made_of(fields, given(known, fields, &MATERIAL_KEYS)?, Material::given).map(Made::Material),
         "section" => Ok(section(known, fields)?.map_or(Made::Nothing, |(material, shape)| Made::Shape(material, shape))),
         "laminate" => laminate(known, fields),
         "body" => body(known, name, fields, m),
@@ -51,25 +51,25 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
         "state" => formula_parts::state(known, name, fields, m),
-        "driver" => match named(DRIVERS, fields.form) {
-            Some(part) => joint(known, part, name, fields, m),
-            None => Err(Mistake::new(fields.at, format!("nothing builds a driver of type {}", fields.form))),
-        },
+        "driver" => of_part(item, named(DRIVERS, fields.form), |part| joint(known, part, item, m)),
         "joint" => match known.own.joint_named(fields.form) {
-            Some(part) => joint(known, part, name, fields, m),
+            Some(part) => joint(known, part, item, m),
             None if fields.form == "formula" => formula_parts::joint(known, name, fields, m),
-            None => rolling(known, name, fields, m),
+            None => rolling(known, item, m),
         },
         "rigid_interface" | "hold" | "spin" | "tie" | "drawing" => on_nodes(known, item, m),
-        "spring" => spring(known, known.own.spring_named(fields.form), name, fields, m),
-        "damper" => spring(known, named(DAMPERS, fields.form), name, fields, m),
+        "spring" => of_part(item, known.own.spring_named(fields.form), |part| element(known, part, item, m)),
+        "damper" => of_part(item, named(DAMPERS, fields.form), |part| element(known, part, item, m)),
         "element" => formula_parts::element(known, name, fields, m),
-        "functional" => functional(known, name, fields, m),
-        other => match named(LOADS, other) {
-            Some(part) => load(known, part, name, fields, m),
-            None => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
-        },
+        "functional" => functional(known, item, m),
+        load => of_part(item, named(LOADS, load), |part| element(known, part, item, m)),
     }
+}
+
+/// What is made of a part, if there is one for an entry.
+fn of_part<L: ?Sized, T>(item: &Item, part: Option<&Part<L>>, make: impl FnOnce(&Part<L>) -> Found<T>) -> Found<T> {
+    let refused = || Mistake::new(item.fields.at, format!("nothing builds a {} of type {}", item.section, item.fields.form));
+    part.ok_or_else(refused).and_then(make)
 }
 
 /// What holds, turns, ties or draws nodes.
@@ -223,19 +223,4 @@ fn point<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
         m.point_mass(name, node, known.number(fields, "mass")?);
     }
     Ok(Made::Node(node))
-}
-
-/// The key `point`, or the place of a node.
-pub(super) fn place<S: Scalar>(
-    known: &Known<S>,
-    fields: &Fields,
-    key: &str,
-    node: NodeId,
-    m: &Builder<S>,
-) -> Found<Vector3<S>> {
-    let point = known.vector_or(fields, key, m.position(node))?;
-    if let Some((at, _)) = fields.get(key) {
-        m.check_point(node, point).map_err(|why| Mistake::new(at, why))?;
-    }
-    Ok(point)
 }

@@ -1,16 +1,16 @@
 //! Sections, beams, cables and shells of a file.
 
 use super::build::Builder;
-use super::build_parts::made_of;
+use super::build_parts::{given, made_of};
 use super::expression::SHARE_PLACE;
-use super::known::{Found, Known, Made, count, counts, edge_named, fixed, flag, list, text, texts};
+use super::known::{Found, Known, Made, count, counts, fixed, flag, list, text, texts};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::NodeId;
 use crate::elements::flexible::{CableSection, Laminate, OfShape, Ply, PlyStrength, SECTION, Section, Shape};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, CableLine, Extrusion, MeshedShell, Profile, ShellMesh};
+use crate::scenes::{BeamLine, CableLine, Edge, Extrusion, MeshedShell, Profile, ShellMesh};
 use std::cell::RefCell;
 
 /// Material and shape of a section; nothing of one by its numbers.
@@ -50,7 +50,7 @@ fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S
         return Err(Mistake::new(at, format!("\"{name}\" is a section of cables; a beam needs one of another type")));
     }
     let of = section(known, own)?;
-    made_of(known, own, &SECTION, |given| Section::given(given, of))
+    made_of(own, given(known, own, &SECTION)?, |given| Section::given(given, of))
 }
 
 fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSection<S>> {
@@ -66,7 +66,7 @@ fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSec
         return Err(Mistake::new(at, format!("\"{name}\" has an offset, which a cable cannot have")));
     }
     let of = section(known, own)?;
-    let section = made_of(known, own, &SECTION, |given| CableSection::given(given, of))?;
+    let section = made_of(own, given(known, own, &SECTION)?, |given| CableSection::given(given, of))?;
     Ok(if text(fields, "strains") == Some("small") { section.small_strains() } else { section })
 }
 
@@ -268,7 +268,7 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
         mesh = mesh.damped(known.number(fields, "damping")?);
     }
     for edge in texts(fields, "clamped") {
-        mesh = mesh.clamped(edge_named(&edge));
+        mesh = mesh.clamped(Edge::named(&edge));
     }
     if flag(fields, "coincident", false) {
         mesh = mesh.with_coincident_points();

@@ -9,7 +9,7 @@ use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
-use crate::elements::entries::Range;
+use crate::elements::entries::{FUNCTION, Range, Type};
 use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::{TimeFormula, TimeFunction};
@@ -220,7 +220,7 @@ impl<S: Scalar> Known<'_, S> {
             Made::Cable(cable) => on_line(&cable.nodes).map(|node| vec![node]),
             Made::Walls(walls) => some(if place.edge == Some("start") { walls.start() } else { walls.end() }),
             Made::Shell(shell) => match place.edge {
-                Some(edge) => some(shell.edge(edge_named(edge))),
+                Some(edge) => some(shell.edge(Edge::named(edge))),
                 None => on_grid(shell, &place.index),
             },
             Made::Mesh(shell) => {
@@ -232,10 +232,12 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    /// What a load acts on: its nodes, or those of each element of a member, with names.
+    /// What a spring, damper or load acts on: its nodes, each that a load names, or those of each element of a member, with names.
     pub fn carriers(&self, name: &str, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<(String, Vec<NodeId>)>> {
-        let (at, value) =
-            ["on", "beam", "shell"].into_iter().find_map(|key| fields.get(key)).map_or_else(|| missing(fields, "on"), Ok)?;
+        let (at, value) = ["between", "on", "beam", "shell"]
+            .into_iter()
+            .find_map(|key| fields.get(key))
+            .map_or_else(|| missing(fields, "on"), Ok)?;
         let item = match value {
             Value::Node(place) => {
                 let nodes = self.nodes_at(at, place, m)?;
@@ -249,7 +251,7 @@ impl<S: Scalar> Known<'_, S> {
                 return Ok(nodes.into_iter().enumerate().map(named).collect());
             }
             Value::Item(item) | Value::Group(item, _) => *item,
-            _ => return missing(fields, "on"),
+            _ => return Ok(vec![(name.into(), self.different_nodes_of_part(fields, m)?)]),
         };
         match (&self.made[item], value) {
             (Made::Beam(beam), _) => Ok(beam.carriers(name)),
@@ -461,25 +463,12 @@ impl<S: Scalar> Known<'_, S> {
             Some(given) => return Ok(Signal::Constant(self.scalar(key, given)?)),
             None => return missing(fields, key),
         };
-        let zero_or = |key| self.number_or(own, key, 0.0);
-        let needed = |key| self.number(own, key);
-        let signal = match own.form {
-            "constant" => Signal::Constant(needed("value")?),
-            "constant_rate" => Signal::ConstantRate { offset: zero_or("offset")?, rate: needed("rate")? },
-            "sine" => {
-                let (offset, phase) = (zero_or("offset")?, zero_or("phase")?);
-                let (amplitude, angular_frequency) = (needed("amplitude")?, needed("angular_frequency")?);
-                Signal::Sine { offset, amplitude, angular_frequency, phase }
-            }
-            "smooth_ramp" => {
-                let (from, to) = (zero_or("from")?, needed("to")?);
-                Signal::SmoothRamp { from, to, start: zero_or("start")?, duration: needed("duration")? }
-            }
-            "step" => {
-                let switch = fixed(own, "at").unwrap_or(f64::NAN);
-                Signal::Step { before: zero_or("before")?, after: needed("after")?, switch }
-            }
-            "formula" => {
+        let numbers = FUNCTION.keys(own.form).skip(FUNCTION.common.len());
+        let numbers = numbers.filter(|key| matches!(key.takes, Type::Number(..)));
+        let numbers = numbers.map(|key| self.number_or(own, key.name, 0.0)).collect::<Found<Vec<S>>>()?;
+        let signal = match (own.form, TimeFunction::of_form(own.form, fixed(own, "at"))) {
+            (_, Some(function)) => Signal::of(function, &numbers),
+            ("formula", _) => {
                 // files from when formulas were splines may keep it
                 own.get("intervals");
                 self.formula_of_time(own)?
@@ -495,7 +484,7 @@ impl<S: Scalar> Known<'_, S> {
         if own.get("smooth_start").is_none() {
             return Ok(signal);
         }
-        Ok(Signal::SmoothStart { of: Box::new(signal), duration: needed("smooth_start")? })
+        Ok(Signal::SmoothStart { of: Box::new(signal), duration: self.number(own, "smooth_start")? })
     }
 }
 
@@ -560,15 +549,6 @@ pub(super) fn text<'f>(fields: &'f Fields, key: &str) -> Option<&'f str> {
 pub(super) fn texts(fields: &Fields, key: &str) -> Vec<String> {
     let own = |(_, value): (usize, &Value)| if let Value::Text(own) = value { Some(own.clone()) } else { None };
     list(fields, key).filter_map(own).collect()
-}
-
-pub(super) fn edge_named(name: &str) -> Edge {
-    match name {
-        "first_start" => Edge::FirstStart,
-        "first_end" => Edge::FirstEnd,
-        "second_start" => Edge::SecondStart,
-        _ => Edge::SecondEnd,
-    }
 }
 
 /// What is made over time.

@@ -3,7 +3,7 @@
 use super::raw::Raw;
 use super::reader::{NodePlace, Reader, Value, name_space};
 use super::sections::WITH_NODES;
-use crate::scenes::unknown;
+use crate::scenes::{Edge, unknown};
 
 impl Reader {
     /// Names of the entries of some sections.
@@ -127,7 +127,7 @@ impl MemberNodes {
     fn of(section: &str) -> Self {
         let (edges, own, of_edge): (&[&str], usize, usize) = match section {
             "beam" | "cable" => (&["start", "end"], 1, 0),
-            "shell" => (&["first_start", "first_end", "second_start", "second_end"], 2, 1),
+            "shell" => (&Edge::NAMES, 2, 1),
             "thin_walls" => (&["start", "end"], 0, 1),
             "sphere" => (&[], 3, 0),
             _ => (&[], 0, 0),

@@ -4,15 +4,15 @@ use super::extended::EXTENDS;
 use super::section::{Section, Shape};
 use super::state_laws::STATE_FORMS;
 use crate::elements::entries::{
-    AXIS, BETWEEN, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, joined, may,
-    names_of, need,
+    AXIS, BETWEEN, Form, Forms, Key, Kind, ORIENTATION, Range, Type, forms, forms_of, joined, may, names_of, need,
 };
 use crate::elements::flexible::{MATERIAL, MATERIAL_KEYS, SECTION};
-use crate::elements::forces::load_frame::FRAME;
 use crate::elements::forces::{DAMPERS, LOADS, SPRINGS};
-use crate::elements::joints::{DRIVERS, Freedom, JOINTS};
+use crate::elements::joints::{DRIVERS, Freedom, JOINTS, ROLLING};
+use crate::functionals::load::{JOINT_LOADS, OF_JOINT};
 use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
+use crate::scenes::Edge;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
     Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Item, Items, Lists, Node, NodeSets, Number, Numbers,
@@ -198,8 +198,6 @@ const WALL: Forms = one_form![
     need("elements", Count(1, 1000), "elements from one to the other"),
 ];
 
-const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
-
 /// Sections whose entries are nodes or have nodes.
 pub(super) const WITH_NODES: &[&str] =
     &["body", "point", "coordinate", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
@@ -224,8 +222,7 @@ const OF_BEAM: Key = need("beam", Item(BEAM), "name of a beam");
 const OF_CABLE: Key = need("cable", Item(CABLE), "name of a cable");
 const AT_SHARE: Key = need("share", Fixed("-", Share), "place along its length, from 0 to 1");
 const COMPONENT: &str = "axial, shear along axes 2 and 3, torsion, bending about axes 2 and 3";
-const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
-const OF_JOINT: Key = need("joint", Item(WITH_MULTIPLIERS), "name of a joint or driver");
+pub(super) const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
 const GROUP: Key = need(
     "of",
     Items(WITH_ELEMENTS),
@@ -249,7 +246,7 @@ const BREAKPOINTS: Key = may(
     "times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none",
 );
 
-/// Joints that are two constraints, and joints by formulas.
+/// Joints by formulas.
 const OTHER_JOINTS: Forms = forms!([]
 "formula" "formulas of the places of its nodes, and of the time, that are zero" [
     NODES,
@@ -257,21 +254,9 @@ const OTHER_JOINTS: Forms = forms!([]
     need("equations", Type::SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
     BREAKPOINTS,
 ]
-"rolling_sphere" "b, a sphere, rolls on a plane of a" [
-    BETWEEN,
-    may("centre", Vector("m"), "centre of the sphere; the place of b"),
-    NORMAL,
-    need("radius", Number("m", Positive), "radius"),
-]
-"rolling_disc" "b, a thin disc, rolls on a plane of a" [
-    BETWEEN,
-    may("centre", Vector("m"), "centre of the disc; the place of b"),
-    AXIS,
-    may("point", Vector("m"), "point of the plane; the place of a"),
-    NORMAL,
-    need("radius", Number("m", Positive), "radius"),
-]);
-const JOINT_FORMS: [Form; JOINTS.len() + OTHER_JOINTS.forms.len()] = forms_of(JOINTS, OTHER_JOINTS.forms);
+);
+const JOINT_FORMS: [Form; JOINTS.len() + 3] =
+    joined(&[&forms_of::<{ JOINTS.len() }, _>(JOINTS), OTHER_JOINTS.forms, ROLLING.forms]);
 
 const STATE_KEYS: [Key; 4] = [
     NAME,
@@ -279,7 +264,7 @@ const STATE_KEYS: [Key; 4] = [
     DEFINITIONS,
     BREAKPOINTS,
 ];
-/// What is measured but at nodes.
+/// What is measured by a formula, or of a joint's multipliers.
 const MEASURED: Forms = forms!([]
             "formula" "a formula of its nodes and of the time" [
                 NODES,
@@ -292,15 +277,9 @@ const MEASURED: Forms = forms!([]
                 need("weights", Series("-"), "a weight for each of its equations"),
             ]
             "reaction_norm" "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force" [OF_JOINT]
-            "joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
-                OF_JOINT, ON, PLACE, FRAME,
-                need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
-                may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
-            ]
-            "joint_power" "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]" [
-                OF_JOINT,
-                may("on", Node, "one of its nodes, to which the joint hands on so much; all"),
-            ]
+);
+/// What is measured of elements.
+const OF_ELEMENTS: Forms = forms!([]
             "energy" "energy of all elements [J]" []
             "power" "power of loads, dampers, actuators and losses, of all that is in no energy [W]; an integral is a work [J]" [
                 may("of", Items(WITH_POWER), "names of loads, springs, dampers, parts of one's own, members or groups; everything"),
@@ -352,10 +331,11 @@ const MEASURED: Forms = forms!([]
                 need("distance", Number("m", AtLeastZero), "of the outer fibres from the axis"),
             ]
 );
-const FUNCTIONAL_FORMS: [Form; QUANTITIES.len() + MEASURED.forms.len()] = forms_of(QUANTITIES, MEASURED.forms);
-const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS, &[]);
-const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS, &[]);
-const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS, &[]);
+const FUNCTIONAL_FORMS: [Form; QUANTITIES.len() + 5 + OF_ELEMENTS.forms.len()] =
+    joined(&[&forms_of::<{ QUANTITIES.len() }, _>(QUANTITIES), MEASURED.forms, JOINT_LOADS.forms, OF_ELEMENTS.forms]);
+const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS);
+const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS);
+const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS);
 
 const LOAD_SECTIONS: [Section; LOADS.len()] = {
     let mut sections = [Section::of_part(&LOADS[0], &[NAME]); LOADS.len()];
@@ -510,7 +490,7 @@ const FIRST_SECTIONS: &[Section] = &[
             may("laminate", Item(&["laminate"]), "name of a laminate"),
             may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-            may("clamped", Choices(EDGES), "edges that never move; none"),
+            may("clamped", Choices(&Edge::NAMES), "edges that never move; none"),
             may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them, to a millionth of its diagonal: with each at least one; none"),
             may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
             may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
