@@ -7,7 +7,7 @@ use super::build_meshes::mesh;
 use super::build_parts::{element, given, joint, made_of, rolling};
 
 use super::formula_parts;
-use super::known::{Found, Known, Made, count, fixed, list, text};
+use super::known::{Builder, Found, Known, Made, count, fixed, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
@@ -16,9 +16,7 @@ use crate::elements::flexible::{MATERIAL_KEYS, Material};
 use crate::elements::forces::{DAMPERS, LOADS};
 use crate::elements::joints::{DRIVERS, Freedom};
 use crate::scalar::{Quaternion, Scalar, Vector3};
-use crate::scenes::{MechanismBuilder, Solid, SolidShape};
-
-pub(super) type Builder<S> = MechanismBuilder<S>;
+use crate::scenes::{Solid, SolidShape};
 
 /// Makes what an entry says.
 pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {

@@ -1,9 +1,8 @@
 //! Functionals of a file.
 
-use super::build::Builder;
 use super::build_parts::{made_of, measure, values};
 use super::formula_parts;
-use super::known::{Found, Known, Made, fixed, over, text};
+use super::known::{Builder, Found, Known, Made, fixed, over, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item};
 use super::sections::SECTION_COMPONENTS;

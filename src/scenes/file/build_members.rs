@@ -1,9 +1,8 @@
 //! Sections, beams, cables and shells of a file.
 
-use super::build::Builder;
 use super::build_parts::{given, made_of};
 use super::expression::SHARE_PLACE;
-use super::known::{Found, Known, Made, count, counts, fixed, flag, list, text, texts};
+use super::known::{Builder, Found, Known, Made, count, counts, fixed, flag, list, text, texts};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::NodeId;

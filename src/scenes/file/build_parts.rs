@@ -1,7 +1,6 @@
 //! Joints, drivers, springs, dampers and quantities, by their entries.
 
-use super::build::Builder;
-use super::known::{Found, Known, Made, count, missing, over, text};
+use super::known::{Builder, Found, Known, Made, count, missing, over, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item};
 use crate::elements::entries::{Forms, Given, GivenValue, JointPart, Key, SpringPart, Type, Values};

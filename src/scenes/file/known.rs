@@ -2,10 +2,9 @@
 
 use super::expression::{Quantity, SHARE_PLACE};
 use super::formula_of::FormulaOf;
-use super::meshes::{Each, Per};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
-use super::reader::{Fields, Item, NodePlace, Value};
+use super::reader::{Each, Fields, Item, NodePlace, Per, Value};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
@@ -59,6 +58,8 @@ pub(super) struct Known<'f, S> {
     /// The elements of each.
     pub elements: Vec<Vec<ElementId>>,
 }
+
+pub(super) type Builder<S> = MechanismBuilder<S>;
 
 /// A result, or what is wrong and where.
 pub(super) type Found<T> = Result<T, Mistake>;

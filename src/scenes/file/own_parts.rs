@@ -1,7 +1,6 @@
-use super::reader::all_forms;
 use super::sections::SECTIONS;
 use crate::design::repeated;
-use crate::elements::entries::{Entry, Form, JointPart, Kind, MadeEntry, Part, SpringPart, named};
+use crate::elements::entries::{Entry, Form, Forms, JointPart, Kind, MadeEntry, Part, SpringPart, named};
 use crate::elements::forces::SPRINGS;
 use crate::elements::joints::JOINTS;
 use crate::elements::{Constraint, Element};
@@ -103,4 +102,9 @@ impl OwnParts {
 
 fn forms<L: ?Sized>(parts: &[Part<L>]) -> Vec<Form> {
     parts.iter().map(|part| part.form).collect()
+}
+
+/// All forms of a table.
+pub(super) fn all_forms(forms: &Forms, own: &OwnParts) -> Vec<Form> {
+    [forms.forms.to_vec(), forms.own.map(|kind| own.forms(kind)).unwrap_or_default()].concat()
 }

@@ -1,6 +1,5 @@
 use super::extended::EXTENDS;
-use super::own_parts::OwnParts;
-use super::reader::all_forms;
+use super::own_parts::{OwnParts, all_forms};
 use super::reference::{is_listed, same, tables};
 use super::scenarios::SCENARIO;
 use super::section::Shape;

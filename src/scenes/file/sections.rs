@@ -2,7 +2,7 @@
 
 use super::extended::EXTENDS;
 use super::section::{Section, Shape};
-use super::state_laws::STATE_FORMS;
+use super::state_entries::STATE_FORMS;
 use crate::elements::entries::{
     AXIS, BETWEEN, Form, Forms, Key, Kind, ORIENTATION, Range, Type, forms, forms_of, joined, may, names_of, need,
 };
