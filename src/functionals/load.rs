@@ -1,7 +1,7 @@
 use crate::elements::entries::Type::{Choice, Item, Node, Vector};
 use crate::elements::entries::{Forms, Given, Key, ON, PLACE, forms, may, need};
 use crate::elements::forces::load_frame::{FRAME, LoadFrame};
-use crate::elements::{ConstraintPhysics, Frame, NodeKind, Parameter};
+use crate::elements::{ConstraintPhysics, Frame, NodeKind};
 use crate::program::ArgumentKind::{Coordinate, MeasureParameter, Multiplier, Parameter as OfPart, Time, Velocity};
 use crate::program::{Digest, Formula};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -77,22 +77,20 @@ impl JointLoad {
         // a point may be named for a force, too, which is the same at all of them
         let point = given.point("point", 0);
         let frame = LoadFrame::given(given, LoadFrame::World);
-        for key in ["frame", "direction"].into_iter().filter(|key| norm.is_some() && given.has(key)).collect::<Vec<_>>() {
-            given.wrong_key(key, format!("{key} has no effect on the size of a load: leave it out"));
+        if norm.is_some() && given.has("frame") {
+            given.wrong_key("frame", "frame has no effect on the size of a load: leave it out".into());
+        }
+        if norm.is_some() && given.has("direction") {
+            let owner = given.owner();
+            let text = format!("direction of the functional \"{owner}\" has no effect beside its other keys: leave it out");
+            given.wrong_key("direction", text);
         }
         let direction = if norm.is_some() { Vector3::zeros() } else { given.vector("direction") };
         ((kind, frame), [direction, point])
     }
 
-    /// Its parameters.
-    pub const PARAMETERS: [Parameter; 6] = [
-        Parameter::new("direction x", "-"),
-        Parameter::new("direction y", "-"),
-        Parameter::new("direction z", "-"),
-        Parameter::new("point x", "m"),
-        Parameter::new("point y", "m"),
-        Parameter::new("point z", "m"),
-    ];
+    /// Number of its parameters: a direction and a point.
+    pub const PARAMETERS: usize = 6;
 
     /// A load of one of a joint's nodes: the place of the node's coordinates among those of the joint, and what they are.
     pub fn new(kind: LoadKind, frame: LoadFrame, node: Range<usize>, on: NodeKind) -> Self {
@@ -130,14 +128,14 @@ impl JointLoad {
     fn of(&self, joint: &ConstraintPhysics) -> &(Digest, Arc<Formula>) {
         self.formula.get_or_init(|| {
             let (n, count, m) = (joint.dof_count(), joint.equation_count(), joint.parameter_count());
-            let own = (MeasureParameter, Self::PARAMETERS.len());
+            let own = (MeasureParameter, Self::PARAMETERS);
             let of_joint = [(Velocity, n), (Coordinate, n), (Multiplier, count), (OfPart, m), own, (Time, 1)];
             let formula = Formula::record(of_joint, |x| {
                 let (v, rest) = x.split_at(n);
                 let (q, rest) = rest.split_at(n);
                 let (mu, rest) = rest.split_at(count);
                 let (joint_p, rest) = rest.split_at(m);
-                let (p, t) = rest.split_at(Self::PARAMETERS.len());
+                let (p, t) = rest.split_at(Self::PARAMETERS);
                 let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0]);
                 let [v, q, reaction] = [v, q, &reaction].map(|own| &own[self.node.clone()]);
                 vec![self.value([v, q], reaction, p)]

@@ -37,6 +37,12 @@ impl<S: Scalar> From<Vector3<S>> for GivenValue<S> {
     }
 }
 
+impl<S: Scalar> From<[Vector3<S>; 2]> for GivenValue<S> {
+    fn from(own: [Vector3<S>; 2]) -> Self {
+        GivenValue::Vectors(own.to_vec())
+    }
+}
+
 /// Values of keys by their names.
 pub type Values<S> = Vec<(&'static str, GivenValue<S>)>;
 

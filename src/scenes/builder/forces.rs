@@ -60,6 +60,13 @@ pub struct BushingRates<S> {
     pub damping_about: [S; 3],
 }
 
+impl<S: Scalar> SpringDamper<S> {
+    /// Values of its keys, with the name of that of the rest.
+    fn keys(self, rest: &'static str) -> [(&'static str, GivenValue<S>); 3] {
+        [("stiffness", self.stiffness.into()), ("damping", self.damping.into()), (rest, self.rest.into())]
+    }
+}
+
 impl<S: Scalar> MechanismBuilder<S> {
     /// Weight of every mass, beam, cable and shell, whether added before or after: g [m/s2]. Several calls add up.
     pub fn gravity(&mut self, gravity: Vector3<S>) {
@@ -91,23 +98,19 @@ impl<S: Scalar> MechanismBuilder<S> {
         stiffness: S,
         rest_length: S,
     ) -> ElementId {
-        let keys = [
-            ("points", GivenValue::Vectors(ends.to_vec())),
-            ("stiffness", stiffness.into()),
-            ("rest_length", rest_length.into()),
-        ];
+        let keys = [("points", ends.into()), ("stiffness", stiffness.into()), ("rest_length", rest_length.into())];
         self.spring(entry(SPRINGS, "line"), name, &nodes, keys)
     }
 
     /// A damper along the line between world points of two nodes [N s/m].
     pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
+        let keys = [("points", ends.into()), ("damping", damping.into())];
         self.spring(entry(DAMPERS, "line"), name, &nodes, keys)
     }
 
     /// A damper on the whole relative velocity of world points of two nodes [N s/m].
     pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
+        let keys = [("points", ends.into()), ("damping", damping.into())];
         self.spring(entry(DAMPERS, "vector"), name, &nodes, keys)
     }
 
@@ -149,14 +152,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         nodes: [NodeId; 2],
         axis: Vector3<S>,
-        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
+        own: SpringDamper<S>,
     ) -> ElementId {
-        let keys = [
-            ("axis", axis.into()),
-            ("stiffness", stiffness.into()),
-            ("damping", damping.into()),
-            ("rest_angle", rest.into()),
-        ];
+        let keys = [&[("axis", axis.into())], &own.keys("rest_angle")[..]].concat();
         self.spring(entry(SPRINGS, "torsion"), name, &nodes, keys)
     }
 
@@ -167,31 +165,16 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: [NodeId; 2],
         [origin, point]: [Vector3<S>; 2],
         axis: Vector3<S>,
-        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
+        own: SpringDamper<S>,
     ) -> ElementId {
         let places = [("origin", origin.into()), ("point", point.into()), ("axis", axis.into())];
-        let keys = [
-            &places[..],
-            &[("stiffness", stiffness.into()), ("damping", damping.into()), ("rest_displacement", rest.into())],
-        ]
-        .concat();
+        let keys = [&places[..], &own.keys("rest_displacement")].concat();
         self.spring(entry(SPRINGS, "slide"), name, &nodes, keys)
     }
 
     /// A spring and damper on one coordinate of a node, such as a joint angle.
-    pub fn coordinate_spring_damper(
-        &mut self,
-        name: &str,
-        node: NodeId,
-        index: usize,
-        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
-    ) -> ElementId {
-        let keys = [
-            ("index", GivenValue::Count(index)),
-            ("stiffness", stiffness.into()),
-            ("damping", damping.into()),
-            ("rest_angle", rest.into()),
-        ];
+    pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, own: SpringDamper<S>) -> ElementId {
+        let keys = [&[("index", GivenValue::Count(index))], &own.keys("rest_angle")[..]].concat();
         self.spring(entry(SPRINGS, "angle"), name, &[node], keys)
     }
 

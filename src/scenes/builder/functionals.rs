@@ -34,24 +34,14 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of the position of a world point of a node along a direction \[m\].
     pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        self.measure(
-            entry(QUANTITIES, "position"),
-            name,
-            over,
-            &[node],
-            [("point", point.into()), ("direction", direction.into())],
-        );
+        let keys = [("point", point.into()), ("direction", direction.into())];
+        self.measure(entry(QUANTITIES, "position"), name, over, &[node], keys);
     }
 
     /// A functional of the velocity of a world point of a node along a direction [m/s].
     pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        self.measure(
-            entry(QUANTITIES, "velocity"),
-            name,
-            over,
-            &[node],
-            [("point", point.into()), ("direction", direction.into())],
-        );
+        let keys = [("point", point.into()), ("direction", direction.into())];
+        self.measure(entry(QUANTITIES, "velocity"), name, over, &[node], keys);
     }
 
     /// A functional of the squared distance of a world point of a node from a target \[m2\].
@@ -61,7 +51,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of the distance between world points of two nodes \[m\].
     pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) {
-        self.measure(entry(QUANTITIES, "distance"), name, over, &nodes, [("points", GivenValue::Vectors(points.to_vec()))]);
+        self.measure(entry(QUANTITIES, "distance"), name, over, &nodes, [("points", points.into())]);
     }
 
     /// A functional of a weighted sum of a joint's multipliers: forces \[N\], or moments [N m] of equations between axes and angles.
@@ -129,13 +119,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         point: Vector3<S>,
         axis: Vector3<S>,
     ) {
-        self.measure(
-            entry(QUANTITIES, "joint_displacement"),
-            name,
-            over,
-            &nodes,
-            [("point", point.into()), ("axis", axis.into())],
-        );
+        let keys = [("point", point.into()), ("axis", axis.into())];
+        self.measure(entry(QUANTITIES, "joint_displacement"), name, over, &nodes, keys);
     }
 
     /// A functional of the rate of that displacement [m/s].

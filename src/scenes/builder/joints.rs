@@ -89,7 +89,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A massless link between two world points \[m\], as long as they are apart at the start.
     pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2]) -> ConstraintId {
-        self.joint(entry(JOINTS, "distance"), name, &nodes, [("points", GivenValue::Vectors(ends.to_vec()))])
+        self.joint(entry(JOINTS, "distance"), name, &nodes, [("points", ends.into())])
     }
 
     /// A revolute joint at a world point \[m\] about a world axis.
@@ -124,12 +124,8 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A universal joint at a world point \[m\]; its cross has one pin in a and one in b, at right angles.
     pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, pins: [Vector3<S>; 2]) -> ConstraintId {
-        self.joint(
-            entry(JOINTS, "universal"),
-            name,
-            &nodes,
-            [("point", point.into()), ("pin_a", pins[0].into()), ("pin_b", pins[1].into())],
-        )
+        let keys = [("point", point.into()), ("pin_a", pins[0].into()), ("pin_b", pins[1].into())];
+        self.joint(entry(JOINTS, "universal"), name, &nodes, keys)
     }
 
     /// A screw along a world axis through a world point \[m\]: b advances by the pitch [m per turn], negative for a left-handed thread.
@@ -141,12 +137,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         pitch: S,
     ) -> ConstraintId {
-        self.joint(
-            entry(JOINTS, "helical"),
-            name,
-            &nodes,
-            [("point", point.into()), ("axis", axis.into()), ("pitch", pitch.into())],
-        )
+        let keys = [("point", point.into()), ("axis", axis.into()), ("pitch", pitch.into())];
+        self.joint(entry(JOINTS, "helical"), name, &nodes, keys)
     }
 
     /// A world point \[m\] of b, a point or a body, on the line of a through it along a world direction.
@@ -168,12 +160,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         [centre, contact]: [Vector3<S>; 2],
         axis: Vector3<S>,
     ) -> ConstraintId {
-        self.joint(
-            entry(JOINTS, "rack_and_pinion"),
-            name,
-            &nodes,
-            [("centre", centre.into()), ("contact", contact.into()), ("axis", axis.into())],
-        )
+        let keys = [("centre", centre.into()), ("contact", contact.into()), ("axis", axis.into())];
+        self.joint(entry(JOINTS, "rack_and_pinion"), name, &nodes, keys)
     }
 
     /// A coordinate that counts the angle of b against a about a world axis over any number of turns \[rad\], zero at the start.
@@ -231,12 +219,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         displacement: Signal<S>,
     ) -> ConstraintId {
         let path = self.function_value(name, displacement);
-        self.joint(
-            entry(DRIVERS, "translation"),
-            name,
-            &nodes,
-            [("axis", axis.into()), ("origin", origin.into()), ("point", point.into()), ("displacement", path)],
-        )
+        let keys = [("axis", axis.into()), ("origin", origin.into()), ("point", point.into()), ("displacement", path)];
+        self.joint(entry(DRIVERS, "translation"), name, &nodes, keys)
     }
 
     /// A cable's node welded to a body as it stands at the start: nodes (body, cable's node).

@@ -122,11 +122,7 @@ fn nodes_of<S: Scalar>(known: &Known<S>, part: &Value) -> Vec<NodeId> {
         Made::Node(node) => vec![*node],
         Made::Beam(beam) => beam.nodes.clone(),
         Made::Cable(cable) => cable.nodes.clone(),
-        Made::Shell(shell) => shell.nodes.clone(),
-        Made::Mesh(shell) => shell.nodes.clone(),
-        Made::Walls(walls) => walls.walls.iter().flat_map(|wall| wall.nodes.clone()).collect(),
-        Made::Sphere(faces) => faces.iter().flat_map(|face| face.nodes.clone()).collect(),
-        _ => Vec::new(),
+        shells => shells.shells().into_iter().flat_map(|shell| shell.nodes.clone()).collect(),
     }
 }
 

@@ -207,17 +207,11 @@ pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
 
 /// Shells that a key names, a list of those of each entry.
 pub(super) fn shells_named<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields, key: &str) -> Vec<Vec<&'k MeshedShell>> {
-    let mut others: Vec<Vec<&MeshedShell>> = Vec::new();
-    for (_, value) in list(fields, key) {
-        let (Value::Item(item) | Value::Group(item, _)) = value else { continue };
-        others.push(match &known.made[*item] {
-            Made::Shell(shell) => vec![shell],
-            Made::Mesh(shell) => vec![shell],
-            Made::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
-            _ => Vec::new(),
-        });
-    }
-    others
+    let shells = |(_, value): (usize, &Value)| match value {
+        Value::Item(item) | Value::Group(item, _) => Some(known.made[*item].shells()),
+        _ => None,
+    };
+    list(fields, key).filter_map(shells).collect()
 }
 
 /// The laminate that a table names.

@@ -16,6 +16,8 @@ use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
 use std::cell::Cell;
+use std::collections::HashSet;
+use std::sync::{Mutex, PoisonError};
 
 /// What an entry became.
 pub(super) enum Made<S> {
@@ -34,6 +36,19 @@ pub(super) enum Made<S> {
     Material(Material<S>),
     Shape(Material<S>, Shape<S>),
     Laminate(Laminate<S>, Vec<PlyStrength<S>>),
+}
+
+impl<S> Made<S> {
+    /// The shells of which it consists.
+    pub fn shells(&self) -> Vec<&MeshedShell> {
+        match self {
+            Made::Shell(shell) => vec![shell],
+            Made::Mesh(shell) => vec![shell],
+            Made::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
+            Made::Sphere(faces) => faces.iter().map(|face| &**face).collect(),
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// Values at the points of a table.
@@ -256,12 +271,10 @@ impl<S: Scalar> Known<'_, S> {
         };
         match (&self.made[item], value) {
             (Made::Beam(beam), _) => Ok(beam.carriers(name)),
-            (Made::Shell(shell), _) => Ok(shell.carriers(name, &shell.group())),
             (Made::Mesh(shell), Value::Group(_, group)) => {
                 Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
             }
-            (Made::Mesh(shell), _) => Ok(shell.carriers(name, &shell.group())),
-            _ => Err(Mistake::new(at, "no load acts on this")),
+            (made, _) => Ok(made.shells().into_iter().flat_map(|own| own.carriers(name, &own.group())).collect()),
         }
     }
 
@@ -349,12 +362,8 @@ impl<S: Scalar> Known<'_, S> {
             groups.extend(match &self.made[*item] {
                 Made::Beam(beam) => vec![beam.group()],
                 Made::Cable(cable) => vec![cable.group()],
-                Made::Shell(shell) => vec![shell.group()],
-                Made::Mesh(shell) => vec![shell.group()],
-                Made::Walls(walls) => walls.walls.iter().map(|wall| wall.group()).collect(),
-                Made::Sphere(faces) => faces.iter().map(|face| face.group()).collect(),
                 Made::Group(group) => vec![group.clone()],
-                _ => Vec::new(),
+                shells => shells.shells().into_iter().map(MeshedShell::group).collect(),
             });
         }
         match groups.len() {
@@ -577,4 +586,17 @@ pub(super) fn over(fields: &Fields) -> Over {
         Some("end") => Times::End,
         _ => Times::Run,
     })
+}
+
+/// A text that stays for the life of the program: each is kept once.
+pub(super) fn kept(text: &str) -> &'static str {
+    static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let texts = texts.get_or_insert_default();
+    if let Some(own) = texts.get(text) {
+        return own;
+    }
+    let own: &'static str = Box::leak(text.into());
+    texts.insert(own);
+    own
 }

@@ -462,7 +462,7 @@ impl Reader {
                 if forms.have_types() {
                     known.insert(0, "type".into());
                 }
-                let of = if form.name.is_empty() { owner.to_string() } else { format!("{owner} of type {}", form.name) };
+                let of = if forms.have_types() { format!("{owner} of type {}", form.name) } else { owner.to_string() };
                 let text = unknown("key", &entry.key, &known);
                 self.wrong(entry.at, format!("{of}: {text}"));
                 continue;
