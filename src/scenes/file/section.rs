@@ -1,6 +1,6 @@
 //! Sections of a file.
 
-use crate::elements::entries::{Forms, Key, SpringPart};
+use crate::elements::entries::Forms;
 
 /// How often a section occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,12 +23,6 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// That of a part which is a section of its own.
-    pub const fn of_part(part: &'static SpringPart, common: &'static [Key]) -> Self {
-        let forms = Forms { common, forms: std::slice::from_ref(&part.form), own: None };
-        Section { name: part.form.name, shape: Shape::Listed, doc: part.form.doc, forms }
-    }
-
     /// As it is written in a file.
     pub fn header(&self) -> String {
         match self.shape {

@@ -338,10 +338,11 @@ const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS);
 const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS);
 
 const LOAD_SECTIONS: [Section; LOADS.len()] = {
-    let mut sections = [Section::of_part(&LOADS[0], &[NAME]); LOADS.len()];
-    let mut place = 1;
+    let (mut sections, mut place) = ([FIRST_SECTIONS[0]; LOADS.len()], 0);
     while place < LOADS.len() {
-        sections[place] = Section::of_part(&LOADS[place], &[NAME]);
+        let form = &LOADS[place].form;
+        let forms = Forms { common: &[NAME], forms: std::slice::from_ref(form), own: None };
+        sections[place] = Section { name: form.name, shape: Shape::Listed, doc: form.doc, forms };
         place += 1;
     }
     sections
