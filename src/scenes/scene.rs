@@ -19,7 +19,7 @@ pub struct Settings {
     pub divide: bool,
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
-    /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`].
+    /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`](super::Prepared::method_of).
     pub method: Option<String>,
     /// Time derivative on which constraints are kept.
     pub level: ConstraintLevel,
