@@ -39,8 +39,12 @@ fn few_files_name_a_part_outside_its_own() {
         (&everywhere[..], "src/elements/joints/universal.rs", &["UniversalJoint"][..], 2),
         (&everywhere, "src/elements/forces/torsion_spring_damper.rs", &["TorsionSpringDamper"], 2),
         (&everywhere, "src/functionals/quantities/joint_rate.rs", &["JointRate"], 2),
-        // tests and studies use sections and integrators by their names
-        (&everywhere[..1], "src/elements/flexible/section.rs", &["tube("], 3),
+        // tests and studies use loads, what rolls, sections and integrators by their names
+        (&everywhere[..1], "src/elements/forces/applied_force.rs", &["AppliedForce"], 1),
+        (&everywhere[..1], "src/elements/flexible/shell_pressure.rs", &["PressureOnFace"], 2),
+        (&everywhere[..1], "src/elements/joints/rolling.rs", &["RollingSphere"], 1),
+        (&everywhere[..1], "src/elements/flexible/section.rs", &["tube(", "\"tube\""], 0),
+        (&everywhere[..1], "src/elements/time_function.rs", &["\"smooth_ramp\""], 0),
         (&everywhere[..1], "src/integrators/tables/dirk.rs", &["sdirk4"], 3),
     ] {
         let named = places(folders, own, words);

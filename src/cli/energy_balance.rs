@@ -75,7 +75,7 @@ impl Ledger {
         let power = |kind: ElementSum| Measured::Group(MeasuredGroup::new(None, kind.into(), 0..0));
         functionals.push(own("forces", power(ElementSum::Power), Over::Integral));
         let mut p = prepared.mechanism.numbers.p.clone();
-        let parameters = p.len()..p.len() + JointLoad::PARAMETERS.len();
+        let parameters = p.len()..p.len() + JointLoad::PARAMETERS;
         p.resize(parameters.end, 0.0);
         for (place, attached) in model.constraints.iter().enumerate() {
             let joint = ConstraintId(place, model.identity());

@@ -71,6 +71,11 @@ impl Parameter {
     pub fn named(name: String, unit: &'static str) -> Self {
         Parameter { name: Cow::Owned(name), unit, admissible: Admissible::Any, is_size: false }
     }
+    /// The components of vectors, by the names of the vectors.
+    pub fn vectors(names: &[&str], unit: &'static str) -> Vec<Self> {
+        let components = |name| ["x", "y", "z"].map(|axis| Parameter::named(format!("{name} {axis}"), unit));
+        names.iter().flat_map(components).collect()
+    }
     /// The same, by which an element is made stronger or heavier: see [`Parameter::is_size`].
     #[must_use]
     pub const fn as_size(mut self) -> Self {

@@ -1,3 +1,6 @@
+use super::entries::Range::{Any, Positive};
+use super::entries::Type::{Count, Fixed, Fixeds, Number, OfTime};
+use super::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Key, VALUES, forms, may, need};
 use super::{Parameter, RecordedFunction, Table, TimeFormula};
 use crate::scalar::{COMPLEX_STEP, Complex64, Curve, Interpolant, Scalar};
 use std::sync::Arc;
@@ -5,6 +8,56 @@ use std::sync::Arc;
 /// Knots of a monotone table that steps still end at: its second derivative jumps there, which costs methods above third order their order;
 /// ends of steps at each of many knots would cost more. With a few more knots than this `esdirk4` is of order 3.3 (study `signals`).
 pub const MOST_BREAKPOINTS: usize = 100;
+
+const TIMES: Key = may("times", Fixeds(0, "s"), "times of the points, increasing; those of the file");
+
+/// The forms of a [`TimeFunction`].
+pub const FUNCTION: Forms = forms!([
+    may("smooth_start", Number("s", Positive), "the function starts from rest within this time, and is late by half of it from then on; at once"),
+]
+"constant" "f = value" [need("value", Number("", Any), "value")]
+"constant_rate" "f = offset + rate t" [
+    may("offset", Number("", Any), "value at t = 0; 0"),
+    need("rate", Number("1/s", Any), "rate"),
+]
+"sine" "f = offset + amplitude sin(angular_frequency t + phase)" [
+    may("offset", Number("", Any), "mean; 0"),
+    need("amplitude", Number("", Any), "amplitude"),
+    need("angular_frequency", Number("rad/s", Any), "angular frequency"),
+    may("phase", Number("rad", Any), "phase; 0"),
+]
+"smooth_ramp" "from one value to another along 10 s^3 - 15 s^4 + 6 s^5" [
+    may("from", Number("", Any), "value before; 0"),
+    need("to", Number("", Any), "value after"),
+    may("start", Number("s", Any), "when it begins; 0"),
+    need("duration", Number("s", Positive), "how long it takes"),
+]
+"step" "a jump, for loads only" [
+    may("before", Number("", Any), "value before; 0"),
+    need("after", Number("", Any), "value from the jump on"),
+    need("at", Fixed("s", Any), "time of the jump"),
+]
+"lines" "straight lines between points, constant outside, for loads only" [
+    TIMES,
+    VALUES,
+    FILE,
+    COLUMNS,
+]
+"table" "values at times; interpolated by lines or steps for loads only" [
+    TIMES,
+    VALUES,
+    FILE,
+    COLUMNS,
+    INTERPOLATION,
+]
+"formula" "a formula of the time t, exact at all times with all its derivatives" [
+    need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
+    may("breakpoints", Fixeds(0, "s"), "times at which it or one of its first two derivatives jumps: steps end there; needed, if only as [], \
+        where abs, min, max or if_less choose"),
+    may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
+    may("end", Fixed("s", Any), "likewise, at least the end of the run"),
+    may("intervals", Count(1, 10_000), "likewise, any"),
+]);
 
 /// A function of time f(t) for motion drivers and loads; its numbers are parameters of the element that holds it.
 #[derive(Clone, Debug)]
@@ -37,6 +90,18 @@ pub enum TimeFunction {
 }
 
 impl TimeFunction {
+    /// The function of a form of [`FUNCTION`] whose numbers are parameters, in the order of its keys; a jump has a time, too.
+    pub(crate) fn of_form(form: &str, switch: Option<f64>) -> Option<TimeFunction> {
+        Some(match form {
+            "constant" => TimeFunction::Constant,
+            "constant_rate" => TimeFunction::ConstantRate,
+            "sine" => TimeFunction::Sine,
+            "smooth_ramp" => TimeFunction::SmoothRamp,
+            "step" => TimeFunction::Step { switch: switch? },
+            _ => return None,
+        })
+    }
+
     /// A table whose values are parameters.
     ///
     /// # Errors

@@ -18,16 +18,13 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::any::Any;
 use std::sync::Arc;
 
-/// A point of the axis, its direction, and the rate of the turn.
-pub(crate) const SPIN_PARAMETERS: [Parameter; 7] = [
-    Parameter::new("point of the axis, x", "m"),
-    Parameter::new("point of the axis, y", "m"),
-    Parameter::new("point of the axis, z", "m"),
-    Parameter::new("axis, x", "-"),
-    Parameter::new("axis, y", "-"),
-    Parameter::new("axis, z", "-"),
-    Parameter::new("rate", "rad/s"),
-];
+/// Numbers of a spin: a point of the axis, its direction, and the rate of the turn.
+pub(crate) const SPIN_PARAMETERS: usize = 7;
+
+fn spin_parameters() -> Vec<Parameter> {
+    let (point, axis) = (Parameter::vectors(&["point of the axis,"], "m"), Parameter::vectors(&["axis,"], "-"));
+    [point, axis, vec![Parameter::new("rate", "rad/s")]].concat()
+}
 
 /// What the names of three parameters end with that are the acceleration by weight.
 const GRAVITY: [&str; 3] = ["gravity x", "gravity y", "gravity z"];
@@ -107,7 +104,7 @@ impl InTurningFrame {
 
 /// With parameters that are not read.
 fn as_it_is(formula: &Formula) -> Recording {
-    formula.with_parameters(SPIN_PARAMETERS.len(), |x, _| x.to_vec())
+    formula.with_parameters(SPIN_PARAMETERS, |x, _| x.to_vec())
 }
 
 impl AnyElement for InTurningFrame {
@@ -118,7 +115,7 @@ impl AnyElement for InTurningFrame {
         self.own.node_kinds()
     }
     fn parameter_list(&self) -> Vec<Parameter> {
-        [self.own.parameter_list(), SPIN_PARAMETERS.to_vec()].concat()
+        [self.own.parameter_list(), spin_parameters()].concat()
     }
     fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
         self.own.breakpoint_times(&p[..self.own.parameter_count()])
@@ -127,7 +124,7 @@ impl AnyElement for InTurningFrame {
         self.own.recorded_breakpoints(&p[..self.own.parameter_count()])
     }
     fn record_residual(&self) -> Recording {
-        self.own.residual().with_parameters(SPIN_PARAMETERS.len(), |x, spin| self.in_world(x, spin))
+        self.own.residual().with_parameters(SPIN_PARAMETERS, |x, spin| self.in_world(x, spin))
     }
     fn record_impulse(&self) -> Recording {
         as_it_is(self.own.impulse())

@@ -35,8 +35,9 @@ impl Measured {
             }
             Measured::Load { joint, parameters, load } => match model.find_constraint(*joint) {
                 None => Some(STRANGER.into()),
-                Some(joint) => parameters_refused(model, parameters, JointLoad::PARAMETERS.len())
-                    .or_else(|| load_refused(model, joint, load)),
+                Some(joint) => {
+                    parameters_refused(model, parameters, JointLoad::PARAMETERS).or_else(|| load_refused(model, joint, load))
+                }
             },
         }
     }

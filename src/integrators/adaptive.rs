@@ -5,10 +5,11 @@
 
 use super::checkpoint::StepState;
 use super::course::Course;
+use super::initial_guess::InitialGuess;
 use super::load_steps::{Loading, first_pace};
 use super::march::{Method, Problem, Run, embedded_difference};
 use super::record::{Recorder, SolveRecord, StepRecord};
-use super::step::{InitialGuess, Stepper};
+use super::step::Stepper;
 use super::step_choice::{Attempt, Beginning, StepChoice, Tried, march_by};
 use super::{Checkpoint, Embedded, Pace, RunError, Scheme, StartPlan, Table, TimeGrid};
 

@@ -1,8 +1,8 @@
-use super::newton::{Contractions, Floor, Renewal};
+use super::newton::KeptFactorization;
 use super::record::SolveRecord;
 use super::table::SAME_SIZE;
 use super::{Carried, Prediction, Scheme};
-use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
+use crate::assembly::{Unknowns, clone_fields};
 use crate::elements::RunScalar;
 
 /// What goes from one step to the next, beside the kept factorizations.
@@ -78,49 +78,7 @@ impl<S: RunScalar> StepState<S> {
     }
 }
 
-/// Where a matrix was assembled: the factorization is made again from it, bit by bit.
-#[derive(Debug, PartialEq)]
-pub struct FactoredAt<S> {
-    /// Time \[s\].
-    pub t: f64,
-    /// Point from which the unknowns move.
-    pub base: VectorsAvq<S>,
-    /// Unknowns, before they are brought onto the equations inside nodes.
-    pub unknowns: Unknowns<S>,
-}
-
-impl<S> FactoredAt<S> {
-    /// Empties it; the memory stays.
-    pub(super) fn clear(&mut self) {
-        let (VectorsAvq { a, v, q }, Unknowns { x, y, mu, eta, local_mu, local_eta }) = (&mut self.base, &mut self.unknowns);
-        [a, v, q, x, y, mu, eta, local_mu, local_eta].into_iter().for_each(Vec::clear);
-        self.t = 0.0;
-    }
-}
-
-clone_fields!(FactoredAt { t, base, unknowns });
 clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, rate, last, prediction, allowed });
-
-/// What a Newton's method keeps from one system to the next.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KeptFactorization<S> {
-    /// The equations that were factored, if the factorization is still in use.
-    pub factored: Option<Equations>,
-    /// Where they were.
-    pub at: FactoredAt<S>,
-    /// Size of corrections at round-off, for each kind of system, where it is known.
-    pub floors: [Option<Floor>; 3],
-    /// Equations for which these were measured, and factorizations since then.
-    pub measured: Option<Equations>,
-    /// See [`KeptFactorization::measured`].
-    pub measured_for: usize,
-    /// Rates of convergence.
-    pub contractions: Contractions,
-    /// Whether steps begin with a new matrix.
-    pub renewal: Renewal,
-}
-
-crate::assembly::empty_fields!(KeptFactorization { factored, at, floors, measured, measured_for, contractions, renewal });
 
 /// A run between two steps: all that later steps depend on.
 ///

@@ -5,9 +5,9 @@
 //! g(q + h^2 x, p, t) = 0. One that ends where that sum is not least is too long. They grow until they end where R(0, 0, q + x, p, t) + A^T mu = 0
 //! does, which is solved last and alone counts: its solution does not depend on the way there.
 
+use super::initial_guess::{InitialGuess, solve};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::SolveRecord;
-use super::step::{InitialGuess, solve};
 use super::{Counters, Method, Problem, RunError, Stability, StartPlan, Verdict};
 use crate::assembly::{Equations, Level, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;

@@ -3,6 +3,7 @@
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
 use super::grid::{Clocks, clock_at};
+use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, combine, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
@@ -15,9 +16,7 @@ use super::{
     Carried, ConstraintLevel, InitialState, Pace, Pause, RunError, Scheme, Stability, StabilityCourse, StartPlan, Systems,
     Table, TimeGrid, Verdict,
 };
-use crate::assembly::{
-    Clock, ConstraintRows, Equations, Residual, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq,
-};
+use crate::assembly::{Clock, ConstraintRows, Equations, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::linalg::sign_of_determinant;
@@ -96,23 +95,6 @@ fn allowed<S>(table: &Table, state: &StepState<S>, h: f64, length: f64) -> Optio
     Some([q * shorter, v * shorter, (q * shorter).min(watched)])
 }
 
-/// Where the search for a solution starts.
-#[derive(Clone, Copy)]
-pub(super) enum InitialGuess<'g> {
-    /// From zero.
-    Zero,
-    /// From what the record holds.
-    Given,
-    /// At the solution of a real run.
-    Solved(&'g Unknowns<f64>),
-}
-
-impl<'g> InitialGuess<'g> {
-    pub(super) fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
-        record.map_or(InitialGuess::Zero, |record| InitialGuess::Solved(&record.unknowns))
-    }
-}
-
 /// How a step begins.
 #[derive(Clone, Copy)]
 struct StepStart {
@@ -120,28 +102,6 @@ struct StepStart {
     breakpoint: bool,
     /// With the acceleration solved anew.
     solves: bool,
-}
-
-/// Solves the system of a record, whose time, equations and base are given, and keeps there what the adjoint needs.
-pub(super) fn solve<S: RunScalar>(
-    newton: &mut Newton<S>,
-    record: &mut SolveRecord<S>,
-    first: InitialGuess,
-    p: &[S],
-    place: &dyn Fn() -> String,
-) -> Result<(), RunError> {
-    let SolveRecord { t, equations, base, unknowns } = record;
-    match first {
-        InitialGuess::Zero => Residual::shape(&newton.system, unknowns, true),
-        InitialGuess::Given => Residual::shape(&newton.system, unknowns, false),
-        InitialGuess::Solved(real) => *unknowns = lifted(real),
-    }
-    let stage = StageSystem { equations, base, p, t: *t };
-    let solved = match first {
-        InitialGuess::Solved(_) => newton.solve_guided(stage, unknowns),
-        _ => newton.solve(stage, unknowns),
-    };
-    solved.map_err(|failure| newton.describe(&failure, equations, &place()))
 }
 
 /// Gives back the memory of a solver before the next one is used: it may be large.
@@ -163,19 +123,6 @@ fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[
 pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
     let newton = Newton::new(system.clone(), method.tolerance, method.backend).map(Newton::divided);
     newton.map_err(|singular| RunError::of_pattern("start", singular))
-}
-
-/// Real unknowns without derivative parts.
-fn lifted<S: RunScalar>(real: &Unknowns<f64>) -> Unknowns<S> {
-    let lift = |values: &[f64]| values.iter().map(|&value| S::from(value)).collect();
-    Unknowns {
-        x: lift(&real.x),
-        y: lift(&real.y),
-        mu: lift(&real.mu),
-        eta: lift(&real.eta),
-        local_mu: lift(&real.local_mu),
-        local_eta: lift(&real.local_eta),
-    }
 }
 
 impl<'m, S: RunScalar> Stepper<'m, S> {

@@ -17,6 +17,7 @@ mod optimization;
 mod optimizer;
 mod program;
 mod quadratic;
+mod run;
 pub(crate) mod runs_at_once;
 mod scaling;
 mod sent;

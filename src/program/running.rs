@@ -19,7 +19,6 @@ pub enum Execution {
 static LOOP_ONLY: AtomicBool = AtomicBool::new(false);
 static COMPILING: AtomicU64 = AtomicU64::new(0);
 static MAKING: AtomicU64 = AtomicU64::new(0);
-static REFUSED: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     static IS_MAKING: Cell<bool> = const { Cell::new(false) };
@@ -39,15 +38,6 @@ pub fn compile_time() -> f64 {
 /// Time that this process has spent on programs \[s\]: recording formulas, deriving programs from them, and making machine code.
 pub fn making_time() -> f64 {
     MAKING.load(Ordering::Relaxed) as f64 * 1e-9
-}
-
-/// Whether the system has refused memory for machine code, so that programs are executed by the loop.
-pub fn refuses_machine_code() -> bool {
-    REFUSED.load(Ordering::Relaxed)
-}
-
-pub(super) fn memory_refused() {
-    REFUSED.store(true, Ordering::Relaxed);
 }
 
 /// Counts the time until it is dropped as [`making_time`]; one inside another counts nothing.

@@ -43,7 +43,7 @@ pub use thin_walls::{Extrusion, Profile, ThinWalls};
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
-use crate::elements::entries::{Placed, no_body, nowhere, unit};
+use crate::elements::entries::{Given, Placed};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::program::Recorded;
@@ -262,13 +262,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         Some(Placed { kind: *kind, q: &self.numbers.q[dofs.clone()] })
     }
 
-    /// Whether a node holds at a world point, see [`Placed::check_point`]; one of another mechanism is told elsewhere.
-    #[cfg(feature = "files")]
-    pub(super) fn check_point(&self, node: NodeId, point: Vector3<S>) -> Result<(), String> {
-        let (Some(own), Some(placed)) = (self.model.find_node(node), self.placed(node)) else { return Ok(()) };
-        placed.check_point(&own.name, point)
-    }
-
     /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vector3<S> {
         self.placed(node).map_or_else(no_vector, Placed::position)
@@ -325,32 +318,22 @@ impl<S: Scalar> MechanismBuilder<S> {
         parameters
     }
 
-    fn kind_in_space(&mut self, owner: &str, node: NodeId) -> NodeKind {
-        let Some(kind) = self.kind_of(owner, node) else { return NodeKind::Point };
-        kind.in_space().unwrap_or_else(|| {
-            let name = &self.model.nodes[node.0].name;
-            self.mistakes.push(nowhere(owner, name));
-            NodeKind::Point
-        })
+    /// What is asked of nodes and of values without an entry; what is wrong is told with the other mistakes.
+    fn asked<T>(&mut self, owner: &str, nodes: &[NodeId], ask: impl FnOnce(&mut Given<S>) -> T) -> T {
+        let mut given = self.given(owner, nodes, Vec::new());
+        let answer = ask(&mut given);
+        self.tell(owner, given.mistakes());
+        answer
     }
 
-    /// How to take hold of a body: axes and angles need one.
-    fn kind_of_body(&mut self, owner: &str, node: NodeId) -> NodeKind {
-        let Some(kind) = self.kind_of(owner, node) else { return NodeKind::Body };
-        if kind.has_axes() {
-            return kind;
-        }
-        let name = &self.model.nodes[node.0].name;
-        self.mistakes.push(no_body(owner, name));
-        NodeKind::Body
+    fn kind_in_space(&mut self, owner: &str, node: NodeId) -> NodeKind {
+        let Some(kind) = self.kind_of(owner, node) else { return NodeKind::Point };
+        kind.in_space().unwrap_or_else(|| self.asked(owner, &[node], |given| given.in_space(0)))
     }
 
     /// A vector of length one along an axis or normal.
     fn unit(&mut self, owner: &str, direction: Vector3<S>) -> Vector3<S> {
-        unit(owner, direction).unwrap_or_else(|text| {
-            self.mistakes.push(text);
-            Vector3::from_f64([1.0, 0.0, 0.0])
-        })
+        self.asked(owner, &[], |given| given.unit_of(direction))
     }
 
     fn check_parameters(&mut self, name: &str, parameters: usize, given: usize) -> bool {
@@ -429,10 +412,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
         self.check_inertia(name, inertia.map(Scalar::value));
         let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
-        let body = match self.kind_of_body(name, node) {
-            NodeKind::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
-            _ => self.add_element(name, &[node], RigidBody.into(), &p),
-        };
+        let kind = self.kind_of(name, node).map(|_| self.asked(name, &[node], |given| given.body(0)));
+        let law = if kind == Some(NodeKind::Natural) { NaturalBody.into() } else { RigidBody.into() };
+        let body = self.add_element(name, &[node], law, &p);
         self.masses.extend((body.0 != usize::MAX).then_some((node, mass, centre)));
         body
     }

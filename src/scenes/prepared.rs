@@ -1,5 +1,5 @@
 use super::builder::MechanismBuilder;
-use super::scene::AnyScene;
+use super::scene::{AnyScene, Settings};
 use super::unknown;
 use crate::assembly::{Attached, Model, VectorsAvq};
 use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
@@ -7,109 +7,14 @@ use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
 use crate::integrators::{
-    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, NewtonTolerance, Problem, RunError,
-    STATIC_TABLE, StartPlan, StepControl, Systems, TimeGrid, table_by_name, table_named, table_names,
+    ConstraintLevel, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, StepControl, Systems, TimeGrid,
+    table_by_name, table_named, table_names,
 };
-use crate::linalg::{Backend, Factorization, SolverPlan};
+use crate::linalg::{Factorization, SolverPlan};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
 use crate::sensitivity::{Analysis, largest_difference};
 use std::ops::Range;
-
-/// Defaults of a scene's runs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Duration \[s\]; in statics the last load factor.
-    pub end: f64,
-    /// Steps of equal size; without meaning where they are chosen.
-    pub steps: usize,
-    /// Choose steps by their error.
-    pub control: Option<StepControl>,
-    /// Halve steps of equal size that Newton's method cannot make.
-    pub divide: bool,
-    /// What to do about inconsistent starts and redundant constraints.
-    pub policy: ConstraintPolicy,
-    /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`].
-    pub method: Option<String>,
-    /// Time derivative on which constraints are kept.
-    pub level: ConstraintLevel,
-    /// When Newton's method stops.
-    pub newton: NewtonTolerance,
-    /// Solver of the linear systems.
-    pub solver: Backend,
-}
-
-impl Settings {
-    /// A duration \[s\] and a number of steps; inconsistent starts and redundant constraints are refused.
-    pub fn new(end: f64, steps: usize) -> Self {
-        Settings {
-            end,
-            steps,
-            control: None,
-            divide: false,
-            policy: ConstraintPolicy::default(),
-            method: None,
-            level: ConstraintLevel::default(),
-            newton: NewtonTolerance::default(),
-            solver: Backend::default(),
-        }
-    }
-
-    /// Equilibria instead of a motion: time is a load factor that goes from 0 to 1 in equal steps.
-    pub fn statics(steps: usize) -> Self {
-        Settings::new(1.0, steps).with_method(STATIC_TABLE)
-    }
-
-    /// An integrator of the scene's own.
-    #[must_use]
-    pub fn with_method(mut self, name: impl Into<String>) -> Self {
-        self.method = Some(name.into());
-        self
-    }
-
-    /// Leaves the integrator to the caller.
-    #[must_use]
-    pub fn without_method(mut self) -> Self {
-        self.method = None;
-        self
-    }
-
-    /// Chooses steps by their error instead of equal ones.
-    #[must_use]
-    pub fn choosing_steps(mut self, control: StepControl) -> Self {
-        self.control = Some(control);
-        self
-    }
-
-    /// Halves steps of equal size that Newton's method cannot make, instead of stopping there: for motions with snaps.
-    #[must_use]
-    pub fn dividing_steps(mut self) -> Self {
-        self.divide = true;
-        self
-    }
-
-    /// Leaves out redundant constraint equations.
-    #[must_use]
-    pub fn dropping_redundant(mut self) -> Self {
-        self.policy.drop_redundant = true;
-        self
-    }
-
-    /// Begins the motion at the equilibrium under the loads of its start, near the coordinates that the scene gives: see
-    /// [`MechanismBuilder::hold`] for what such an equilibrium leaves free.
-    #[must_use]
-    pub fn from_equilibrium(mut self) -> Self {
-        self.policy.from_equilibrium = true;
-        self
-    }
-
-    /// Projects the start onto the constraints.
-    #[must_use]
-    pub fn projecting_start(mut self) -> Self {
-        self.policy.project_start = true;
-        self
-    }
-}
 
 /// A scene at one design, ready to run: built, checked, with its steps laid out.
 pub struct Prepared<'s> {

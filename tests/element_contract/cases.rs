@@ -3,14 +3,14 @@
 use super::Contract;
 use super::support::time_functions::time_functions;
 use super::users::users_own;
-use costate::elements::entries::{Entry, Given, JointVisitor, Placed, SpringVisitor};
+use costate::elements::entries::{Entry, Given, GivenValue, JointVisitor, Placed, SpringVisitor};
 use costate::elements::flexible::ShellSection;
 use costate::elements::forces::{self, LoadFrame};
 use costate::elements::{Constraint, Element, Field, Flexible, NodeKind, TimeFunction, joints};
 use costate::internals::{
-    AngleCoordinate, AppliedForce, AppliedTorque, BeamField, BeamGravityField, Cable, CableGravity, CableInertia,
-    DistributedLoadField, ElementPhysics, Face, Gravity, NODE_PARAMETERS, NaturalBody, PointMass, Quad4, Quad9, RigidBody,
-    ShellField, ShellPressureField, SmallStrainCableField, Soft, Triangle6,
+    AngleCoordinate, BeamField, BeamGravityField, Cable, CableGravity, CableInertia, ElementPhysics, Face, Gravity,
+    NODE_PARAMETERS, NaturalBody, PointMass, Quad4, Quad9, RigidBody, ShellField, ShellPressureField, SmallStrainCableField,
+    Soft, Triangle6,
 };
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::testing::element_physics;
@@ -110,6 +110,9 @@ impl JointVisitor for Entries {
 
 impl SpringVisitor for Entries {
     fn visit<E: Entry<Law: Element>>(&mut self) {
+        if E::KEYS.iter().any(|key| key.name == "size") {
+            return self.0.extend(loads::<E>());
+        }
         let is_given = |wanted: &str| E::EXAMPLE.1.iter().any(|(key, _)| *key == wanted);
         let kind = match [is_given("stiffness"), is_given("damping")] {
             [true, true] => "spring damper",
@@ -128,12 +131,37 @@ impl SpringVisitor for Entries {
     }
 }
 
+/// A load in both frames, with each function of time.
+fn loads<E: Entry<Law: Element>>() -> Vec<Case> {
+    let mut list = Vec::new();
+    for (of_time, size, own) in time_functions() {
+        for frame in FRAMES {
+            let word = GivenValue::Word(format!("{frame:?}").to_lowercase());
+            let more = [("frame", word), ("size", GivenValue::Function(size.clone(), own.clone()))];
+            for (law, p) in made_with::<E>(&more) {
+                let nodes = law.nodes();
+                let name = format!("{of_time} {} in {frame:?} on {nodes:?}", E::NAME);
+                // a node without axes has no frame of its own, so its loads are all dead ones
+                let bound = frame == LoadFrame::World || !nodes[0].has_axes();
+                let case = Case::new(name, law, &p).bound_to_world(bound).ignoring("point", nodes[0]);
+                list.push(Case { neighbours: nodes.len() > 1, ..case });
+            }
+        }
+    }
+    list
+}
+
 /// What the example of an entry makes, on all nodes that it takes.
 fn made<E: Entry>() -> Vec<(E::Law, Vec<f64>)> {
+    made_with::<E>(&[])
+}
+
+/// The same with other values of some keys.
+fn made_with<E: Entry>(more: &[(&'static str, GivenValue<f64>)]) -> Vec<(E::Law, Vec<f64>)> {
     let (nodes, example) = E::EXAMPLE;
     let mut all: Vec<Vec<NodeKind>> = vec![nodes.to_vec()];
     if nodes.iter().all(|kind| kind.in_space().is_some()) {
-        let as_many = |[a, b]: [NodeKind; 2]| [vec![a, b], vec![a; nodes.len() - 2]].concat();
+        let as_many = |[a, b]: [NodeKind; 2]| [a, b].into_iter().chain([a; 8]).take(nodes.len()).collect();
         all = PAIRS.into_iter().chain(BODIES).chain(GUIDED).chain([[Slope, Slope], [Body, Slope]]).map(as_many).collect();
         all.sort_by_key(|kinds| format!("{kinds:?}"));
         all.dedup();
@@ -144,7 +172,9 @@ fn made<E: Entry>() -> Vec<(E::Law, Vec<f64>)> {
         let axes = kinds.iter().all(|kind| kind.has_axes());
         let values = example.iter().filter(|(key, _)| axes || !["point", "points", "origin"].contains(key));
         let turn = Quaternion::about(Vector3::new(0.36, 0.48, 0.8), 0.9);
-        let values = values.map(|(key, sample)| (*key, sample.placed(Vector3::new(0.2, -0.1, 0.4), turn))).collect();
+        let values = values.filter(|(key, _)| more.iter().all(|own| own.0 != *key));
+        let values = values.map(|(key, sample)| (*key, sample.placed(Vector3::new(0.2, -0.1, 0.4), turn)));
+        let values = values.chain(more.iter().cloned()).collect();
         let mut given = Given::new("any", placed, values);
         let made = E::make(&mut given);
         given.mistakes().is_empty().then_some(made)
@@ -238,11 +268,6 @@ pub fn cases() -> Vec<Case> {
     }
     for (of_time, size, own) in time_functions() {
         for frame in FRAMES {
-            let mut case = Case::flexible(format!("{of_time} load in {frame:?} along a beam"), DistributedLoadField { frame, size: size.clone() })
-                .bound_to_world(frame == LoadFrame::World);
-            let each = case.p.len() / 3;
-            case.p.chunks_exact_mut(each).for_each(|p| p[4..].copy_from_slice(&own));
-            list.push(case);
             list.push(pressure(Quad9, frame, &size, (of_time, &own)));
             list.push(pressure(Quad4, frame, &size, (of_time, &own)));
             list.push(pressure(Triangle6, frame, &size, (of_time, &own)));
@@ -251,22 +276,6 @@ pub fn cases() -> Vec<Case> {
     for on in ANCHORS {
         list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
             .bound_to_world(true).ignoring("centre", on));
-    }
-    for (of_time, size, own) in time_functions() {
-        for frame in FRAMES {
-            for on in [Body, Natural] {
-                let torque = AppliedTorque { on, frame, size: size.clone() };
-                list.push(Case::new(format!("{of_time} torque in {frame:?} on {on:?}"), torque, &[&[0.3, -0.5, 0.7], &own[..]].concat())
-                    .bound_to_world(frame == LoadFrame::World));
-            }
-            for on in ANCHORS {
-                let force = AppliedForce { on, frame, size: size.clone() };
-                let p = [&[0.3, -0.5, 0.7, 0.2, 0.4, -0.1], &own[..]].concat();
-                // a node without axes has no frame of its own, so its loads are all dead ones
-                list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &p)
-                    .bound_to_world(frame == LoadFrame::World || !on.has_axes()).ignoring("point", on));
-            }
-        }
     }
     list
 }

@@ -41,10 +41,11 @@ impl NaturalBody {
 }
 
 impl Element for NaturalBody {
-    const PARAMETERS: &'static [Parameter] = super::rigid_body::INERTIA;
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Natural]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        super::rigid_body::inertia_parameters()
     }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {

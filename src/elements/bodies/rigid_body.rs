@@ -15,29 +15,20 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 /// Source: Shabana (2013), Dynamics of Multibody Systems, section 3.
 pub struct RigidBody;
 
-const fn new(name: &'static str, unit: &'static str) -> Parameter {
-    Parameter::new(name, unit)
+/// Mass, mass centre and inertia: the parameters of every rigid body.
+pub(super) fn inertia_parameters() -> Vec<Parameter> {
+    let mass = Parameter::positive("mass", "kg").as_size();
+    let moments = ["inertia xx", "inertia yy", "inertia zz"].map(|name| Parameter::non_negative(name, "kg m2"));
+    let products = ["inertia xy", "inertia xz", "inertia yz"].map(|name| Parameter::new(name, "kg m2"));
+    [mass].into_iter().chain(Parameter::vectors(&["centre"], "m")).chain(moments).chain(products).collect()
 }
 
-/// Mass, mass centre and inertia: the parameters of every rigid body.
-pub(super) const INERTIA: &[Parameter] = &[
-    Parameter::positive("mass", "kg").as_size(),
-    new("centre x", "m"),
-    new("centre y", "m"),
-    new("centre z", "m"),
-    Parameter::non_negative("inertia xx", "kg m2"),
-    Parameter::non_negative("inertia yy", "kg m2"),
-    Parameter::non_negative("inertia zz", "kg m2"),
-    new("inertia xy", "kg m2"),
-    new("inertia xz", "kg m2"),
-    new("inertia yz", "kg m2"),
-];
-
 impl Element for RigidBody {
-    const PARAMETERS: &'static [Parameter] = INERTIA;
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Body]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        inertia_parameters()
     }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {

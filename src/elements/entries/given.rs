@@ -37,6 +37,12 @@ impl<S: Scalar> From<Vector3<S>> for GivenValue<S> {
     }
 }
 
+impl<S: Scalar> From<[Vector3<S>; 2]> for GivenValue<S> {
+    fn from(own: [Vector3<S>; 2]) -> Self {
+        GivenValue::Vectors(own.to_vec())
+    }
+}
+
 /// Values of keys by their names.
 pub type Values<S> = Vec<(&'static str, GivenValue<S>)>;
 
@@ -99,22 +105,36 @@ impl<S: Scalar> Given<S> {
         Placed { kind: *kind, q }
     }
 
+    /// Places of all nodes \[m\].
+    pub fn positions(&self) -> Vec<Vector3<S>> {
+        (0..self.nodes.len()).map(|node| self.node(node).position()).collect()
+    }
+
+    /// All nodes must be of a kind, as those of `what` are.
+    pub fn all_are(&mut self, kind: NodeKind, what: &str) {
+        let others = self.nodes.iter().filter(|node| node.kind != kind);
+        let told = others.map(|own| format!("\"{}\" needs nodes of {what}, but node \"{}\" is none", self.owner, own.name));
+        told.collect::<Vec<_>>().into_iter().for_each(|text| self.wrong(text));
+    }
+
     /// The kind of a node that must be a body.
     pub fn body(&mut self, node: usize) -> NodeKind {
         let kind = self.nodes[node].kind;
         if kind.has_axes() {
             return kind;
         }
-        let text = no_body(&self.owner, &self.nodes[node].name);
-        self.wrong(text);
+        let (owner, name) = (&self.owner, &self.nodes[node].name);
+        self.wrong(format!(
+            "\"{owner}\" needs a body, which has axes, but node \"{name}\" is none: make it a body, or take a joint for points"
+        ));
         NodeKind::Body
     }
 
     /// The kind of a node that must have a place in space.
     pub fn in_space(&mut self, node: usize) -> NodeKind {
         self.nodes[node].kind.in_space().unwrap_or_else(|| {
-            let text = nowhere(&self.owner, &self.nodes[node].name);
-            self.wrong(text);
+            let (owner, name) = (&self.owner, &self.nodes[node].name);
+            self.wrong(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
             NodeKind::Point
         })
     }
@@ -133,6 +153,11 @@ impl<S: Scalar> Given<S> {
         self.values.iter().find(|own| own.0 == key).map(|own| &own.1)
     }
 
+    /// Whether a key is given.
+    pub fn has(&self, key: &str) -> bool {
+        self.value(key).is_some()
+    }
+
     fn missing<T>(&mut self, key: &'static str, what: &str, instead: T) -> T {
         let text = format!("\"{}\" needs {what} for {key}", self.owner);
         self.wrong_key(key, text);
@@ -141,7 +166,7 @@ impl<S: Scalar> Given<S> {
 
     /// What a key is without being given; a mistake where it has a value that is not `what`.
     fn without<T>(&mut self, key: &'static str, what: &str, value: T) -> T {
-        if self.value(key).is_some() { self.missing(key, what, value) } else { value }
+        if self.has(key) { self.missing(key, what, value) } else { value }
     }
 
     /// A number.
@@ -163,12 +188,12 @@ impl<S: Scalar> Given<S> {
 
     /// A number, or what it is without the key.
     pub fn number_or(&mut self, key: &'static str, without: S) -> S {
-        if self.value(key).is_some() { self.number(key) } else { without }
+        if self.has(key) { self.number(key) } else { without }
     }
 
     /// As many numbers, zeros without the key.
     pub fn numbers_or_zero<const N: usize>(&mut self, key: &'static str) -> [S; N] {
-        if self.value(key).is_some() { self.numbers(key) } else { [S::zero(); N] }
+        if self.has(key) { self.numbers(key) } else { [S::zero(); N] }
     }
 
     /// A whole number, 0 without the key.
@@ -197,7 +222,7 @@ impl<S: Scalar> Given<S> {
 
     /// A vector of the world, or what it is without the key.
     pub fn vector_or(&mut self, key: &'static str, without: Vector3<S>) -> Vector3<S> {
-        if self.value(key).is_some() { self.vector(key) } else { without }
+        if self.has(key) { self.vector(key) } else { without }
     }
 
     /// The kind of the first node, and which of its coordinates the key `index` means.
@@ -220,10 +245,13 @@ impl<S: Scalar> Given<S> {
 
     /// A vector of length one along a direction.
     pub fn unit_of(&mut self, direction: Vector3<S>) -> Vector3<S> {
-        unit(&self.owner, direction).unwrap_or_else(|text| {
-            self.wrong(text);
-            Vector3::from_f64([1.0, 0.0, 0.0])
-        })
+        let length = direction.length().value();
+        if length > 0.0 && length.is_finite() {
+            return direction.unit();
+        }
+        let (owner, components) = (&self.owner, direction.components().map(Scalar::value));
+        self.wrong(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"));
+        Vector3::from_f64([1.0, 0.0, 0.0])
     }
 
     /// A world point \[m\] on a node; without the key the place of the node.
@@ -279,12 +307,17 @@ impl<S: Scalar> Given<S> {
         Some((law, numbers))
     }
 
+    /// A function of time with its numbers.
+    pub fn function(&mut self, key: &'static str) -> (TimeFunction, Vec<S>) {
+        match self.value(key) {
+            Some(GivenValue::Function(function, numbers)) => (function.clone(), numbers.clone()),
+            _ => self.missing(key, "a function of time", (TimeFunction::Constant, vec![S::zero()])),
+        }
+    }
+
     /// The function of time of a motion, which has two derivatives, with its numbers.
     pub fn motion(&mut self, key: &'static str) -> (TimeFunction, Vec<S>) {
-        let (function, numbers) = match self.value(key) {
-            Some(GivenValue::Function(function, numbers)) => (function.clone(), numbers.clone()),
-            _ => return self.missing(key, "a function of time", (TimeFunction::Constant, vec![S::zero()])),
-        };
+        let (function, numbers) = self.function(key);
         let values: Vec<f64> = numbers.iter().map(|own| own.value()).collect();
         if let Some(switch) = function.rate_jump(&values).filter(|_| function.parameters("").len() == values.len()) {
             let name = &self.owner;
@@ -337,26 +370,4 @@ impl<S: Scalar> Given<S> {
         let cosine = a.dot(&b).value();
         (cosine.abs() > RIGHT_ANGLE).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
     }
-}
-
-/// What `owner` takes hold of must be a body.
-pub(crate) fn no_body(owner: &str, node: &str) -> String {
-    format!(
-        "\"{owner}\" needs a body, which has axes, but node \"{node}\" is none: make it a body, or take a joint for points"
-    )
-}
-
-/// What `owner` takes hold of must have a place in space.
-pub(crate) fn nowhere(owner: &str, node: &str) -> String {
-    format!("\"{owner}\" needs a point or a body, but node \"{node}\" is neither")
-}
-
-/// A vector of length one along a direction.
-pub(crate) fn unit<S: Scalar>(owner: &str, direction: Vector3<S>) -> Result<Vector3<S>, String> {
-    let length = direction.length().value();
-    if length > 0.0 && length.is_finite() {
-        return Ok(direction.unit());
-    }
-    let components = direction.components().map(Scalar::value);
-    Err(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"))
 }

@@ -123,9 +123,9 @@ pub enum Type {
 }
 
 impl Type {
-    /// Whether it says on which nodes a part is.
+    /// Whether it says on which nodes a part is: these, or those of the elements of a member.
     pub(crate) fn is_nodes(&self) -> bool {
-        matches!(self, Type::Node | Type::Nodes(_))
+        matches!(self, Type::Node | Type::Nodes(_) | Type::NodeSet | Type::Item(_))
     }
 }
 
@@ -186,9 +186,15 @@ pub struct Forms {
 }
 
 impl Forms {
+    /// The keys of a form.
+    pub(crate) fn keys(&self, form: &str) -> impl Iterator<Item = &'static Key> {
+        let own = self.forms.iter().filter(move |own| own.name == form).flat_map(|own| own.keys);
+        self.common.iter().chain(own)
+    }
+
     /// True if a key `type` says which.
     pub(crate) fn have_types(&self) -> bool {
-        self.forms.iter().any(|form| !form.name.is_empty())
+        self.forms.len() > 1
     }
 }
 

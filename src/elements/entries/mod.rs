@@ -12,15 +12,15 @@ mod keys;
 mod part;
 mod placed;
 
+pub use super::time_function::FUNCTION;
 pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, HEADING, ONE_BODY, TWO_BODIES};
-pub use functions::{CHARACTERISTIC, FUNCTION, ORIENTATION};
+pub use functions::{CHARACTERISTIC, ORIENTATION};
+pub(crate) use functions::{COLUMNS, FILE, INTERPOLATION, VALUES};
 pub use given::{Given, GivenValue, Values};
-pub(crate) use given::{no_body, nowhere, unit};
-#[cfg(feature = "files")]
 pub(crate) use keys::forms;
 pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
 };
 pub use part::{Entry, JointPart, JointVisitor, Law, Made, MadeEntry, Part, SpringPart, SpringVisitor, forms_of};
-pub(crate) use part::{entries, part_of};
+pub(crate) use part::{entries, joined, named, names_of, part_of};
 pub use placed::Placed;

@@ -8,7 +8,7 @@ use std::any::{Any, type_name};
 use std::fmt::{Debug, Formatter};
 use std::marker::PhantomData;
 
-/// A part with all that is said of it beside its formula: a joint or driver, a spring or damper, a quantity that is measured.
+/// A part with all that is said of it beside its formula: a joint or driver, a spring, damper or load, a quantity that is measured.
 pub trait Entry: 'static {
     /// Its formula: a [`Constraint`], an [`Element`] or a [`Quantity`](crate::functionals::Quantity).
     type Law: 'static;
@@ -90,10 +90,10 @@ pub trait SpringVisitor {
     fn visit<E: Entry<Law: Element>>(&mut self);
 }
 
-/// Lists of entries, and a function that visits all of them.
+/// Lists of entries, and a function that visits all of them but those behind a bar, which make formulas of several types.
 macro_rules! entries {
-    ($part:ty, $visitor:path; $($(#[$doc:meta])* $list:ident: $($entry:ty),*;)*) => {
-        $($(#[$doc])* pub const $list: &[$part] = &[$(<$part>::of::<$entry>()),*];)*
+    ($part:ty, $visitor:path; $($(#[$doc:meta])* $list:ident: $($entry:ty),* $(| $any:ty)*;)*) => {
+        $($(#[$doc])* pub const $list: &[$part] = &[$(<$part>::of::<$entry>(),)* $(<$part>::of_any::<$any>(),)*];)*
 
         /// Visits all of them.
         pub fn visit_all(visitor: &mut impl $visitor) {
@@ -119,7 +119,7 @@ pub struct Part<L: ?Sized> {
 
 /// A joint or driver of a list.
 pub type JointPart = Part<dyn Law>;
-/// A spring or damper of a list.
+/// A spring, damper or load of a list.
 pub type SpringPart = Part<dyn AnyElement>;
 
 impl<L: ?Sized> Clone for Part<L> {
@@ -175,6 +175,13 @@ pub(crate) use part_of;
 part_of!(Constraint, dyn Law);
 part_of!(Element, dyn AnyElement);
 
+impl SpringPart {
+    /// The part of an entry that makes elements of several types.
+    pub(crate) const fn of_any<E: Entry<Law = Box<dyn AnyElement>>>() -> Self {
+        Self::of_type::<E>(|_, given| Self::made_of_type::<E>(given, |law| law))
+    }
+}
+
 impl<L: ?Sized + 'static> Part<L> {
     pub(crate) const fn of_type<E: Entry>(make: Maker) -> Self {
         let form = Form { name: E::NAME, doc: E::DOC, keys: E::KEYS };
@@ -210,14 +217,42 @@ impl<L: ?Sized + 'static> Part<L> {
     }
 }
 
-/// Forms of a section of scene files, of a list of entries and what follows it.
-pub const fn forms_of<const N: usize, L: ?Sized>(parts: &[Part<L>], rest: &[Form]) -> [Form; N] {
-    let mut forms = [Form { name: "", doc: "", keys: &[] }; N];
-    assert!(N == parts.len() + rest.len());
-    let mut place = 0;
+/// The part of a list with this name.
+pub(crate) fn named<'p, L: ?Sized>(parts: &'p [Part<L>], name: &str) -> Option<&'p Part<L>> {
+    parts.iter().find(|part| part.form.name == name)
+}
+
+/// The forms of as many parts.
+pub const fn forms_of<const N: usize, L: ?Sized>(parts: &[Part<L>]) -> [Form; N] {
+    let (mut forms, mut place) = ([Form { name: "", doc: "", keys: &[] }; N], 0);
     while place < N {
-        forms[place] = if place < parts.len() { parts[place].form } else { rest[place - parts.len()] };
+        forms[place] = parts[place].form;
         place += 1;
     }
     forms
+}
+
+/// The names of as many parts.
+pub(crate) const fn names_of<const N: usize, L: ?Sized>(parts: &[Part<L>]) -> [&'static str; N] {
+    let (forms, mut names, mut place) = (forms_of::<N, L>(parts), [""; N], 0);
+    while place < N {
+        names[place] = forms[place].name;
+        place += 1;
+    }
+    names
+}
+
+/// Lists one after the other, as many items.
+pub(crate) const fn joined<T: Copy, const N: usize>(lists: &[&[T]]) -> [T; N] {
+    let (mut all, mut list, mut count) = ([lists[0][0]; N], 0, 0);
+    while list < lists.len() {
+        let mut place = 0;
+        while place < lists[list].len() {
+            all[count] = lists[list][place];
+            (place, count) = (place + 1, count + 1);
+        }
+        list += 1;
+    }
+    assert!(count == N);
+    all
 }

@@ -19,16 +19,12 @@ fn shares<S: Scalar>(p: &[S]) -> [S; 4] {
 }
 
 impl Element for CableGravity {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::positive("length", "m"),
-        Parameter::non_negative("mass", "kg/m"),
-        Parameter::new("gravity x", "m/s2"),
-        Parameter::new("gravity y", "m/s2"),
-        Parameter::new("gravity z", "m/s2"),
-    ];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Slope; NODES]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let own = [Parameter::positive("length", "m"), Parameter::non_negative("mass", "kg/m")];
+        own.into_iter().chain(Parameter::vectors(&["gravity"], "m/s2")).collect()
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {

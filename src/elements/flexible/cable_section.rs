@@ -1,6 +1,7 @@
 use super::Outline;
 use super::cable::{green_strain, square_of_curvature};
-use super::section::{ImpossibleSize, Material, Shape};
+use super::section::{ImpossibleSize, Material, OfShape, Shape};
+use crate::elements::entries::Given;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Which strains a cable's energy is made of.
@@ -47,6 +48,15 @@ pub struct CableSection<S> {
 }
 
 impl<S: Scalar> CableSection<S> {
+    /// What the keys of [`SECTION`](super::SECTION) say.
+    pub(crate) fn given(given: &mut Given<S>, of: OfShape<S>) -> Self {
+        let section = match of {
+            Some((material, shape)) => CableSection::of(material, shape),
+            None => CableSection::new(given.number("axial"), given.number("bending"), given.number("mass")),
+        };
+        if given.has("damping") { section.damped(given.number("damping")) } else { section }
+    }
+
     /// A section by its stiffnesses EA \[N\] and EI [N m2] and its mass for each length [kg/m].
     pub fn new(axial: S, bending: S, mass: S) -> Self {
         let (damping, strain) = (S::zero(), CableStrain::Exact);

@@ -1,5 +1,6 @@
-use super::shape::{AT_GAUSS_POINTS, NODES};
-use crate::elements::forces::LoadFrame;
+use super::shape::{AT_GAUSS_POINTS, NODES, THREE, THREE_WEIGHTS, slopes, weighed};
+use crate::elements::entries::{Entry, Example, Given, HEADING, Key, Type, may, need};
+use crate::elements::forces::load_frame::{FRAMES, LoadFrame, SIZE, size};
 use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
@@ -60,5 +61,28 @@ impl Field for DistributedLoadField {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[GEOMETRY..self.numbers()])
+    }
+}
+
+impl Entry for DistributedLoad {
+    type Law = Self;
+    const NAME: &'static str = "distributed_load";
+    const DOC: &'static str = "A force for each length of a beam: direction times size.";
+    const KEYS: &'static [Key] = &[
+        need("beam", Type::Item(&["beam"]), "name of a beam"),
+        may("frame", FRAMES, "direction fixed in the world, or turning with the sections; world"),
+        need("direction", Type::Vector("-"), "direction in the world at the start; its length counts"),
+        size("N/m"),
+    ];
+    const EXAMPLE: Example = (&[NodeKind::Body; NODES], &[HEADING, SIZE]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        given.all_are(NodeKind::Body, "an element of a beam");
+        let frame = LoadFrame::given(given, LoadFrame::World);
+        let (direction, (size, values)) = (frame.kept(given, "direction"), given.function("size"));
+        let length = |(xi, weight)| weighed(&given.positions(), &slopes(xi)).length() * weight;
+        let lengths = THREE.into_iter().zip(THREE_WEIGHTS).map(length);
+        let p = lengths.flat_map(|length| [&[length], &direction[..], &values].concat()).collect();
+        (Flexible(DistributedLoadField { frame, size }), p)
     }
 }

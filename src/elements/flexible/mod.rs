@@ -24,15 +24,16 @@ pub(crate) use cable::{Cable, GRAVITY};
 pub(crate) use cable_gravity::CableGravity;
 pub(crate) use cable_inertia::CableInertia;
 pub use cable_section::{CableSection, CableStrain};
-pub(crate) use distributed_load::{DistributedLoad, DistributedLoadField};
+pub(crate) use distributed_load::DistributedLoad;
 pub use faces::FaceKind;
 pub use laminate::{Laminate, Ply, PlyStrength};
 pub use outline::Outline;
 pub use outline_stress::OutlineStress;
+pub(crate) use section::{MATERIAL, MATERIAL_KEYS, OfShape, SECTION};
 pub use section::{Material, Section, Shape};
 pub(crate) use shell::Shell;
 pub use shell::{ShellKind, ShellSection};
-pub(crate) use shell_pressure::{ShellPressure, shell_pressure};
+pub(crate) use shell_pressure::{PressureOnFace, ShellPressure};
 pub(crate) use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;

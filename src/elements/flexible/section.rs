@@ -5,10 +5,66 @@
 
 use super::{Outline, OutlineStress, STRAINS};
 use crate::design::shortest;
+use crate::elements::entries::Range::{Any, AtLeastZero, Positive};
+use crate::elements::entries::Type::{Item, Number, Numbers};
+use crate::elements::entries::{Forms, Given, Key, forms, may, need};
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
 use std::f64::consts::PI;
 use std::fmt;
+
+/// A material by its name.
+pub(crate) const MATERIAL: Key = need("material", Item(&["material"]), "name of a material");
+
+/// Keys of a material.
+pub(crate) const MATERIAL_KEYS: Forms = forms!([
+    need("young", Number("N/m2", Positive), "Young's modulus E"),
+    need("poisson", Number("-", Any), "Poisson's ratio"),
+    need("density", Number("kg/m3", AtLeastZero), "density"),
+] "" "" []);
+
+/// Sections of beams and cables: of a material and a shape, or by numbers.
+pub(crate) const SECTION: Forms = forms!([
+    may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+    may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
+]
+"rectangle" "solid rectangle" [
+    MATERIAL,
+    need("width", Number("m", Positive), "along axis 2"),
+    need("height", Number("m", Positive), "along axis 3"),
+]
+"box" "hollow rectangle" [
+    MATERIAL,
+    need("width", Number("m", Positive), "outer size along axis 2"),
+    need("height", Number("m", Positive), "outer size along axis 3"),
+    need("wall", Number("m", Positive), "thickness of the wall"),
+]
+"circle" "solid circle" [MATERIAL, need("diameter", Number("m", Positive), "diameter")]
+"tube" "circular tube" [
+    MATERIAL,
+    need("diameter", Number("m", Positive), "outer diameter"),
+    need("wall", Number("m", Positive), "thickness of the wall"),
+]
+"beam" "by stiffness and inertia, for beams" [
+    may("axial", Number("N", Positive), "EA; needed but with stiffness, as the next three"),
+    may("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
+    may("torsion", Number("N m2", Positive), "GJ"),
+    may("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
+    may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
+    may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
+    may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
+    may("stiffness", Numbers(&[21], "N, N m, N m2", Any),
+        "upper triangle by rows of the symmetric stiffness against axial strain, shear 2 and 3, torsion, bending 2 and 3, \
+         instead of the numbers above; diagonal"),
+]
+"cable" "by stiffness and mass, for cables" [
+    need("axial", Number("N", Positive), "EA"),
+    need("bending", Number("N m2", Positive), "EI about every axis"),
+    need("mass", Number("kg/m", AtLeastZero), "mass for each length"),
+]);
+
+/// The material and the shape of a section that is made of these.
+pub(crate) type OfShape<S> = Option<(Material<S>, Shape<S>)>;
 
 /// An isotropic elastic material.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +81,12 @@ impl<S: Scalar> Material<S> {
     /// Shear modulus G = E / (2 (1 + nu)) [N/m2].
     pub fn shear(&self) -> S {
         self.young / ((self.poisson + 1.0) * 2.0)
+    }
+
+    /// What its keys say.
+    pub(crate) fn given(given: &mut Given<S>) -> Self {
+        let [young, poisson, density] = ["young", "poisson", "density"].map(|key| given.number(key));
+        Material { young, poisson, density }
     }
 }
 
@@ -119,6 +181,17 @@ impl fmt::Display for ImpossibleSize {
 }
 
 impl<S: Scalar> Shape<S> {
+    /// The shape of a form of [`SECTION`], from its sizes in the order of its keys; none of a form by numbers.
+    pub(crate) fn of_form(form: &str, sizes: &[S], poisson: S) -> Option<Self> {
+        Some(match (form, sizes) {
+            ("rectangle", &[width, height]) => Self::rectangle(width, height, poisson),
+            ("box", &[width, height, wall]) => Self::box_section(width, height, wall, poisson),
+            ("circle", &[diameter]) => Self::circle(diameter, poisson),
+            ("tube", &[diameter, wall]) => Self::tube(diameter, wall, poisson),
+            _ => return None,
+        })
+    }
+
     /// Solid rectangle, `width` along axis 2 and `height` along axis 3 \[m\].
     ///
     /// Shear factors 10 (1 + nu) / (12 + 11 nu): Cowper (1966). Torsion: series of Saint-Venant, Timoshenko & Goodier, section 109.
@@ -236,6 +309,43 @@ fn box_shear_factor<S: Scalar>(breadth: S, depth: S, poisson: S) -> S {
 }
 
 impl<S: Scalar> Section<S> {
+    /// What the keys of [`SECTION`] say.
+    pub(crate) fn given(given: &mut Given<S>, of: OfShape<S>) -> Self {
+        let mut section = match of {
+            Some((material, shape)) => Section::of(material, shape),
+            None if given.has("stiffness") => Section::new([S::one(); STRAINS]),
+            None => {
+                let [[shear_2, shear_3], [bending_2, bending_3]] = ["shear", "bending"].map(|key| given.numbers(key));
+                let [axial, torsion] = ["axial", "torsion"].map(|key| given.number(key));
+                Section::new([axial, shear_2, shear_3, torsion, bending_2, bending_3])
+            }
+        };
+        if of.is_none() {
+            section = section.with_inertia(given.number_or("mass", S::zero()), given.numbers_or_zero("inertia"));
+        }
+        if given.has("centre") {
+            section = section.with_centre(given.numbers("centre"));
+        }
+        if given.has("stiffness") {
+            for key in ["axial", "shear", "torsion", "bending"].into_iter().filter(|key| given.has(key)).collect::<Vec<_>>()
+            {
+                let text = format!("{key} has no effect beside stiffness, which holds all of them: leave one out");
+                given.wrong_key(key, text);
+            }
+            let (upper, mut stiffness): ([S; 21], _) = (given.numbers("stiffness"), [[S::zero(); STRAINS]; STRAINS]);
+            let places = (0..STRAINS).flat_map(|i| (i..STRAINS).map(move |j| (i, j)));
+            for ((i, j), own) in places.zip(upper) {
+                stiffness[i][j] = own;
+                stiffness[j][i] = own;
+            }
+            section = section.with_stiffness(stiffness);
+        }
+        if given.has("damping") {
+            section = section.damped(given.number("damping"));
+        }
+        if given.has("offset") { section.offset(given.numbers("offset")) } else { section }
+    }
+
     /// A section by its stiffnesses EA, GA2, GA3 \[N\], GJ, EI2, EI3 [N m2], without inertia.
     pub fn new(stiffnesses: [S; STRAINS]) -> Self {
         let mut stiffness = [[S::zero(); STRAINS]; STRAINS];

@@ -1,6 +1,7 @@
 //! Shape functions of three nodes at xi = -1, 0, 1, and where they are used.
 
 use crate::elements::Interpolation;
+use crate::scalar::{Scalar, Vector3};
 
 /// Nodes of a quadratic line.
 pub const NODES: usize = 3;
@@ -59,6 +60,11 @@ pub const AT_TYING_POINTS: [[Interpolation; 11]; 2] =
 /// (r, e) at three Gauss points.
 pub const AT_GAUSS_POINTS: [[Interpolation; 7]; 3] =
     [place_rows(&VALUES_AT_THREE[0]), place_rows(&VALUES_AT_THREE[1]), place_rows(&VALUES_AT_THREE[2])];
+
+/// Sum of points with weights.
+pub fn weighed<S: Scalar>(points: &[Vector3<S>], weights: &[f64]) -> Vector3<S> {
+    points.iter().zip(weights).fold(Vector3::zeros(), |sum, (&point, &weight)| sum + point * S::from(weight))
+}
 
 #[cfg(test)]
 mod tests {

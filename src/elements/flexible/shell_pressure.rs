@@ -1,5 +1,7 @@
-use super::faces::{Face, FaceKind, Quad4, Quad9, Triangle6};
-use crate::elements::forces::LoadFrame;
+use super::faces::{Face, FaceKind, Quad4, Quad9, Triangle6, Weights};
+use super::shape::weighed;
+use crate::elements::entries::{Entry, Example, Given, Key, Type, may, need};
+use crate::elements::forces::load_frame::{FRAMES, LoadFrame, SIZE, size};
 use crate::elements::{AnyElement, Field, Flexible, Interpolation, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
@@ -23,15 +25,6 @@ pub struct ShellPressureField<F = Quad9> {
 
 /// The pressure as an element.
 pub type ShellPressure<F = Quad9> = Flexible<ShellPressureField<F>>;
-
-/// The pressure on a shell whose face is told by its kind.
-pub fn shell_pressure(face: FaceKind, frame: LoadFrame, size: TimeFunction) -> Box<dyn AnyElement> {
-    match face {
-        FaceKind::Quad4 => Flexible(ShellPressureField { face: Quad4, frame, size }).into(),
-        FaceKind::Quad9 => Flexible(ShellPressureField { face: Quad9, frame, size }).into(),
-        FaceKind::Triangle6 => Flexible(ShellPressureField { face: Triangle6, frame, size }).into(),
-    }
-}
 
 impl<F: Face> ShellPressureField<F> {
     /// Number of parameters before those of f(t).
@@ -67,5 +60,43 @@ impl<F: Face> Field for ShellPressureField<F> {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[self.areas()..])
+    }
+}
+
+/// The pressure on a face of any kind, which its number of nodes tells.
+pub struct PressureOnFace;
+
+impl Entry for PressureOnFace {
+    type Law = Box<dyn AnyElement>;
+    const NAME: &'static str = "pressure";
+    const DOC: &'static str = "A pressure on a shell; it pushes to where the normal points.";
+    const KEYS: &'static [Key] = &[
+        need(
+            "shell",
+            Type::Item(&["shell", "mesh"]),
+            "name of a shell or a mesh, or a group of the faces of one: PLATE.GROUP",
+        ),
+        may("frame", FRAMES, "dead load, or normal to the deformed surface; body"),
+        size("N/m2"),
+    ];
+    const EXAMPLE: Example = (&[NodeKind::Body; Quad9::SHAPE.nodes], &[SIZE]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self::Law, Vec<S>) {
+        given.all_are(NodeKind::Body, "a face of a shell");
+        let (frame, (size, values)) = (LoadFrame::given(given, LoadFrame::Body), given.function("size"));
+        let points = given.positions();
+        let kind = FaceKind::ALL.into_iter().find(|kind| kind.shape().nodes == points.len()).unwrap_or(FaceKind::Quad9);
+        let shape = kind.shape();
+        let area = |(weights, &own): (&Weights, &f64)| {
+            (weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s)) * S::from(own)).components()
+        };
+        let areas = shape.gauss.iter().zip(shape.gauss_weights).filter(|_| frame == LoadFrame::World).flat_map(area);
+        let p = areas.chain(values).collect();
+        let law = match kind {
+            FaceKind::Quad4 => Flexible(ShellPressureField { face: Quad4, frame, size }).into(),
+            FaceKind::Quad9 => Flexible(ShellPressureField { face: Quad9, frame, size }).into(),
+            FaceKind::Triangle6 => Flexible(ShellPressureField { face: Triangle6, frame, size }).into(),
+        };
+        (law, p)
     }
 }

@@ -1,4 +1,5 @@
-use super::LoadFrame;
+use super::load_frame::{FRAME, LoadFrame, SIZE, size};
+use crate::elements::entries::{AT, Entry, Example, Given, HEADING, Key, ONE_BODY, PLACE, Type, need};
 use crate::elements::{Element, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -17,20 +18,12 @@ pub struct AppliedForce {
 }
 
 impl Element for AppliedForce {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("direction x", "-"),
-        Parameter::new("direction y", "-"),
-        Parameter::new("direction z", "-"),
-        Parameter::new("point x", "m"),
-        Parameter::new("point y", "m"),
-        Parameter::new("point z", "m"),
-    ];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.on]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
+        let geometry = [Parameter::vectors(&["direction"], "-"), Parameter::vectors(&["point"], "m")].concat();
+        [geometry, self.size.parameters("N")].concat()
     }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
@@ -42,5 +35,27 @@ impl Element for AppliedForce {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[6..])
+    }
+}
+
+impl Entry for AppliedForce {
+    type Law = Self;
+    const NAME: &'static str = "force";
+    const DOC: &'static str = "A force at a point of a node: direction times size.";
+    const KEYS: &'static [Key] = &[
+        need("on", Type::NodeSet, "node; of an edge, an end or a node set of a mesh each node takes an equal share"),
+        PLACE,
+        FRAME,
+        need("direction", Type::Vector("-"), "direction in the world at the start; its length counts"),
+        size("N"),
+    ];
+    const EXAMPLE: Example = (ONE_BODY, &[AT, HEADING, SIZE]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let (on, frame) = (given.in_space(0), LoadFrame::given(given, LoadFrame::World));
+        let (direction, point) = (frame.kept(given, "direction"), given.point("point", 0));
+        let (size, values) = given.function("size");
+        let point = given.node(0).local_point(point).components();
+        (AppliedForce { on, frame, size }, [&direction[..], &point, &values].concat())
     }
 }

@@ -1,4 +1,5 @@
-use super::LoadFrame;
+use super::load_frame::{FRAME, LoadFrame, SIZE, size};
+use crate::elements::entries::{ALONG, Entry, Example, Given, Key, ON, ONE_BODY, Type, need};
 use crate::elements::{Element, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -16,14 +17,11 @@ pub struct AppliedTorque {
 }
 
 impl Element for AppliedTorque {
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("axis x", "-"), Parameter::new("axis y", "-"), Parameter::new("axis z", "-")];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.on]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N m")).collect()
+        [Parameter::vectors(&["axis"], "-"), self.size.parameters("N m")].concat()
     }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
@@ -35,5 +33,20 @@ impl Element for AppliedTorque {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[3..])
+    }
+}
+
+impl Entry for AppliedTorque {
+    type Law = Self;
+    const NAME: &'static str = "torque";
+    const DOC: &'static str = "A torque on a body: axis times size.";
+    const KEYS: &'static [Key] =
+        &[ON, FRAME, need("axis", Type::Vector("-"), "axis in the world at the start; its length counts"), size("N m")];
+    const EXAMPLE: Example = (ONE_BODY, &[ALONG, SIZE]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let (on, frame) = (given.body(0), LoadFrame::given(given, LoadFrame::World));
+        let (axis, (size, values)) = (frame.kept(given, "axis"), given.function("size"));
+        (AppliedTorque { on, frame, size }, [axis, values].concat())
     }
 }

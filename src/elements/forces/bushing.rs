@@ -3,7 +3,7 @@ use super::soft::as_soft_joint;
 use crate::elements::entries::{
     AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, ORIENTATION, POINT, Range, TWO_BODIES, Type, may, need,
 };
-use crate::elements::joints::{POINTS, gap};
+use crate::elements::joints::{gap, points};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
 
@@ -37,7 +37,7 @@ impl Constraint for Displacement {
     }
     fn parameters(&self) -> Vec<Parameter> {
         let frame = |of| (0..4).map(move |i| Parameter::named(format!("frame {of} e{i}"), "-"));
-        POINTS.into_iter().chain(frame("a")).chain(frame("b")).collect()
+        points().into_iter().chain(frame("a")).chain(frame("b")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

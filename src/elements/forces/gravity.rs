@@ -12,18 +12,12 @@ pub struct Gravity {
 }
 
 impl Element for Gravity {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("mass", "kg").as_size(),
-        Parameter::new("gravity x", "m/s2"),
-        Parameter::new("gravity y", "m/s2"),
-        Parameter::new("gravity z", "m/s2"),
-        Parameter::new("centre x", "m"),
-        Parameter::new("centre y", "m"),
-        Parameter::new("centre z", "m"),
-    ];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.on]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let (mass, gravity) = (Parameter::non_negative("mass", "kg").as_size(), Parameter::vectors(&["gravity"], "m/s2"));
+        [mass].into_iter().chain(gravity).chain(Parameter::vectors(&["centre"], "m")).collect()
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {

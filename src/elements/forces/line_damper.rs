@@ -1,7 +1,7 @@
 use crate::elements::entries::{
     BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, need,
 };
-use crate::elements::joints::gap;
+use crate::elements::joints::{gap, points};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -17,26 +17,21 @@ pub struct LineDamper {
 }
 
 /// Parameters shared by the dampers between two points.
-pub(super) const DAMPER_PARAMETERS: &[Parameter] = &[
-    Parameter::non_negative("damping", "N s/m"),
-    Parameter::new("point a x", "m"),
-    Parameter::new("point a y", "m"),
-    Parameter::new("point a z", "m"),
-    Parameter::new("point b x", "m"),
-    Parameter::new("point b y", "m"),
-    Parameter::new("point b z", "m"),
-];
+pub(super) fn damper_parameters() -> Vec<Parameter> {
+    [Parameter::non_negative("damping", "N s/m")].into_iter().chain(points()).collect()
+}
 
-/// x_b - x_a for the points of [`DAMPER_PARAMETERS`] \[m\].
+/// x_b - x_a for the points of [`damper_parameters`] \[m\].
 pub(super) fn between<S: Scalar>([a, b]: [NodeKind; 2], q: &[S], p: &[S]) -> Vector3<S> {
     gap([a, b], q, &p[1..])
 }
 
 impl Element for LineDamper {
-    const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        damper_parameters()
     }
     fn strain_count(&self) -> usize {
         1

@@ -1,7 +1,7 @@
 use crate::elements::entries::{
     BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, may, need,
 };
-use crate::elements::joints::gap;
+use crate::elements::joints::{gap, points};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -18,19 +18,12 @@ pub struct LineSpring {
 }
 
 impl Element for LineSpring {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("stiffness", "N/m").as_size(),
-        Parameter::non_negative("rest length", "m"),
-        Parameter::new("point a x", "m"),
-        Parameter::new("point a y", "m"),
-        Parameter::new("point a z", "m"),
-        Parameter::new("point b x", "m"),
-        Parameter::new("point b y", "m"),
-        Parameter::new("point b z", "m"),
-    ];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let own = [Parameter::non_negative("stiffness", "N/m").as_size(), Parameter::non_negative("rest length", "m")];
+        own.into_iter().chain(points()).collect()
     }
     fn strain_count(&self) -> usize {
         1

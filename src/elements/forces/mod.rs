@@ -7,6 +7,7 @@ mod coordinate_spring_damper;
 mod gravity;
 mod line_damper;
 mod line_spring;
+pub(crate) mod load_frame;
 mod slide_spring_damper;
 mod soft;
 mod spring_law;
@@ -29,12 +30,14 @@ pub(crate) mod types {
     pub use super::vector_damper::VectorDamper;
 }
 
+pub use load_frame::LoadFrame;
 pub use spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
 pub(crate) use types::*;
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;
 use super::entries::{SpringPart, SpringVisitor, entries};
+use super::flexible::{DistributedLoad, PressureOnFace};
 
 instantiate_here!(dyn AnyElement: AppliedForce, AppliedTorque, Gravity);
 
@@ -46,13 +49,7 @@ entries! {
     /// Dampers, likewise.
     DAMPERS:
     LineDamper, VectorDamper;
-}
-
-/// The frame in which a load keeps its direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LoadFrame {
-    /// Dead load: constant direction in the world.
-    World,
-    /// Follower load: turns with the body.
-    Body,
+    /// Loads on nodes and on elements of members: each is a section of scene files.
+    LOADS:
+    AppliedForce, AppliedTorque, DistributedLoad | PressureOnFace;
 }

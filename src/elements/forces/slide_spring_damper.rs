@@ -3,7 +3,7 @@ use super::soft::as_soft_joint;
 use crate::elements::entries::{
     ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, may, need,
 };
-use crate::elements::joints::{POINTS, components, gap, vectors};
+use crate::elements::joints::{components, gap, points, vectors};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -34,7 +34,7 @@ impl Constraint for Slide {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        [Parameter::new("rest displacement", "m")].into_iter().chain(POINTS).chain(vectors(&["axis"])).collect()
+        [Parameter::new("rest displacement", "m")].into_iter().chain(points()).chain(vectors(&["axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

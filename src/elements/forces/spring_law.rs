@@ -2,7 +2,7 @@ use crate::elements::entries::{
     ALONG, AT, AXIS, BETWEEN, CHARACTERISTIC, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, INDEX, Key, ON, POINT,
     Range, TWO_BODIES, Type, may,
 };
-use crate::elements::joints::{ANGLE, POINTS, components, gap, vectors};
+use crate::elements::joints::{angle, components, gap, points, vectors};
 use crate::elements::{Characteristic, Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, angle_about};
 
@@ -35,9 +35,9 @@ pub struct SpringLaw {
 impl Stretch {
     fn parameters(self) -> Vec<Parameter> {
         match self {
-            Stretch::Line(_) => [Parameter::new("rest length", "m")].into_iter().chain(POINTS).collect(),
-            Stretch::Angle(_) => ANGLE.to_vec(),
-            Stretch::Slide(_) => POINTS.into_iter().chain(vectors(&["axis"])).collect(),
+            Stretch::Line(_) => [Parameter::new("rest length", "m")].into_iter().chain(points()).collect(),
+            Stretch::Angle(_) => angle(),
+            Stretch::Slide(_) => points().into_iter().chain(vectors(&["axis"])).collect(),
             Stretch::Coordinate(..) => Vec::new(),
         }
     }

@@ -1,6 +1,7 @@
 use crate::elements::entries::{
     ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, TWO_BODIES, Type, may, need,
 };
+use crate::elements::joints::angle;
 use crate::elements::{Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, angle_about};
 
@@ -22,23 +23,13 @@ pub struct TorsionSpringDamper {
 }
 
 impl Element for TorsionSpringDamper {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("stiffness", "N m/rad").as_size(),
-        Parameter::non_negative("damping", "N m s/rad"),
-        Parameter::new("rest angle", "rad"),
-        Parameter::new("axis x", "-"),
-        Parameter::new("axis y", "-"),
-        Parameter::new("axis z", "-"),
-        Parameter::new("reference a x", "-"),
-        Parameter::new("reference a y", "-"),
-        Parameter::new("reference a z", "-"),
-        Parameter::new("reference b x", "-"),
-        Parameter::new("reference b y", "-"),
-        Parameter::new("reference b z", "-"),
-    ];
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let stiffness = Parameter::non_negative("stiffness", "N m/rad").as_size();
+        let own = [stiffness, Parameter::non_negative("damping", "N m s/rad"), Parameter::new("rest angle", "rad")];
+        own.into_iter().chain(angle()).collect()
     }
     fn strain_count(&self) -> usize {
         1

@@ -1,4 +1,4 @@
-use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, DAMPER_PARAMETERS, between, held};
+use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, between, damper_parameters, held};
 use crate::elements::entries::{Entry, Example, Given, Key};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -17,10 +17,11 @@ pub struct VectorDamper {
 }
 
 impl Element for VectorDamper {
-    const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
-
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        damper_parameters()
     }
     fn strain_count(&self) -> usize {
         3

@@ -1,4 +1,4 @@
-use super::{ANGLE, angle_between};
+use super::{angle, angle_between};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -20,10 +20,12 @@ pub struct AngleCoordinate {
 
 impl Constraint for AngleCoordinate {
     const EQUATIONS: usize = 1;
-    const PARAMETERS: &'static [Parameter] = &ANGLE;
 
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b, NodeKind::Coordinates(1)]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        angle()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

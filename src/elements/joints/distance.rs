@@ -1,4 +1,4 @@
-use super::{POINTS, gap};
+use super::{gap, points};
 use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -23,7 +23,7 @@ impl Constraint for DistanceJoint {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain([Parameter::positive("length", "m")]).collect()
+        points().into_iter().chain([Parameter::positive("length", "m")]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

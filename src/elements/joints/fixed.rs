@@ -1,4 +1,4 @@
-use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
+use super::{RELATIVE_ROTATION, gap, points, remaining_rotation};
 use crate::elements::entries::{AT, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -23,7 +23,7 @@ impl Constraint for FixedJoint {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(RELATIVE_ROTATION).collect()
+        points().into_iter().chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

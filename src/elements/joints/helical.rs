@@ -1,4 +1,4 @@
-use super::{POINTS, angle_beyond, components, vectors};
+use super::{angle_beyond, components, points, vectors};
 use crate::elements::entries::{
     ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, need,
 };
@@ -31,7 +31,7 @@ impl Constraint for HelicalJoint {
     }
     fn parameters(&self) -> Vec<Parameter> {
         let vectors = vectors(&["normal u", "normal w", "axis", "reference b"]);
-        POINTS.into_iter().chain(vectors).chain([Parameter::non_zero("pitch", "m")]).collect()
+        points().into_iter().chain(vectors).chain([Parameter::non_zero("pitch", "m")]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

@@ -51,6 +51,7 @@ pub(crate) mod types {
 
 pub use cable_end::HeldSlope;
 pub use held_node::Freedom;
+pub(crate) use rolling::{ROLLING, contact_and_rolling};
 pub(crate) use types::*;
 
 use super::dyn_layer::instantiate_here;
@@ -78,36 +79,22 @@ pub fn named(name: &str) -> Option<&'static JointPart> {
 }
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
-pub(crate) const POINTS: [Parameter; 6] = [
-    Parameter::new("point a x", "m"),
-    Parameter::new("point a y", "m"),
-    Parameter::new("point a z", "m"),
-    Parameter::new("point b x", "m"),
-    Parameter::new("point b y", "m"),
-    Parameter::new("point b z", "m"),
-];
+pub(crate) fn points() -> Vec<Parameter> {
+    Parameter::vectors(&["point a", "point b"], "m")
+}
 
 /// Euler parameters of b relative to a.
 const RELATIVE_ROTATION: [Parameter; 4] =
     [Parameter::new("e0", "-"), Parameter::new("e1", "-"), Parameter::new("e2", "-"), Parameter::new("e3", "-")];
 
 /// What an angle between two bodies is measured with: the axis and the zero mark of a, and the mark of b.
-pub(crate) const ANGLE: [Parameter; 9] = [
-    Parameter::new("axis x", "-"),
-    Parameter::new("axis y", "-"),
-    Parameter::new("axis z", "-"),
-    Parameter::new("reference a x", "-"),
-    Parameter::new("reference a y", "-"),
-    Parameter::new("reference a z", "-"),
-    Parameter::new("reference b x", "-"),
-    Parameter::new("reference b y", "-"),
-    Parameter::new("reference b z", "-"),
-];
+pub(crate) fn angle() -> Vec<Parameter> {
+    vectors(&["axis", "reference a", "reference b"])
+}
 
 /// The components of unit vectors, by the names of the vectors.
 pub(crate) fn vectors(names: &[&str]) -> Vec<Parameter> {
-    let components = |name| ["x", "y", "z"].map(|axis| Parameter::named(format!("{name} {axis}"), "-"));
-    names.iter().flat_map(components).collect()
+    Parameter::vectors(names, "-")
 }
 
 /// x_b - x_a for the points of the first six parameters \[m\].
@@ -151,7 +138,7 @@ fn angle_beyond<S: Scalar>([a, b]: [&Frame<S>; 2], [axis, from, to]: [&[S]; 3], 
     beyond - (beyond / TAU + 0.5).floor() * TAU
 }
 
-/// The same between two bodies with the parameters [`ANGLE`].
+/// The same between two bodies with the parameters [`angle`].
 #[inline(always)]
 pub(crate) fn angle_between<S: Scalar>(ends: [NodeKind; 2], q: &[S], p: &[S], turn: S) -> S {
     let [a, b] = Frame::pair(ends, q);

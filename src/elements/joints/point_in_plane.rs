@@ -1,4 +1,4 @@
-use super::{POINTS, components, gap, vectors};
+use super::{components, gap, points, vectors};
 use crate::elements::entries::{ACROSS, AT, BETWEEN, Entry, Example, Given, Key, NORMAL, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
@@ -21,7 +21,7 @@ impl Constraint for PointInPlane {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["normal"])).collect()
+        points().into_iter().chain(vectors(&["normal"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

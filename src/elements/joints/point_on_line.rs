@@ -1,4 +1,4 @@
-use super::{POINTS, components, gap, vectors};
+use super::{components, gap, points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -21,7 +21,7 @@ impl Constraint for PointOnLine {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["normal u", "normal w"])).collect()
+        points().into_iter().chain(vectors(&["normal u", "normal w"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

@@ -1,4 +1,4 @@
-use super::{ANGLE, angle_between};
+use super::{angle, angle_between};
 use crate::elements::entries::{
     ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, TWO_BODIES, Type, need,
 };
@@ -24,13 +24,12 @@ pub struct PrescribedRotation {
 
 impl Constraint for PrescribedRotation {
     const EQUATIONS: usize = 1;
-    const PARAMETERS: &'static [Parameter] = &ANGLE;
 
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        ANGLE.into_iter().chain(self.angle.parameters("rad")).collect()
+        angle().into_iter().chain(self.angle.parameters("rad")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {

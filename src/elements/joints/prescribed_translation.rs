@@ -1,4 +1,4 @@
-use super::{POINTS, gap, vectors};
+use super::{gap, points, vectors};
 use crate::elements::entries::{
     ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
 };
@@ -28,7 +28,7 @@ impl Constraint for PrescribedTranslation {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["axis"])).chain(self.displacement.parameters("m")).collect()
+        points().into_iter().chain(vectors(&["axis"])).chain(self.displacement.parameters("m")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {

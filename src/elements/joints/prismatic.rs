@@ -1,4 +1,4 @@
-use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
+use super::{RELATIVE_ROTATION, components, points, remaining_rotation, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -25,7 +25,7 @@ impl Constraint for PrismaticJoint {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["normal u", "normal w"])).chain(RELATIVE_ROTATION).collect()
+        points().into_iter().chain(vectors(&["normal u", "normal w"])).chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

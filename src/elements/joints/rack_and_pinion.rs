@@ -1,4 +1,4 @@
-use super::{ANGLE, POINTS, angle_between, vectors};
+use super::{angle, angle_between, points, vectors};
 use crate::elements::entries::{ALONG, AXIS, Entry, Example, ExampleValue, Given, Key, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -29,7 +29,7 @@ impl Constraint for RackAndPinion {
     }
     fn parameters(&self) -> Vec<Parameter> {
         let radius = Parameter::positive("pitch radius", "m");
-        POINTS.into_iter().chain(ANGLE).chain(vectors(&["direction"])).chain([radius]).collect()
+        points().into_iter().chain(angle()).chain(vectors(&["direction"])).chain([radius]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

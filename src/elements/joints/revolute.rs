@@ -1,4 +1,4 @@
-use super::{POINTS, vectors};
+use super::{points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -24,7 +24,7 @@ impl Constraint for RevoluteJoint {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
+        points().into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

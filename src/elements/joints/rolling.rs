@@ -1,4 +1,8 @@
-use crate::elements::{Constraint, Frame, NodeKind, NonholonomicConstraint, Parameter};
+use super::{PointInPlane, vectors};
+use crate::elements::entries::Range::Positive;
+use crate::elements::entries::Type::{Number, Vector};
+use crate::elements::entries::{AXIS, BETWEEN, Forms, Given, NORMAL, forms, may, need};
+use crate::elements::{AnyConstraint, Constraint, Frame, NodeKind, Nonholonomic, NonholonomicConstraint, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Velocity of the material point of a body that is at the world point `place` now [m/s]: v + omega x (place - r).
@@ -14,10 +18,6 @@ fn sliding<S: Scalar>([a, b]: [NodeKind; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2]
     let velocity = velocity_at(b, &v[split..], &q[split..], contact) - velocity_at(a, v, q, contact);
     let frame = Frame::of(a, q);
     (h[0], h[1]) = (frame.direction(u).dot(&velocity), frame.direction(w).dot(&velocity));
-}
-
-const fn new(name: &'static str, unit: &'static str) -> Parameter {
-    Parameter::new(name, unit)
 }
 
 /// A sphere b rolls without sliding on a plane of a: h = (u . dv, w . dv) [m/s] with the relative velocity dv of the two bodies at
@@ -39,24 +39,13 @@ pub struct RollingSphere {
 
 impl NonholonomicConstraint for RollingSphere {
     const EQUATIONS: usize = 2;
-    const PARAMETERS: &'static [Parameter] = &[
-        new("centre x", "m"),
-        new("centre y", "m"),
-        new("centre z", "m"),
-        new("u x", "-"),
-        new("u y", "-"),
-        new("u z", "-"),
-        new("w x", "-"),
-        new("w y", "-"),
-        new("w z", "-"),
-        new("normal x", "-"),
-        new("normal y", "-"),
-        new("normal z", "-"),
-        Parameter::positive("radius", "m"),
-    ];
 
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let (centre, vectors) = (Parameter::vectors(&["centre"], "m"), vectors(&["u", "w", "normal"]));
+        [centre, vectors, vec![Parameter::positive("radius", "m")]].concat()
     }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
@@ -65,18 +54,11 @@ impl NonholonomicConstraint for RollingSphere {
     }
 }
 
-const DISC: [Parameter; 10] = [
-    new("centre x", "m"),
-    new("centre y", "m"),
-    new("centre z", "m"),
-    new("axis x", "-"),
-    new("axis y", "-"),
-    new("axis z", "-"),
-    new("normal x", "-"),
-    new("normal y", "-"),
-    new("normal z", "-"),
-    Parameter::positive("radius", "m"),
-];
+/// Centre, axis, normal and radius of a disc.
+fn disc_parameters() -> Vec<Parameter> {
+    let (centre, vectors) = (Parameter::vectors(&["centre"], "m"), vectors(&["axis", "normal"]));
+    [centre, vectors, vec![Parameter::positive("radius", "m")]].concat()
+}
 
 /// Centre of the disc, and the vector from it to the lowest point of its edge: -r (n - (n . b) b) / |n - (n . b) b|.
 #[inline(always)]
@@ -107,7 +89,7 @@ impl Constraint for DiscOnPlane {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        DISC.iter().cloned().chain(["point x", "point y", "point z"].map(|name| new(name, "m"))).collect()
+        [disc_parameters(), Parameter::vectors(&["point"], "m")].concat()
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
@@ -139,10 +121,48 @@ impl NonholonomicConstraint for RollingDisc {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        DISC.iter().cloned().chain(["u x", "u y", "u z", "w x", "w y", "w z"].map(|name| new(name, "-"))).collect()
+        [disc_parameters(), vectors(&["u", "w"])].concat()
     }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
         let (centre, lowest) = disc(Frame::pair([self.a, self.b], q), p);
         sliding([self.a, self.b], v, q, [&p[10..], &p[13..]], centre + lowest, h);
     }
+}
+
+/// What rolls, by the names that scene files use: each is two constraints.
+pub(crate) const ROLLING: Forms = forms!([]
+"rolling_sphere" "b, a sphere, rolls on a plane of a" [
+    BETWEEN,
+    may("centre", Vector("m"), "centre of the sphere; the place of b"),
+    NORMAL,
+    need("radius", Number("m", Positive), "radius"),
+]
+"rolling_disc" "b, a thin disc, rolls on a plane of a" [
+    BETWEEN,
+    may("centre", Vector("m"), "centre of the disc; the place of b"),
+    AXIS,
+    may("point", Vector("m"), "point of the plane; the place of a"),
+    NORMAL,
+    need("radius", Number("m", Positive), "radius"),
+]);
+
+/// A constraint with its parameters.
+type WithParameters<S> = (Box<dyn AnyConstraint>, Vec<S>);
+
+/// The contact and the rolling of a form of [`ROLLING`].
+pub(crate) fn contact_and_rolling<S: Scalar>(form: &str, given: &mut Given<S>) -> [WithParameters<S>; 2] {
+    let [a, b] = given.bodies();
+    let (centre, normal) = (given.point("centre", 1), given.unit("normal"));
+    let of_centre = given.node(1).local_point(centre).components().to_vec();
+    let ([u, w], radius) = (normal.perpendiculars(), vec![given.number("radius")]);
+    if form == "rolling_sphere" {
+        let plane = [given.local_points([0, 1], [centre; 2]), given.local_directions(0, [normal.unit()])].concat();
+        let rolling = [of_centre, given.local_directions(0, [u, w, normal]), radius].concat();
+        return [(PointInPlane { a, b }.into(), plane), (Nonholonomic(RollingSphere { a, b }).into(), rolling)];
+    }
+    let (axis, point) = (given.unit("axis"), given.point("point", 0));
+    let disc = [of_centre, given.local_directions(1, [axis]), given.local_directions(0, [normal]), radius].concat();
+    let plane = [&disc[..], &given.node(0).local_point(point).components()].concat();
+    let rolling = [disc, given.local_directions(0, [u, w])].concat();
+    [(DiscOnPlane { a, b }.into(), plane), (Nonholonomic(RollingDisc { a, b }).into(), rolling)]
 }

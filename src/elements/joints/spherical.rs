@@ -1,4 +1,4 @@
-use super::{POINTS, gap};
+use super::{gap, points};
 use crate::elements::entries::{AT, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -15,10 +15,12 @@ pub struct SphericalJoint {
 
 impl Constraint for SphericalJoint {
     const EQUATIONS: usize = 3;
-    const PARAMETERS: &'static [Parameter] = &POINTS;
 
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.a, self.b]
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        points()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

@@ -1,4 +1,4 @@
-use super::{POINTS, components, vectors};
+use super::{components, points, vectors};
 use crate::elements::entries::{AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, TWO_BODIES, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -24,7 +24,7 @@ impl Constraint for UniversalJoint {
         vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["pin a", "pin b"])).collect()
+        points().into_iter().chain(vectors(&["pin a", "pin b"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

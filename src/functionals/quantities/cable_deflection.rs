@@ -35,10 +35,7 @@ impl Entry for CableDeflection {
     const EXAMPLE: Example = (&[NodeKind::Slope, NodeKind::Slope], &[ACROSS]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        for node in [0, 1].into_iter().filter(|&node| given.node(node).kind != NodeKind::Slope).collect::<Vec<_>>() {
-            let text = format!("\"{}\" needs nodes of a cable, but node \"{}\" is none", given.owner(), given.name(node));
-            given.wrong(text);
-        }
+        given.all_are(NodeKind::Slope, "a cable");
         (CableDeflection, given.unit("normal").components().to_vec())
     }
 }

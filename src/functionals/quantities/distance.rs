@@ -1,5 +1,5 @@
 use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
-use crate::elements::joints::{POINTS, gap};
+use crate::elements::joints::{gap, points};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector};
@@ -15,13 +15,14 @@ pub struct Distance {
 }
 
 impl Quantity for Distance {
-    const PARAMETERS: &'static [Parameter] = &POINTS;
-
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
     fn unit(&self) -> &'static str {
         "m"
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        points()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         gap([self.a, self.b], s.q, p).length()

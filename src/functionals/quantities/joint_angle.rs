@@ -1,5 +1,5 @@
 use crate::elements::entries::{ALONG, AXIS, BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
-use crate::elements::joints::{ANGLE, angle_between};
+use crate::elements::joints::{angle, angle_between};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
@@ -18,13 +18,14 @@ pub struct JointAngle {
 }
 
 impl Quantity for JointAngle {
-    const PARAMETERS: &'static [Parameter] = &ANGLE;
-
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
     fn unit(&self) -> &'static str {
         "rad"
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        angle()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         angle_between([self.a, self.b], s.q, p, S::zero())

@@ -1,5 +1,5 @@
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::joints::{POINTS, components, gap, vectors};
+use crate::elements::joints::{components, gap, points, vectors};
 use crate::elements::{Frame, NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
@@ -23,7 +23,7 @@ impl Quantity for JointDisplacement {
         "m"
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.into_iter().chain(vectors(&["axis"])).collect()
+        points().into_iter().chain(vectors(&["axis"])).collect()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let mut displacement = [S::zero()];

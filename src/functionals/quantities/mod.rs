@@ -63,11 +63,6 @@ instantiate_here!(dyn AnyPointQuantity: ElementSum, OfShells<TsaiWu>, OfShells<V
 instantiate_here!(dyn AnyPointQuantity: CableVonMises, OfBeams<BeamSectionForce>, OfBeams<BeamVonMises>);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
-const POINT_AND_DIRECTION: [Parameter; 6] = [
-    Parameter::new("point x", "m"),
-    Parameter::new("point y", "m"),
-    Parameter::new("point z", "m"),
-    Parameter::new("direction x", "-"),
-    Parameter::new("direction y", "-"),
-    Parameter::new("direction z", "-"),
-];
+fn point_and_direction() -> Vec<Parameter> {
+    [Parameter::vectors(&["point"], "m"), Parameter::vectors(&["direction"], "-")].concat()
+}

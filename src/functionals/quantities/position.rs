@@ -1,4 +1,4 @@
-use super::POINT_AND_DIRECTION;
+use super::point_and_direction;
 use crate::elements::entries::{AT, DIRECTION, Entry, Example, Given, HEADING, Key, ON, ONE_BODY, PLACE};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
@@ -14,13 +14,14 @@ pub struct Position {
 }
 
 impl Quantity for Position {
-    const PARAMETERS: &'static [Parameter] = &POINT_AND_DIRECTION;
-
     fn dofs(&self) -> usize {
         self.of.dofs()
     }
     fn unit(&self) -> &'static str {
         "m"
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        point_and_direction()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         self.of.position(s.q, Vector3::first_three(p)).dot(&Vector3::first_three(&p[3..]))

@@ -13,20 +13,14 @@ pub struct TargetDistance {
 }
 
 impl Quantity for TargetDistance {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("point x", "m"),
-        Parameter::new("point y", "m"),
-        Parameter::new("point z", "m"),
-        Parameter::new("target x", "m"),
-        Parameter::new("target y", "m"),
-        Parameter::new("target z", "m"),
-    ];
-
     fn dofs(&self) -> usize {
         self.of.dofs()
     }
     fn unit(&self) -> &'static str {
         "m2"
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        Parameter::vectors(&["point", "target"], "m")
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let miss = self.of.position(s.q, Vector3::first_three(p)) - Vector3::first_three(&p[3..]);

@@ -1,4 +1,4 @@
-use super::POINT_AND_DIRECTION;
+use super::point_and_direction;
 use crate::elements::entries::{AT, DIRECTION, Entry, Example, Given, HEADING, Key, ON, ONE_BODY, PLACE};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
@@ -14,13 +14,14 @@ pub struct Velocity {
 }
 
 impl Quantity for Velocity {
-    const PARAMETERS: &'static [Parameter] = &POINT_AND_DIRECTION;
-
     fn dofs(&self) -> usize {
         self.of.dofs()
     }
     fn unit(&self) -> &'static str {
         "m/s"
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        point_and_direction()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         self.of.velocity(s.v, s.q, Vector3::first_three(p)).dot(&Vector3::first_three(&p[3..]))

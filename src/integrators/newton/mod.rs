@@ -5,6 +5,7 @@ mod contraction;
 mod convergence;
 mod derivative_parts;
 mod failure;
+mod kept;
 mod linearized;
 mod relieved;
 mod renewal;
@@ -14,11 +15,11 @@ mod values;
 
 pub use contraction::{Contraction, Contractions};
 pub use failure::Failure;
+pub use kept::{FactoredAt, KeptFactorization};
 pub use renewal::Renewal;
 pub use round_off::Floor;
 
 use super::Counters;
-use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::counters::Phase;
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};

@@ -5,9 +5,10 @@
 
 use super::entries::EntryBlock;
 use super::factors::{FrontStorage, Part};
-use super::kernels::{Target, solve_unit_lower, subtract_product};
+use super::kernels::{solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
+use super::product::Target;
 use super::small_front::{Scratch, SmallFront};
 use super::symbolic::{Front, Run, Symbolic};
 use crate::linalg::Singular;

@@ -12,9 +12,10 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::kernels::{Target, subtract_product};
+use super::kernels::subtract_product;
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::TINY_PIVOT;
+use super::product::Target;
 use super::symbolic::{Front, Run, Symbolic};
 
 /// Numbers of eigenvalues by their signs.

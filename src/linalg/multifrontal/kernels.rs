@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::matrix_view::{MatrixView, MatrixViewMut};
-use super::product::subtract_large_product;
+use super::product::{Target, subtract_large_product};
 use crate::linalg::simd::{Kernel, dispatch, multiply_add, prefetch};
 use crate::linalg::vectors::sums_of_lanes;
 
@@ -12,15 +12,6 @@ use crate::linalg::vectors::sums_of_lanes;
 const SMALL_PRODUCT: usize = 1 << 17;
 /// Columns of the result below which copies never pay: each entry of A is used too seldom.
 const FEW_COLUMNS: usize = 12;
-
-/// What a product does with the values that were there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
-    /// C <- C - A B.
-    Reduced,
-    /// C <- -A B.
-    Replaced,
-}
 
 /// C <- C - A B or C <- -A B; the same bits with any number of threads.
 pub fn subtract_product(c: MatrixViewMut<'_>, target: Target, a: MatrixView<'_>, b: MatrixView<'_>, threads: usize) {

@@ -44,8 +44,9 @@ pub(super) mod test_matrices;
 
 pub use inertia::Inertia;
 pub(super) use inertia::dense_shifted_inertia;
-pub(super) use kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
+pub(super) use kernels::{largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 pub(super) use known_signs::known_signs;
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
 pub(crate) use multifrontal_lu::SMALL_FILL;
+pub(super) use product::Target;

@@ -1,7 +1,8 @@
 //! The elimination inside a front: blocks of columns, and a search for pivots among the rows that no later contribution changes.
 
-use super::kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
+use super::kernels::{largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
+use super::product::Target;
 use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 

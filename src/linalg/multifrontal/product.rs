@@ -5,11 +5,19 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::kernels::Target;
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use crate::linalg::simd::{Kernel, dispatch, has_avx512, multiply_add};
 use std::cell::Cell;
 use std::ops::Range;
+
+/// What a product does with the values that were there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// C <- C - A B.
+    Reduced,
+    /// C <- -A B.
+    Replaced,
+}
 
 /// Terms of the sums in a block. An entry of C takes them one after the other, however the matrices are divided.
 const DEPTH: usize = 256;

@@ -5,10 +5,11 @@
 
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
-    Target, dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed,
-    subtract_columns, subtract_product, subtract_transposed_product,
+    dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
+    subtract_product, subtract_transposed_product,
 };
 use super::matrix_view::{MatrixView, MatrixViewMut};
+use super::product::Target;
 use super::small_front::{LANES, SMALL_FRONT};
 use super::symbolic::Symbolic;
 use crate::linalg::simd::{Kernel, dispatch, multiply_add, prefetch};

@@ -5,7 +5,7 @@ use super::call::Call;
 use super::emitter::{Emitted, emit};
 use super::encoder::{Entry, Level, make_visible};
 use crate::program::listing::Listing;
-use crate::program::running::memory_refused;
+use crate::program::refused::memory_refused;
 use memmap2::{Mmap, MmapMut};
 
 /// Bytes of a section: the caches for instructions hold it, and moving numbers out of the registers at its end costs nothing.

@@ -3,12 +3,13 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::entries::entry;
 use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
-use crate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField, STRAINS, Section, TYING_POINTS};
-use crate::elements::forces::LoadFrame;
+use crate::elements::flexible::{BeamField, BeamGravityField, STRAINS, Section, TYING_POINTS};
+use crate::elements::forces::{LOADS, LoadFrame};
 use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
 use crate::functionals::{ElementGroup, Over};
@@ -120,10 +121,27 @@ impl BeamMember {
     pub fn end(&self) -> NodeId {
         self.nodes[self.nodes.len() - 1]
     }
+    /// Names for a load on each element, and the nodes of these.
+    pub(in crate::scenes) fn carriers(&self, load: &str) -> Vec<(String, Vec<NodeId>)> {
+        let one = |element| (format!("{load}, element {}", element + 1), self.nodes_of(element).to_vec());
+        (0..self.elements.len()).map(one).collect()
+    }
     /// The three nodes of an element.
     fn nodes_of(&self, element: usize) -> [NodeId; 3] {
         [self.nodes[2 * element], self.nodes[2 * element + 1], self.nodes[2 * element + 2]]
     }
+}
+
+/// Elements of a line of so many and the place in each, whose ends have some coordinates, at a share of its length: both where two meet.
+pub(super) fn places_at(share: f64, count: usize, [start, end]: [f64; 2]) -> Vec<(usize, f64)> {
+    let place = share * count as f64;
+    let nearest = place.round();
+    // a share such as 1/3 of three elements is an end of elements in spite of its last digit
+    if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
+        return vec![(nearest as usize - 1, end), (nearest as usize, start)];
+    }
+    let element = (place as usize).min(count.saturating_sub(1));
+    vec![(element, (end - start) * (place - element as f64) + start)]
 }
 
 /// Unit tangent, `second` at right angles to it, and the axis that completes them.
@@ -340,25 +358,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         (frame, direction): (LoadFrame, Vector3<S>),
         size: Signal<S>,
     ) {
-        let (size, values) = self.function_of(name, size);
-        for element in 0..beam.elements.len() {
-            let nodes = beam.nodes_of(element);
-            let rotation = self.rotation(nodes[0]);
-            let direction = if frame == LoadFrame::Body { rotation.rotate_back(direction) } else { direction };
-            let points = nodes.map(|node| self.position(node));
-            let mut p = Vec::new();
-            for (xi, weight) in THREE.into_iter().zip(THREE_WEIGHTS) {
-                let slope = points
-                    .iter()
-                    .zip(slopes(xi))
-                    .fold(Vector3::zeros(), |sum, (&point, slope)| sum + point * S::from(slope));
-                p.push(slope.length() * weight);
-                p.extend(direction.components());
-                p.extend_from_slice(&values);
-            }
-            let load = Flexible(DistributedLoadField { frame, size: size.clone() });
-            self.add_element(&format!("{name}, element {}", element + 1), &nodes, load.into(), &p);
-        }
+        let keys = [&[("direction", direction.into())], &self.load_keys(name, frame, size)[..]].concat();
+        let made = self.load_part(entry(LOADS, "distributed_load"), &beam.carriers(name), &keys);
+        made.unwrap_or_else(|wrong| self.tell(name, wrong));
     }
 
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].
@@ -411,16 +413,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             ));
             return;
         }
-        let count = beam.elements.len();
-        let place = share * count as f64;
-        let nearest = place.round();
-        // a share such as 1/3 of three elements is an end of elements in spite of its last digit
-        let places: Vec<(usize, f64)> = if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
-            vec![(nearest as usize - 1, 1.0), (nearest as usize, -1.0)]
-        } else {
-            let element = (place as usize).min(count.saturating_sub(1));
-            vec![(element, 2.0 * (place - element as f64) - 1.0)]
-        };
+        let places = places_at(share, beam.elements.len(), [-1.0, 1.0]);
         let own = TYING_POINTS * beam.field.tying_parameters();
         let (mut nodes, mut p) = (Vec::new(), Vec::new());
         for &(element, _) in &places {

@@ -1,7 +1,7 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
-use super::beams::End;
-use super::functionals::entry;
+use super::beams::{End, places_at};
+use super::entries::entry;
 use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
@@ -9,7 +9,7 @@ use crate::elements::flexible::{
     Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
 };
 use crate::elements::{Flexible, NodeKind};
-use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity};
+use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity, QUANTITIES};
 use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
@@ -258,16 +258,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!("\"{name}\" asks for {share} of the length of \"{of}\"; shares are 0 to 1"));
             return;
         }
-        let count = cable.elements.len();
-        let place = share * count as f64;
-        let nearest = place.round();
-        // a share such as 1/3 of three elements is an end of elements in spite of its last digit
-        let places: Vec<(usize, f64)> = if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
-            vec![(nearest as usize - 1, 1.0), (nearest as usize, 0.0)]
-        } else {
-            let element = (place as usize).min(count.saturating_sub(1));
-            vec![(element, place - element as f64)]
-        };
+        let places = places_at(share, cable.elements.len(), [0.0, 1.0]);
         let (mut nodes, mut p) = (Vec::new(), Vec::new());
         for &(element, _) in &places {
             // a cable that was refused has been reported already
@@ -306,6 +297,6 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal \[m\]: nodes (tangent,
     /// deflected).
     pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vector3<S>) {
-        self.measure(entry("cable_deflection"), name, over, &nodes, [("normal", normal.into())]);
+        self.measure(entry(QUANTITIES, "cable_deflection"), name, over, &nodes, [("normal", normal.into())]);
     }
 }

@@ -1,10 +1,10 @@
 //! Faces that carry nodes: the places on them that are nearest to points, with weights that follow moving nodes.
 
-use super::free_mesh::weighed;
 use super::surface_search::{Foot, PlacedFace, Surfaces, shape_functions};
 use super::{MechanismBuilder, MeshedShell};
 use crate::assembly::NodeId;
 use crate::elements::flexible::faces::{FaceShape, MOST_NODES};
+use crate::elements::flexible::shape::weighed;
 use crate::scalar::{Scalar, Vector3};
 use smallvec::SmallVec;
 use std::collections::HashMap;

@@ -2,15 +2,20 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::entries::{Given, Made, Part, SpringPart, Values};
+use crate::elements::entries::{Given, Made, Part, SpringPart, Type, Values, named};
 use crate::scalar::Scalar;
 
 /// What is wrong, with the key where that is one of it.
 pub(in crate::scenes) type Wrong = (Option<&'static str>, String);
 
+/// An entry of a list of the library.
+pub(super) fn entry<L: ?Sized>(list: &'static [Part<L>], name: &str) -> &'static Part<L> {
+    named(list, name).unwrap_or_else(|| unreachable!("{name} is in no list of entries"))
+}
+
 impl<S: Scalar> MechanismBuilder<S> {
     /// What an entry, or what is like one, makes its parameters of.
-    pub(super) fn given(&self, name: &str, nodes: &[NodeId], values: Values<S>) -> Given<S> {
+    pub(in crate::scenes) fn given(&self, name: &str, nodes: &[NodeId], values: Values<S>) -> Given<S> {
         let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
         Given::new(name, placed, values)
     }
@@ -27,7 +32,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             return Err(Vec::new());
         }
         let count = part.example.0.len();
-        if nodes.len() != count {
+        let is_on_elements = part.form.keys.first().is_some_and(|key| matches!(key.takes, Type::Item(_)));
+        if nodes.len() != count && !is_on_elements {
             return Err(vec![(None, format!("\"{name}\" needs {count} nodes, but {} were given", nodes.len()))]);
         }
         let keys = part.form.keys.iter().filter(|key| !key.takes.is_nodes()).map(|key| key.name);

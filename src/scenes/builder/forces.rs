@@ -1,10 +1,10 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
+use super::entries::{Wrong, entry};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::TimeFunction;
-use crate::elements::entries::{GivenValue, SpringPart};
-use crate::elements::forces::{AppliedForce, AppliedTorque, DAMPERS, Gravity, LoadFrame, SPRINGS};
+use crate::elements::entries::{GivenValue, SpringPart, Values};
+use crate::elements::forces::{DAMPERS, Gravity, LOADS, LoadFrame, SPRINGS};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
@@ -60,12 +60,11 @@ pub struct BushingRates<S> {
     pub damping_about: [S; 3],
 }
 
-/// An entry of a list of the library.
-fn entry(list: &'static [SpringPart], name: &str) -> &'static SpringPart {
-    let Some(part) = list.iter().find(|part| part.form.name == name) else {
-        unreachable!("{name} is in no list of entries")
-    };
-    part
+impl<S: Scalar> SpringDamper<S> {
+    /// Values of its keys, with the name of that of the rest.
+    fn keys(self, rest: &'static str) -> [(&'static str, GivenValue<S>); 3] {
+        [("stiffness", self.stiffness.into()), ("damping", self.damping.into()), (rest, self.rest.into())]
+    }
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
@@ -99,54 +98,52 @@ impl<S: Scalar> MechanismBuilder<S> {
         stiffness: S,
         rest_length: S,
     ) -> ElementId {
-        let keys = [
-            ("points", GivenValue::Vectors(ends.to_vec())),
-            ("stiffness", stiffness.into()),
-            ("rest_length", rest_length.into()),
-        ];
+        let keys = [("points", ends.into()), ("stiffness", stiffness.into()), ("rest_length", rest_length.into())];
         self.spring(entry(SPRINGS, "line"), name, &nodes, keys)
     }
 
     /// A damper along the line between world points of two nodes [N s/m].
     pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
+        let keys = [("points", ends.into()), ("damping", damping.into())];
         self.spring(entry(DAMPERS, "line"), name, &nodes, keys)
     }
 
     /// A damper on the whole relative velocity of world points of two nodes [N s/m].
     pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
+        let keys = [("points", ends.into()), ("damping", damping.into())];
         self.spring(entry(DAMPERS, "vector"), name, &nodes, keys)
     }
 
-    /// The function and the numbers of a signal; what is wrong with it is told with the other mistakes.
-    pub(in crate::scenes) fn function_of(&mut self, owner: &str, signal: Signal<S>) -> (TimeFunction, Vec<S>) {
-        signal.parts().unwrap_or_else(|why| {
-            self.mistakes.push(format!("\"{owner}\": {why}"));
-            (TimeFunction::Constant, vec![S::zero()])
-        })
+    /// Adds a load by its entry to nodes, or to those of each element of a member, with names.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes or the values of its keys.
+    pub(in crate::scenes) fn load_part(
+        &mut self,
+        part: &SpringPart,
+        on: &[(String, Vec<NodeId>)],
+        values: &Values<S>,
+    ) -> Result<(), Vec<Wrong>> {
+        on.iter().try_for_each(|(name, nodes)| self.spring_part(part, name, nodes, values.clone()).map(drop))
     }
 
-    /// A direction of the world at the start in the frame of a load.
-    fn in_frame(&self, node: NodeId, frame: LoadFrame, direction: Vector3<S>) -> Vector3<S> {
-        if frame == LoadFrame::Body { self.local_direction(node, direction) } else { direction }
+    /// Values of the keys that all loads have.
+    pub(super) fn load_keys(&mut self, name: &str, frame: LoadFrame, size: Signal<S>) -> [(&'static str, GivenValue<S>); 2] {
+        [("frame", GivenValue::Word(frame.word().into())), ("size", self.function_value(name, size))]
     }
 
     /// A force on a body or a point.
-    pub fn force(&mut self, name: &str, Force { on: node, point, direction, frame, size }: Force<S>) -> ElementId {
-        let on = self.kind_in_space(name, node);
-        let (size, values) = self.function_of(name, size);
-        let [direction, point] = [self.in_frame(node, frame, direction), self.local_point(node, point)];
-        let p = [&direction.components()[..], &point.components(), &values].concat();
-        self.add_element(name, &[node], AppliedForce { on, frame, size }.into(), &p)
+    pub fn force(&mut self, name: &str, Force { on, point, direction, frame, size }: Force<S>) -> ElementId {
+        let mut keys = self.load_keys(name, frame, size).to_vec();
+        keys.push(("direction", direction.into()));
+        keys.extend(self.kind_of(name, on).filter(|kind| kind.has_axes()).map(|_| ("point", point.into())));
+        self.spring(entry(LOADS, "force"), name, &[on], keys)
     }
 
     /// A torque on a body.
-    pub fn torque(&mut self, name: &str, Torque { on: node, axis, frame, size }: Torque<S>) -> ElementId {
-        let on = self.kind_of_body(name, node);
-        let (size, values) = self.function_of(name, size);
-        let p = [&self.in_frame(node, frame, axis).components()[..], &values].concat();
-        self.add_element(name, &[node], AppliedTorque { on, frame, size }.into(), &p)
+    pub fn torque(&mut self, name: &str, Torque { on, axis, frame, size }: Torque<S>) -> ElementId {
+        let keys = [&[("axis", axis.into())], &self.load_keys(name, frame, size)[..]].concat();
+        self.spring(entry(LOADS, "torque"), name, &[on], keys)
     }
 
     /// A torsion spring and damper about a world axis; the angle is zero at the start.
@@ -155,14 +152,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         nodes: [NodeId; 2],
         axis: Vector3<S>,
-        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
+        own: SpringDamper<S>,
     ) -> ElementId {
-        let keys = [
-            ("axis", axis.into()),
-            ("stiffness", stiffness.into()),
-            ("damping", damping.into()),
-            ("rest_angle", rest.into()),
-        ];
+        let keys = [&[("axis", axis.into())], &own.keys("rest_angle")[..]].concat();
         self.spring(entry(SPRINGS, "torsion"), name, &nodes, keys)
     }
 
@@ -173,31 +165,16 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: [NodeId; 2],
         [origin, point]: [Vector3<S>; 2],
         axis: Vector3<S>,
-        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
+        own: SpringDamper<S>,
     ) -> ElementId {
         let places = [("origin", origin.into()), ("point", point.into()), ("axis", axis.into())];
-        let keys = [
-            &places[..],
-            &[("stiffness", stiffness.into()), ("damping", damping.into()), ("rest_displacement", rest.into())],
-        ]
-        .concat();
+        let keys = [&places[..], &own.keys("rest_displacement")].concat();
         self.spring(entry(SPRINGS, "slide"), name, &nodes, keys)
     }
 
     /// A spring and damper on one coordinate of a node, such as a joint angle.
-    pub fn coordinate_spring_damper(
-        &mut self,
-        name: &str,
-        node: NodeId,
-        index: usize,
-        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
-    ) -> ElementId {
-        let keys = [
-            ("index", GivenValue::Count(index)),
-            ("stiffness", stiffness.into()),
-            ("damping", damping.into()),
-            ("rest_angle", rest.into()),
-        ];
+    pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, own: SpringDamper<S>) -> ElementId {
+        let keys = [&[("index", GivenValue::Count(index))], &own.keys("rest_angle")[..]].concat();
         self.spring(entry(SPRINGS, "angle"), name, &[node], keys)
     }
 

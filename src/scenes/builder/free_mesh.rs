@@ -7,6 +7,7 @@ use super::SurfaceMesh;
 use super::shells::MeshedShell;
 use crate::assembly::NodeId;
 use crate::elements::flexible::faces::{FaceKind, Weights};
+use crate::elements::flexible::shape::weighed;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::MeshData;
 use std::collections::HashMap;
@@ -428,11 +429,6 @@ fn fold_of<S: Scalar>((number, normals): (usize, &Vec<Vector3<S>>)) -> Option<(u
 /// The first number that is there twice.
 fn repeated(numbers: &[usize]) -> Option<usize> {
     numbers.iter().enumerate().find(|(place, number)| numbers[..*place].contains(number)).map(|(_, &number)| number)
-}
-
-/// Sum of points with weights.
-pub(super) fn weighed<S: Scalar>(points: &[Vector3<S>], weights: &[f64]) -> Vector3<S> {
-    points.iter().zip(weights).fold(Vector3::zeros(), |sum, (&point, &weight)| sum + point * S::from(weight))
 }
 
 impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {

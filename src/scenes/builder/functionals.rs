@@ -1,20 +1,12 @@
 //! What is measured.
 
 use super::MechanismBuilder;
-use super::entries::Wrong;
+use super::entries::{Wrong, entry};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::entries::{GivenValue, Values};
 use crate::functionals::quantities::{QUANTITIES, Reaction, ReactionNorm};
 use crate::functionals::{Functional, Measured, Over, QuantityPart};
 use crate::scalar::{Scalar, Vector3};
-
-/// The entry of a quantity of the library.
-pub(super) fn entry(name: &str) -> &'static QuantityPart {
-    let Some(part) = QUANTITIES.iter().find(|part| part.form.name == name) else {
-        unreachable!("{name} is in no list of entries")
-    };
-    part
-}
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Adds a functional of a quantity by its entry.
@@ -42,22 +34,24 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of the position of a world point of a node along a direction \[m\].
     pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        self.measure(entry("position"), name, over, &[node], [("point", point.into()), ("direction", direction.into())]);
+        let keys = [("point", point.into()), ("direction", direction.into())];
+        self.measure(entry(QUANTITIES, "position"), name, over, &[node], keys);
     }
 
     /// A functional of the velocity of a world point of a node along a direction [m/s].
     pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        self.measure(entry("velocity"), name, over, &[node], [("point", point.into()), ("direction", direction.into())]);
+        let keys = [("point", point.into()), ("direction", direction.into())];
+        self.measure(entry(QUANTITIES, "velocity"), name, over, &[node], keys);
     }
 
     /// A functional of the squared distance of a world point of a node from a target \[m2\].
     pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>) {
-        self.measure(entry("target"), name, over, &[node], [("point", point.into()), ("target", target.into())]);
+        self.measure(entry(QUANTITIES, "target"), name, over, &[node], [("point", point.into()), ("target", target.into())]);
     }
 
     /// A functional of the distance between world points of two nodes \[m\].
     pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) {
-        self.measure(entry("distance"), name, over, &nodes, [("points", GivenValue::Vectors(points.to_vec()))]);
+        self.measure(entry(QUANTITIES, "distance"), name, over, &nodes, [("points", points.into())]);
     }
 
     /// A functional of a weighted sum of a joint's multipliers: forces \[N\], or moments [N m] of equations between axes and angles.
@@ -108,12 +102,12 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
     pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        self.measure(entry("joint_angle"), name, over, &nodes, [("axis", axis.into())]);
+        self.measure(entry(QUANTITIES, "joint_angle"), name, over, &nodes, [("axis", axis.into())]);
     }
 
     /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
     pub fn joint_rate_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        self.measure(entry("joint_rate"), name, over, &nodes, [("axis", axis.into())]);
+        self.measure(entry(QUANTITIES, "joint_rate"), name, over, &nodes, [("axis", axis.into())]);
     }
 
     /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on \[m\].
@@ -125,7 +119,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         point: Vector3<S>,
         axis: Vector3<S>,
     ) {
-        self.measure(entry("joint_displacement"), name, over, &nodes, [("point", point.into()), ("axis", axis.into())]);
+        let keys = [("point", point.into()), ("axis", axis.into())];
+        self.measure(entry(QUANTITIES, "joint_displacement"), name, over, &nodes, keys);
     }
 
     /// A functional of the rate of that displacement [m/s].
@@ -137,12 +132,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         point: Vector3<S>,
         axis: Vector3<S>,
     ) {
-        self.measure(entry("joint_speed"), name, over, &nodes, [("point", point.into()), ("axis", axis.into())]);
+        self.measure(entry(QUANTITIES, "joint_speed"), name, over, &nodes, [("point", point.into()), ("axis", axis.into())]);
     }
 
     /// A functional of one coordinate of a node.
     pub fn coordinate_functional(&mut self, name: &str, over: Over, node: NodeId, index: usize) {
-        self.measure(entry("coordinate"), name, over, &[node], [("index", GivenValue::Count(index))]);
+        self.measure(entry(QUANTITIES, "coordinate"), name, over, &[node], [("index", GivenValue::Count(index))]);
     }
 
     /// A functional of the energy of all elements \[J\].

@@ -25,7 +25,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let first = self.model.dof_count(&constraint.nodes[..place]);
             nodes = first..first + self.model.dof_count(&[on]);
         }
-        let parameters = self.add_numbers(&vec![S::zero(); JointLoad::PARAMETERS.len()]);
+        let parameters = self.add_numbers(&[S::zero(); JointLoad::PARAMETERS]);
         let measured = Measured::Load { joint, parameters, load: JointLoad::power(nodes) };
         self.functionals.push(Functional { name: name.into(), unit: "W", measured, over });
     }

@@ -11,9 +11,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::carriers::{Carriers, Sum};
-use super::free_mesh::weighed;
 use super::surface_search::{Foot, PlacedFace, Point, length, minus};
 use crate::assembly::NodeId;
+use crate::elements::flexible::shape::weighed;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use smallvec::SmallVec;
 use std::collections::HashMap;

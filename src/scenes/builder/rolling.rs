@@ -1,55 +1,70 @@
 //! Rolling contacts.
 
 use super::MechanismBuilder;
+use super::entries::Wrong;
 use crate::assembly::{ConstraintId, NodeId};
-use crate::elements::Nonholonomic;
-use crate::elements::joints::{DiscOnPlane, RollingDisc, RollingSphere};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::elements::entries::Values;
+use crate::elements::joints::contact_and_rolling;
+use crate::scalar::{Scalar, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
+    /// What rolls, by its form: the contact, then the rolling.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes or the values of its keys.
+    pub(in crate::scenes) fn rolling_part(
+        &mut self,
+        form: &str,
+        names: [&str; 2],
+        nodes: [NodeId; 2],
+        values: Values<S>,
+    ) -> Result<[ConstraintId; 2], Vec<Wrong>> {
+        if nodes.iter().any(|&node| self.kind_of(names[1], node).is_none()) {
+            return Err(Vec::new());
+        }
+        let mut given = self.given(names[1], &nodes, values);
+        let made = contact_and_rolling(form, &mut given);
+        let wrong = given.mistakes();
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        let mut names = names.into_iter();
+        Ok(made.map(|(law, p)| self.add_constraint(names.next().unwrap_or_default(), &nodes, law, &p)))
+    }
+
+    fn rolls(&mut self, form: &str, names: [&str; 2], nodes: [NodeId; 2], values: Values<S>) -> [ConstraintId; 2] {
+        self.rolling_part(form, names, nodes, values).unwrap_or_else(|wrong| {
+            self.tell(names[1], wrong);
+            [self.model.refused_constraint(); 2]
+        })
+    }
+
     /// A sphere rolls without sliding on a plane of another body: nodes (plane, sphere), world centre \[m\], world normal of the plane
     /// towards the sphere, radius \[m\]. Names and joints: the contact, then the rolling.
     pub fn rolling_sphere(
         &mut self,
-        [contact, rolling]: [&str; 2],
+        names: [&str; 2],
         nodes: [NodeId; 2],
         centre: Vector3<S>,
         normal: Vector3<S>,
         radius: S,
     ) -> [ConstraintId; 2] {
-        let [a, b] = nodes.map(|node| self.kind_of_body(rolling, node));
-        let normal = normal.unit();
-        let touching = self.point_in_plane(contact, nodes, centre, normal);
-        let [u, w] = normal.perpendiculars();
-        let mut p = self.local_point(nodes[1], centre).components().to_vec();
-        p.extend([u, w, normal].into_iter().flat_map(|vector| self.local_direction(nodes[0], vector).components()));
-        p.push(radius);
-        [touching, self.add_constraint(rolling, &nodes, Nonholonomic(RollingSphere { a, b }).into(), &p)]
+        let keys = vec![("centre", centre.into()), ("normal", normal.into()), ("radius", radius.into())];
+        self.rolls("rolling_sphere", names, nodes, keys)
     }
 
     /// A thin disc rolls on its edge without sliding on a plane of another body: nodes (plane, disc), world centre \[m\] and axis of the
     /// disc, world point \[m\] and normal of the plane, radius \[m\]. Names and joints: the contact, then the rolling.
     pub fn rolling_disc(
         &mut self,
-        [contact, rolling]: [&str; 2],
+        names: [&str; 2],
         nodes: [NodeId; 2],
         (centre, axis): (Vector3<S>, Vector3<S>),
         (point, normal): (Vector3<S>, Vector3<S>),
         radius: S,
     ) -> [ConstraintId; 2] {
-        let [plane, disc] = nodes;
-        let [a, b] = nodes.map(|node| self.kind_of_body(rolling, node));
-        let normal = normal.unit();
-        let [u, w] = normal.perpendiculars();
-        let mut p = self.local_point(disc, centre).components().to_vec();
-        p.extend(self.local_direction(disc, axis.unit()).components());
-        p.extend(self.local_direction(plane, normal).components());
-        p.push(radius);
-        let touching = [&p[..], &self.local_point(plane, point).components()].concat();
-        p.extend([u, w].into_iter().flat_map(|vector| self.local_direction(plane, vector).components()));
-        [
-            self.add_constraint(contact, &nodes, DiscOnPlane { a, b }.into(), &touching),
-            self.add_constraint(rolling, &nodes, Nonholonomic(RollingDisc { a, b }).into(), &p),
-        ]
+        let geometry = [("centre", centre), ("axis", axis), ("point", point), ("normal", normal)];
+        let keys = geometry.map(|(key, own)| (key, own.into())).into_iter().chain([("radius", radius.into())]).collect();
+        self.rolls("rolling_disc", names, nodes, keys)
     }
 }

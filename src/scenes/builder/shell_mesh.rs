@@ -21,6 +21,18 @@ pub enum Edge {
     SecondEnd,
 }
 
+impl Edge {
+    /// Their names, in this order.
+    pub(crate) const NAMES: [&str; 4] = ["first_start", "first_end", "second_start", "second_end"];
+
+    /// The one of a name.
+    #[cfg(feature = "files")]
+    pub(crate) fn named(name: &str) -> Self {
+        let all = [Edge::FirstStart, Edge::FirstEnd, Edge::SecondStart, Edge::SecondEnd];
+        all[Self::NAMES.iter().position(|own| *own == name).unwrap_or(3)]
+    }
+}
+
 /// A grid of nine-node elements on a surface at t = 0, in the world: positions \[m\] and unit normals of its nodes. With
 /// [`with_faces`](ShellMesh::with_faces) each makes room for four quadrilaterals of four nodes or for two triangles of six.
 ///

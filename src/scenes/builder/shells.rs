@@ -3,13 +3,13 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::free_mesh::weighed;
+use super::entries::entry;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::NodeKind;
-use crate::elements::flexible::faces::FaceShape;
-use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection, shell_pressure};
-use crate::elements::forces::LoadFrame;
+use crate::elements::flexible::shape::weighed;
+use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection};
+use crate::elements::forces::{LOADS, LoadFrame};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{Drawn, Signal};
@@ -44,6 +44,12 @@ impl MeshedShell {
     /// All its elements.
     pub fn group(&self) -> ElementGroup {
         ElementGroup::new(&self.name, self.elements.iter().copied())
+    }
+    /// Names for a load on each element of a group, and the nodes of these.
+    pub(in crate::scenes) fn carriers(&self, load: &str, group: &ElementGroup) -> Vec<(String, Vec<NodeId>)> {
+        let loaded: HashSet<ElementId> = group.elements.iter().copied().collect();
+        let faces = self.faces.iter().zip(&self.elements).enumerate().filter(|(_, (_, id))| loaded.contains(id));
+        faces.map(|(place, ((_, nodes), _))| (format!("{load}, element {}", place + 1), nodes.clone())).collect()
     }
     /// The elements of a group of faces with a name.
     ///
@@ -313,32 +319,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A dead load (`LoadFrame::World`) keeps the normal and the area that the shell has at the start; a follower (`LoadFrame::Body`) stands
     /// normal to the deformed surface and acts on its area.
     pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: Signal<S>) {
-        self.pressure_on(name, shell, &shell.group(), frame, size);
-    }
-
-    /// The same on those elements of a shell that belong to a group.
-    pub fn pressure_on(&mut self, name: &str, shell: &MeshedShell, group: &ElementGroup, frame: LoadFrame, size: Signal<S>) {
-        let (size, values) = self.function_of(name, size);
-        let loaded: HashSet<ElementId> = group.elements.iter().copied().collect();
-        for (element, ((kind, nodes), id)) in shell.faces.iter().zip(&shell.elements).enumerate() {
-            // an element that was refused has been reported already
-            if *id == self.model.refused_element() || !loaded.contains(id) {
-                continue;
-            }
-            let face = kind.face;
-            let FaceShape { gauss, gauss_weights, .. } = face.shape();
-            let points: Vec<Vector3<S>> = nodes.iter().map(|&node| self.position(node)).collect();
-            let mut p = Vec::new();
-            if frame == LoadFrame::World {
-                for (weights, &own) in gauss.iter().zip(*gauss_weights) {
-                    let area = weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s));
-                    p.extend((area * S::from(own)).components());
-                }
-            }
-            p.extend_from_slice(&values);
-            let load = shell_pressure(face, frame, size.clone());
-            self.add_element(&format!("{name}, element {}", element + 1), nodes, load, &p);
-        }
+        let keys = self.load_keys(name, frame, size).to_vec();
+        let made = self.load_part(entry(LOADS, "pressure"), &shell.carriers(name, &shell.group()), &keys);
+        made.unwrap_or_else(|wrong| self.tell(name, wrong));
     }
 
     fn check_mesh<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) -> bool {

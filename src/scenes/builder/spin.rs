@@ -61,7 +61,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return self.mistakes.push("nodes turn steadily already: there is one steady turn in a model".into());
         }
         let axis = self.unit("spin", axis);
-        let parameters = self.model.add_parameters(SPIN_PARAMETERS.len());
+        let parameters = self.model.add_parameters(SPIN_PARAMETERS);
         self.numbers.p.extend(point.components().into_iter().chain(axis.components()).chain([rate]));
         self.model.spin = Some(Spin { nodes: turning, parameters });
     }

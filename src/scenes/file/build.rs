@@ -4,21 +4,19 @@ use super::build_functionals::functional;
 
 use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
-use super::build_parts::{joint, rolling, spring};
+use super::build_parts::{element, given, joint, made_of, rolling};
 
 use super::formula_parts;
-use super::known::{Found, Known, Made, count, fixed, frame, list, text};
+use super::known::{Builder, Found, Known, Made, count, fixed, list, text};
 use super::mistake::Mistake;
-use super::own_parts::named;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
-use crate::elements::flexible::Material;
-use crate::elements::forces::{DAMPERS, LoadFrame};
+use crate::elements::entries::{Part, named};
+use crate::elements::flexible::{MATERIAL_KEYS, Material};
+use crate::elements::forces::{DAMPERS, LOADS};
 use crate::elements::joints::{DRIVERS, Freedom};
 use crate::scalar::{Quaternion, Scalar, Vector3};
-use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Solid, SolidShape, Torque};
-
-pub(super) type Builder<S> = MechanismBuilder<S>;
+use crate::scenes::{Solid, SolidShape};
 
 /// Makes what an entry says.
 pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {
@@ -26,12 +24,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
     let (name, fields) = (item.name.as_str(), &item.fields);
     match item.section {
         "variable" => Ok(Made::Nothing),
-        "material" => {
-            let number = |key| known.number(fields, key);
-            let [young, poisson, density] = [number("young")?, number("poisson")?, number("density")?];
-            Ok(Made::Material(Material { young, poisson, density }))
-        }
-        "section" => section(known, fields),
+        "material" => made_of(fields, given(known, fields, &MATERIAL_KEYS)?, Material::given).map(Made::Material),
+        "section" => Ok(section(known, fields)?.map_or(Made::Nothing, |(material, shape)| Made::Shape(material, shape))),
         "laminate" => laminate(known, fields),
         "body" => body(known, name, fields, m),
         "point" => point(known, name, fields, m),
@@ -55,23 +49,25 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
         "state" => formula_parts::state(known, name, fields, m),
-        "driver" => match named(DRIVERS, fields.form) {
-            Some(part) => joint(known, part, name, fields, m),
-            None => Err(Mistake::new(fields.at, format!("nothing builds a driver of type {}", fields.form))),
-        },
+        "driver" => of_part(item, named(DRIVERS, fields.form), |part| joint(known, part, item, m)),
         "joint" => match known.own.joint_named(fields.form) {
-            Some(part) => joint(known, part, name, fields, m),
+            Some(part) => joint(known, part, item, m),
             None if fields.form == "formula" => formula_parts::joint(known, name, fields, m),
-            None => rolling(known, name, fields, m),
+            None => rolling(known, item, m),
         },
         "rigid_interface" | "hold" | "spin" | "tie" | "drawing" => on_nodes(known, item, m),
-        "spring" => spring(known, known.own.spring_named(fields.form), name, fields, m),
-        "damper" => spring(known, named(DAMPERS, fields.form), name, fields, m),
+        "spring" => of_part(item, known.own.spring_named(fields.form), |part| element(known, part, item, m)),
+        "damper" => of_part(item, named(DAMPERS, fields.form), |part| element(known, part, item, m)),
         "element" => formula_parts::element(known, name, fields, m),
-        "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
-        "functional" => functional(known, name, fields, m),
-        other => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
+        "functional" => functional(known, item, m),
+        load => of_part(item, named(LOADS, load), |part| element(known, part, item, m)),
     }
+}
+
+/// What is made of a part, if there is one for an entry.
+fn of_part<L: ?Sized, T>(item: &Item, part: Option<&Part<L>>, make: impl FnOnce(&Part<L>) -> Found<T>) -> Found<T> {
+    let refused = || Mistake::new(item.fields.at, format!("nothing builds a {} of type {}", item.section, item.fields.form));
+    part.ok_or_else(refused).and_then(make)
 }
 
 /// What holds, turns, ties or draws nodes.
@@ -126,11 +122,7 @@ fn nodes_of<S: Scalar>(known: &Known<S>, part: &Value) -> Vec<NodeId> {
         Made::Node(node) => vec![*node],
         Made::Beam(beam) => beam.nodes.clone(),
         Made::Cable(cable) => cable.nodes.clone(),
-        Made::Shell(shell) => shell.nodes.clone(),
-        Made::Mesh(shell) => shell.nodes.clone(),
-        Made::Walls(walls) => walls.walls.iter().flat_map(|wall| wall.nodes.clone()).collect(),
-        Made::Sphere(faces) => faces.iter().flat_map(|face| face.nodes.clone()).collect(),
-        _ => Vec::new(),
+        shells => shells.shells().into_iter().flat_map(|shell| shell.nodes.clone()).collect(),
     }
 }
 
@@ -225,73 +217,4 @@ fn point<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
         m.point_mass(name, node, known.number(fields, "mass")?);
     }
     Ok(Made::Node(node))
-}
-
-/// The key `point`, or the place of a node.
-pub(super) fn place<S: Scalar>(
-    known: &Known<S>,
-    fields: &Fields,
-    key: &str,
-    node: NodeId,
-    m: &Builder<S>,
-) -> Found<Vector3<S>> {
-    let point = known.vector_or(fields, key, m.position(node))?;
-    if let Some((at, _)) = fields.get(key) {
-        check_place(at, node, point, m)?;
-    }
-    Ok(point)
-}
-
-/// A node without axes has no places but its own.
-fn check_place<S: Scalar>(at: usize, node: NodeId, point: Vector3<S>, m: &Builder<S>) -> Found<()> {
-    m.check_point(node, point).map_err(|why| Mistake::new(at, why))
-}
-
-fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (name, fields) = (item.name.as_str(), &item.fields);
-    let size: Signal<S> = known.function(fields, "size")?;
-    match item.section {
-        "distributed_load" => {
-            let Made::Beam(beam) = known.made(fields, "beam")? else {
-                return Err(Mistake::new(fields.at, "beam must name a beam"));
-            };
-            let direction = known.vector(fields, "direction")?;
-            m.distributed_load(name, beam, (frame(fields, LoadFrame::World), direction), size);
-        }
-        "pressure" => {
-            let shell: &MeshedShell = match known.made(fields, "shell")? {
-                Made::Shell(shell) => shell,
-                Made::Mesh(shell) => shell,
-                _ => return Err(Mistake::new(fields.at, "shell must name a shell or a mesh")),
-            };
-            let group = match fields.get("shell") {
-                Some((at, Value::Group(_, group))) => shell.group_named(group).map_err(|why| Mistake::new(at, why))?,
-                _ => shell.group(),
-            };
-            m.pressure_on(name, shell, &group, frame(fields, LoadFrame::Body), size);
-        }
-        "torque" => {
-            let node = known.node(fields, "on", m)?;
-            let (axis, frame) = (known.vector(fields, "axis")?, frame(fields, LoadFrame::World));
-            m.torque(name, Torque { on: node, axis, frame, size });
-        }
-        _ => {
-            let (nodes, frame) = (known.node_set(fields, "on", m)?, frame(fields, LoadFrame::World));
-            if let Some((at, _)) = fields.get("point").filter(|_| nodes.len() > 1) {
-                let text =
-                    format!("a force on {} nodes has no point of its own: each takes its share where it is", nodes.len());
-                return Err(Mistake::new(at, text));
-            }
-            let direction = known.vector(fields, "direction")?;
-            for (number, &node) in nodes.iter().enumerate() {
-                let point = place(known, fields, "point", node, m)?;
-                let (direction, name) = match nodes.len() {
-                    1 => (direction, name.to_string()),
-                    count => (direction * S::from(1.0 / count as f64), format!("{name}, node {}", number + 1)),
-                };
-                m.force(&name, Force { on: node, point, direction, frame, size: size.clone() });
-            }
-        }
-    }
-    Ok(Made::Nothing)
 }

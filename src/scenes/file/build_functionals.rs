@@ -1,26 +1,26 @@
 //! Functionals of a file.
 
-use super::build::{Builder, place};
-use super::build_parts::measure;
+use super::build_parts::{made_of, measure, values};
 use super::formula_parts;
-use super::known::{Found, Known, Made, fixed, frame, over, text};
+use super::known::{Builder, Found, Known, Made, fixed, over, text};
 use super::mistake::Mistake;
-use super::reader::Fields;
-use crate::elements::forces::LoadFrame;
+use super::reader::{Fields, Item};
+use super::sections::SECTION_COMPONENTS;
+use crate::functionals::load::JOINT_LOADS;
 use crate::functionals::quantities::{CableMeasure, SectionMeasure};
-use crate::functionals::{AggregateKind, LoadKind, Over, Times};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::functionals::{AggregateKind, JointLoad, Over, Times};
+use crate::scalar::{Scalar, Vector3};
 
 /// Number of a component of a section by its name.
 fn component(fields: &Fields) -> usize {
-    let names = ["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
-    text(fields, "component").and_then(|own| names.iter().position(|name| *name == own)).unwrap_or(0)
+    text(fields, "component").and_then(|own| SECTION_COMPONENTS.iter().position(|name| *name == own)).unwrap_or(0)
 }
 
 /// What a functional measures.
-pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+pub(super) fn functional<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let Item { name, fields, .. } = item;
     if let Some(part) = known.own.quantity_named(fields.form) {
-        return measure(known, part, name, fields, m);
+        return measure(known, part, item, m);
     }
     match fields.form {
         "formula" => return formula_parts::functional(known, name, fields, m),
@@ -45,22 +45,9 @@ fn of_joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Bu
         }
         _ => {
             let node = known.node(fields, "on", m)?;
-            let point = place(known, fields, "point", node, m)?;
-            let kind = match text(fields, "load") {
-                Some("force") => LoadKind::Force,
-                Some("moment") => LoadKind::Moment,
-                Some("force_norm") => LoadKind::ForceNorm,
-                _ => LoadKind::MomentNorm,
-            };
-            // a point may be named for a force, too, which is the same at all of them
-            if let (LoadKind::ForceNorm | LoadKind::MomentNorm, Some((at, _))) = (kind, fields.get("frame")) {
-                return Err(Mistake::new(at, "frame has no effect on the size of a load: leave it out"));
-            }
-            let direction = match kind {
-                LoadKind::Force | LoadKind::Moment => known.vector(fields, "direction")?,
-                _ => Vector3::from_f64([1.0, 0.0, 0.0]),
-            };
-            m.joint_load_functional(name, over, (joint, node), (kind, frame(fields, LoadFrame::World)), direction, point);
+            let given = m.given(name, &[node], values(known, fields, JOINT_LOADS.keys("joint_load"))?);
+            let (load, [direction, point]) = made_of(fields, given, JointLoad::given)?;
+            m.joint_load_functional(name, over, (joint, node), load, direction, point);
         }
     }
     Ok(())

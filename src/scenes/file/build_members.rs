@@ -1,33 +1,26 @@
 //! Sections, beams, cables and shells of a file.
 
-use super::build::Builder;
+use super::build_parts::{given, made_of};
 use super::expression::SHARE_PLACE;
-use super::known::{Found, Known, Made, count, counts, edge_named, fixed, flag, list, text, texts};
+use super::known::{Builder, Found, Known, Made, count, counts, fixed, flag, list, text, texts};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::NodeId;
-use crate::elements::flexible::Shape;
-use crate::elements::flexible::{CableSection, Laminate, Ply, PlyStrength, STRAINS, Section};
+use crate::elements::flexible::{CableSection, Laminate, OfShape, Ply, PlyStrength, SECTION, Section, Shape};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, CableLine, Extrusion, MeshedShell, Profile, ShellMesh};
+use crate::scenes::{BeamLine, CableLine, Edge, Extrusion, MeshedShell, Profile, ShellMesh};
 use std::cell::RefCell;
 
-/// A section of beams, or the shape from which that of a cable is made, too.
-pub(super) fn section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Made<S>> {
-    let number = |key| known.number(fields, key);
-    if matches!(fields.form, "beam" | "cable") {
-        return Ok(Made::Nothing);
+/// Material and shape of a section; nothing of one by its numbers.
+pub(super) fn section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<OfShape<S>> {
+    if fields.get("material").is_none() {
+        return Ok(None);
     }
-    let material = known.material(fields)?;
-    let poisson = material.poisson;
-    let shape = match fields.form {
-        "rectangle" => Shape::rectangle(number("width")?, number("height")?, poisson),
-        "box" => Shape::box_section(number("width")?, number("height")?, number("wall")?, poisson),
-        "circle" => Shape::circle(number("diameter")?, poisson),
-        _ => Shape::tube(number("diameter")?, number("wall")?, poisson),
-    };
-    Ok(Made::Shape(material, shape))
+    let (material, sizes) = (known.material(fields)?, SECTION.forms.iter().find(|form| form.name == fields.form));
+    let sizes = sizes.into_iter().flat_map(|form| &form.keys[1..]).map(|key| known.number(fields, key.name));
+    let shape = Shape::of_form(fields.form, &sizes.collect::<Found<Vec<S>>>()?, material.poisson);
+    Ok(shape.map(|shape| (material, shape)))
 }
 
 /// What a key `section` names.
@@ -51,86 +44,28 @@ fn is_tapered(section: &Fields) -> bool {
 }
 
 fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S>> {
-    let (at, item) = section_of(known.items, fields)?;
-    let own = &item.fields;
-    let mut section = match (section(known, own)?, own.form) {
-        (Made::Shape(material, shape), _) => Section::of(material, shape),
-        (_, "beam") if own.get("stiffness").is_some() => {
-            for key in ["axial", "shear", "torsion", "bending"] {
-                if let Some((at, _)) = own.get(key) {
-                    return Err(Mistake::new(
-                        at,
-                        format!("{key} has no effect beside stiffness, which holds all of them: leave one out"),
-                    ));
-                }
-            }
-            let one = S::from(1.0);
-            let second: [S; 2] = if own.get("inertia").is_some() { known.numbers(own, "inertia")? } else { [S::zero(); 2] };
-            Section::new([one; 6]).with_inertia(known.number_or(own, "mass", 0.0)?, second)
-        }
-        (_, "beam") => {
-            let ([shear_2, shear_3], [bending_2, bending_3]) =
-                (known.numbers(own, "shear")?, known.numbers(own, "bending")?);
-            let [axial, torsion] = [known.number(own, "axial")?, known.number(own, "torsion")?];
-            let section = Section::new([axial, shear_2, shear_3, torsion, bending_2, bending_3]);
-            let second: [S; 2] = if own.get("inertia").is_some() { known.numbers(own, "inertia")? } else { [S::zero(); 2] };
-            section.with_inertia(known.number_or(own, "mass", 0.0)?, second)
-        }
-        _ => {
-            return Err(Mistake::new(
-                at,
-                format!("\"{}\" is a section of cables; a beam needs one of another type", item.name),
-            ));
-        }
-    };
-    if own.get("centre").is_some() {
-        section = section.with_centre(known.numbers(own, "centre")?);
+    let (at, Item { name, fields: own, .. }) = section_of(known.items, fields)?;
+    if own.form == "cable" {
+        return Err(Mistake::new(at, format!("\"{name}\" is a section of cables; a beam needs one of another type")));
     }
-    if own.get("stiffness").is_some() {
-        let mut upper = known.series(own, "stiffness")?.into_iter();
-        let mut stiffness = [[S::zero(); STRAINS]; STRAINS];
-        let places = (0..STRAINS).flat_map(|i| (i..STRAINS).map(move |j| (i, j)));
-        for ((i, j), own) in places.zip(&mut upper) {
-            stiffness[i][j] = own;
-            stiffness[j][i] = own;
-        }
-        section = section.with_stiffness(stiffness);
-    }
-    if own.get("damping").is_some() {
-        section = section.damped(known.number(own, "damping")?);
-    }
-    if own.get("offset").is_some() {
-        section = section.offset(known.numbers(own, "offset")?);
-    }
-    Ok(section)
+    let of = section(known, own)?;
+    made_of(own, given(known, own, &SECTION)?, |given| Section::given(given, of))
 }
 
 fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSection<S>> {
-    let (at, item) = section_of(known.items, fields)?;
-    let own = &item.fields;
+    let (at, Item { name, fields: own, .. }) = section_of(known.items, fields)?;
     if is_tapered(own) {
-        return Err(Mistake::new(
-            at,
-            format!("\"{}\" depends on share, and a cable has one section from end to end", item.name),
-        ));
+        let text = format!("\"{name}\" depends on share, and a cable has one section from end to end");
+        return Err(Mistake::new(at, text));
     }
-    let number = |key| known.number(own, key);
-    let mut section = match (known.made(fields, "section")?, own.form) {
-        (Made::Shape(material, shape), _) => CableSection::of(*material, *shape),
-        (_, "cable") => CableSection::new(number("axial")?, number("bending")?, number("mass")?),
-        _ => {
-            return Err(Mistake::new(
-                at,
-                format!("\"{}\" is a section of beams; a cable needs one of another type", item.name),
-            ));
-        }
-    };
+    if own.form == "beam" {
+        return Err(Mistake::new(at, format!("\"{name}\" is a section of beams; a cable needs one of another type")));
+    }
     if own.get("offset").is_some() {
-        return Err(Mistake::new(at, format!("\"{}\" has an offset, which a cable cannot have", item.name)));
+        return Err(Mistake::new(at, format!("\"{name}\" has an offset, which a cable cannot have")));
     }
-    if own.get("damping").is_some() {
-        section = section.damped(number("damping")?);
-    }
+    let of = section(known, own)?;
+    let section = made_of(own, given(known, own, &SECTION)?, |given| CableSection::given(given, of))?;
     Ok(if text(fields, "strains") == Some("small") { section.small_strains() } else { section })
 }
 
@@ -272,17 +207,11 @@ pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
 
 /// Shells that a key names, a list of those of each entry.
 pub(super) fn shells_named<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields, key: &str) -> Vec<Vec<&'k MeshedShell>> {
-    let mut others: Vec<Vec<&MeshedShell>> = Vec::new();
-    for (_, value) in list(fields, key) {
-        let (Value::Item(item) | Value::Group(item, _)) = value else { continue };
-        others.push(match &known.made[*item] {
-            Made::Shell(shell) => vec![shell],
-            Made::Mesh(shell) => vec![shell],
-            Made::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
-            _ => Vec::new(),
-        });
-    }
-    others
+    let shells = |(_, value): (usize, &Value)| match value {
+        Value::Item(item) | Value::Group(item, _) => Some(known.made[*item].shells()),
+        _ => None,
+    };
+    list(fields, key).filter_map(shells).collect()
 }
 
 /// The laminate that a table names.
@@ -332,7 +261,7 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
         mesh = mesh.damped(known.number(fields, "damping")?);
     }
     for edge in texts(fields, "clamped") {
-        mesh = mesh.clamped(edge_named(&edge));
+        mesh = mesh.clamped(Edge::named(&edge));
     }
     if flag(fields, "coincident", false) {
         mesh = mesh.with_coincident_points();

@@ -1,8 +1,7 @@
 //! Shells on meshes of a file.
 
-use super::build::Builder;
 use super::build_members::{laminate_of, shells_named};
-use super::known::{Found, Known, Made, fixed, flag, list, text, texts};
+use super::known::{Builder, Found, Known, Made, fixed, flag, list, text, texts};
 use super::meshes::{names, nodes_of};
 use super::mistake::Mistake;
 use super::reader::{Fields, Value};

@@ -1,17 +1,16 @@
 //! Joints, drivers, springs, dampers and quantities, by their entries.
 
-use super::build::{Builder, place};
-use super::known::{Found, Known, Made, count, over, text};
+use super::known::{Builder, Found, Known, Made, count, missing, over, text};
 use super::mistake::Mistake;
-use super::reader::Fields;
-use crate::assembly::NodeId;
-use crate::elements::entries::{Form, GivenValue, JointPart, Key, SpringPart, Type, Values};
+use super::reader::{Fields, Item};
+use crate::elements::entries::{Forms, Given, GivenValue, JointPart, Key, SpringPart, Type, Values};
+use crate::elements::joints::ROLLING;
 use crate::functionals::QuantityPart;
-use crate::scalar::{Scalar, Vector3};
+use crate::scalar::Scalar;
 use crate::scenes::builder::Wrong;
 
 /// The value of a key of an entry, if it is given.
-fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builder<S>) -> Found<Option<GivenValue<S>>> {
+fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key) -> Found<Option<GivenValue<S>>> {
     if fields.get(key.name).is_none() {
         return Ok(None);
     }
@@ -22,7 +21,8 @@ fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builde
         Type::Points => GivenValue::Vectors(known.points(fields, key.name)?),
         Type::Choice(_) => GivenValue::Word(text(fields, key.name).unwrap_or_default().into()),
         Type::Function(..) => {
-            let (function, numbers) = m.function_of(key.name, known.function(fields, key.name)?);
+            let parts = known.function(fields, key.name)?.parts();
+            let (function, numbers) = parts.map_err(|why| Mistake::new(fields.at(key.name), why))?;
             GivenValue::Function(function, numbers)
         }
         Type::Law(..) | Type::Energy(..) => {
@@ -39,70 +39,80 @@ fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builde
 }
 
 /// Values of the keys of an entry but the nodes.
-fn values<S: Scalar>(known: &Known<S>, fields: &Fields, form: &Form, m: &mut Builder<S>) -> Found<Values<S>> {
+pub(super) fn values<S: Scalar>(
+    known: &Known<S>,
+    fields: &Fields,
+    keys: impl IntoIterator<Item = &'static Key>,
+) -> Found<Values<S>> {
     let mut values = Vec::new();
-    for key in form.keys.iter().filter(|key| !key.takes.is_nodes()) {
-        values.extend(value(known, fields, key, m)?.map(|value| (key.name, value)));
+    for key in keys.into_iter().filter(|key| !key.takes.is_nodes()) {
+        values.extend(value(known, fields, key)?.map(|value| (key.name, value)));
     }
     Ok(values)
 }
 
+/// What is made of the values of keys without an entry, or where in the file what is wrong stands.
+pub(super) fn made_of<S: Scalar, T>(
+    fields: &Fields,
+    mut given: Given<S>,
+    make: impl FnOnce(&mut Given<S>) -> T,
+) -> Found<T> {
+    let made = make(&mut given);
+    match given.mistakes().into_iter().next() {
+        Some((Some(key), _)) if fields.get(key).is_none() => missing(fields, key),
+        Some((key, what)) => Err(Mistake::new(key.map_or(fields.at, |key| fields.at(key)), what)),
+        None => Ok(made),
+    }
+}
+
+/// The values of keys of some forms, for what has no nodes.
+pub(super) fn given<S: Scalar>(known: &Known<S>, fields: &Fields, forms: &Forms) -> Found<Given<S>> {
+    Ok(Given::new("", [], values(known, fields, forms.keys(fields.form))?))
+}
+
 /// What was made of an entry, or where in the file what is wrong stands.
-fn located<S: Scalar>(made: Result<Made<S>, Vec<Wrong>>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+fn located<S: Scalar>(made: Result<Made<S>, Vec<Wrong>>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
     made.or_else(|wrong| {
         let (keys, others): (Vec<Wrong>, Vec<Wrong>) = wrong.into_iter().partition(|(key, _)| key.is_some());
-        m.tell(name, others);
-        let at = |key| fields.get(key).map_or(fields.at, |own| own.0);
+        m.tell(&item.name, others);
+        let at = |key| item.fields.at(key);
         keys.into_iter().find_map(|(key, what)| Some(Err(Mistake::new(at(key?), what)))).unwrap_or(Ok(Made::Nothing))
     })
 }
 
 /// Makes a joint or driver of its entry.
-pub(super) fn joint<S: Scalar>(
-    known: &Known<S>,
-    part: &JointPart,
-    name: &str,
-    fields: &Fields,
-    m: &mut Builder<S>,
-) -> Found<Made<S>> {
-    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, &part.form, m)?);
+pub(super) fn joint<S: Scalar>(known: &Known<S>, part: &JointPart, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let Item { name, fields, .. } = item;
+    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, part.form.keys)?);
     let made = match rates(known, fields)? {
         Some([stiffness, damping]) => {
             m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
         }
         None => m.rigid_part(part, name, &nodes, values).map(Made::Joint),
     };
-    located(made, name, fields, m)
+    located(made, item, m)
 }
 
-/// Makes a spring or damper of its entry.
-pub(super) fn spring<S: Scalar>(
-    known: &Known<S>,
-    part: Option<&SpringPart>,
-    name: &str,
-    fields: &Fields,
-    m: &mut Builder<S>,
-) -> Found<Made<S>> {
-    let Some(part) = part else {
-        return Err(Mistake::new(fields.at, format!("nothing builds a spring of type {}", fields.form)));
-    };
-    let (nodes, values) = (known.different_nodes_of_part(fields, m)?, values(known, fields, &part.form, m)?);
-    let made = m.spring_part(part, name, &nodes, values).map(|_| Made::Nothing);
-    located(made, name, fields, m)
+/// Makes a spring, damper or load of its entry, on each node or element of what carries it.
+pub(super) fn element<S: Scalar>(known: &Known<S>, part: &SpringPart, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let Item { name, fields, .. } = item;
+    let (on, mut values) = (known.carriers(name, fields, m)?, values(known, fields, part.form.keys)?);
+    if fields.get("on").is_some() && on.len() > 1 {
+        let share = S::from(1.0 / on.len() as f64);
+        values.iter_mut().for_each(|(key, own)| match own {
+            GivenValue::Vector(own) if *key == "direction" => *own *= share,
+            _ => {}
+        });
+    }
+    let made = m.load_part(part, &on, &values).map(|()| Made::Nothing);
+    located(made, item, m)
 }
 
 /// Makes a functional of the entry of its quantity.
-pub(super) fn measure<S: Scalar>(
-    known: &Known<S>,
-    part: &QuantityPart,
-    name: &str,
-    fields: &Fields,
-    m: &mut Builder<S>,
-) -> Found<Made<S>> {
-    let nodes = known.nodes_of_part(fields, m)?;
-    let values = values(known, fields, &part.form, m)?;
-    let made = m.quantity_part(part, name, over(fields), &nodes, values).map(|()| Made::Nothing);
-    located(made, name, fields, m)
+pub(super) fn measure<S: Scalar>(known: &Known<S>, part: &QuantityPart, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let (nodes, values) = (known.nodes_of_part(&item.fields, m)?, values(known, &item.fields, part.form.keys)?);
+    let made = m.quantity_part(part, &item.name, over(&item.fields), &nodes, values).map(|()| Made::Nothing);
+    located(made, item, m)
 }
 
 /// Stiffnesses and dampings of a soft joint.
@@ -124,19 +134,12 @@ pub(super) fn rates<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Optio
 }
 
 /// Joints that are two constraints: a contact, and what rolls.
-pub(super) fn rolling<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+pub(super) fn rolling<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let Item { name, fields, .. } = item;
     if let Some((at, _)) = fields.get("stiffness").or(fields.get("damping")) {
         return Err(Mistake::new(at, "what rolls cannot be soft: leave this out"));
     }
-    let nodes: [NodeId; 2] = known.different_nodes(fields, m)?;
-    let contact = format!("contact of {name}");
-    let vector = |key| known.vector(fields, key);
-    let (centre, radius) = (place(known, fields, "centre", nodes[1], m)?, known.number(fields, "radius")?);
-    Ok(Made::Joint(match fields.form {
-        "rolling_sphere" => m.rolling_sphere([&contact, name], nodes, centre, vector("normal")?, radius)[1],
-        _ => {
-            let plane: (Vector3<S>, Vector3<S>) = (place(known, fields, "point", nodes[0], m)?, vector("normal")?);
-            m.rolling_disc([&contact, name], nodes, (centre, vector("axis")?), plane, radius)[1]
-        }
-    }))
+    let (nodes, values) = (known.different_nodes(fields, m)?, values(known, fields, ROLLING.keys(fields.form))?);
+    let made = m.rolling_part(fields.form, [&format!("contact of {name}"), name], nodes, values);
+    located(made.map(|own| Made::Joint(own[1])), item, m)
 }

@@ -14,9 +14,6 @@ pub(super) enum Column {
     Number(usize),
 }
 
-/// The numbers of two columns; those of the first one increase.
-pub(super) type Columns = Arc<[Vec<f64>; 2]>;
-
 impl Reader {
     /// Puts the numbers of a file in its place, and says what is missing where there is none.
     pub(super) fn with_columns(&mut self, mut fields: Fields) -> Fields {

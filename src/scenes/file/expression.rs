@@ -1,6 +1,5 @@
 //! Formulas in texts: numbers and vectors of named numbers and vectors.
 
-use super::formula_text::FormulaText;
 use crate::elements::Table;
 use crate::scalar::{Interpolant, Scalar, SpatialVector, Vector3};
 use std::f64::consts::PI;
@@ -293,12 +292,6 @@ impl Expression {
     pub fn vector(components: [Expression; 3]) -> Self {
         let operations = components.into_iter().flat_map(|own| own.operations).chain([Operation::Vector]).collect();
         Expression { operations, is_vector: true }
-    }
-
-    /// Reads a formula.
-    pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
-        let (operations, is_vector) = FormulaText::read(text, scope)?;
-        Ok(Expression { operations, is_vector })
     }
 
     /// Whether it uses the name with a number.

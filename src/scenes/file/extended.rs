@@ -1,8 +1,7 @@
 //! A file that extends another: what it says is put into what the other says, as a scenario's is.
 
 use super::mistake::{Mistake, Source};
-use super::raw::{Entry, Raw, RawValue};
-use super::scenarios::put;
+use super::raw::{Entry, Raw, RawValue, put};
 use std::path::Path;
 
 /// The key that names the other file.

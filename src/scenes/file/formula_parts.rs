@@ -1,14 +1,13 @@
 //! Elements, joints and functionals that a file gives as formulas of its nodes.
 
-use super::build::Builder;
 use super::build_parts::rates;
 use super::expression::{Expression, Quantity};
 use super::formula_of::FormulaOf;
-use super::known::{Found, Known, Made, fixed_list, list, over, text};
+use super::known::{Builder, Found, Known, Made, fixed_list, kept, list, over, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, NamedNode, Value};
-use super::scene::kept;
-use super::state_laws::{MADE, keys_of};
+use super::state_entries::keys_of;
+use super::state_laws::MADE;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type;
 use crate::elements::forces::Soft;

@@ -15,7 +15,7 @@ const MOST_DEPTH: usize = 60;
 const MOST_OPERATIONS: usize = 10_000;
 
 /// A formula as it is read from its start.
-pub(super) struct FormulaText<'r> {
+struct FormulaText<'r> {
     text: &'r str,
     at: usize,
     scope: &'r Scope,
@@ -23,17 +23,20 @@ pub(super) struct FormulaText<'r> {
     depth: usize,
 }
 
-impl<'r> FormulaText<'r> {
-    /// The operations of a formula, and whether it gives a vector.
-    pub fn read(text: &'r str, scope: &'r Scope) -> Result<(Vec<Operation>, bool), SyntaxError> {
+impl Expression {
+    /// Reads a formula.
+    pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
         let mut own = FormulaText { text, at: 0, scope, operations: Vec::new(), depth: 0 };
         let is_vector = own.sum()?;
         own.skip_blanks();
         match own.rest().chars().next() {
-            None => Ok((own.operations, is_vector)),
+            None => Ok(Expression { operations: own.operations, is_vector }),
             Some(letter) => Err(own.wrong(format!("'{letter}' does not continue the formula; {OPERATORS}"))),
         }
     }
+}
+
+impl<'r> FormulaText<'r> {
     fn rest(&self) -> &'r str {
         &self.text[self.at..]
     }

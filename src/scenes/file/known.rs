@@ -2,22 +2,22 @@
 
 use super::expression::{Quantity, SHARE_PLACE};
 use super::formula_of::FormulaOf;
-use super::meshes::{Each, Per};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
-use super::reader::{Fields, Item, NodePlace, Value};
+use super::reader::{Each, Fields, Item, NodePlace, Per, Value};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
-use crate::elements::entries::Range;
+use crate::elements::entries::{FUNCTION, Range, Type};
 use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
-use crate::elements::forces::LoadFrame;
 use crate::elements::{TimeFormula, TimeFunction};
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
 use std::cell::Cell;
+use std::collections::HashSet;
+use std::sync::{Mutex, PoisonError};
 
 /// What an entry became.
 pub(super) enum Made<S> {
@@ -36,6 +36,19 @@ pub(super) enum Made<S> {
     Material(Material<S>),
     Shape(Material<S>, Shape<S>),
     Laminate(Laminate<S>, Vec<PlyStrength<S>>),
+}
+
+impl<S> Made<S> {
+    /// The shells of which it consists.
+    pub fn shells(&self) -> Vec<&MeshedShell> {
+        match self {
+            Made::Shell(shell) => vec![shell],
+            Made::Mesh(shell) => vec![shell],
+            Made::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
+            Made::Sphere(faces) => faces.iter().map(|face| &**face).collect(),
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// Values at the points of a table.
@@ -61,10 +74,12 @@ pub(super) struct Known<'f, S> {
     pub elements: Vec<Vec<ElementId>>,
 }
 
+pub(super) type Builder<S> = MechanismBuilder<S>;
+
 /// A result, or what is wrong and where.
 pub(super) type Found<T> = Result<T, Mistake>;
 
-fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
+pub(super) fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
     Err(Mistake::new(fields.at, format!("the key {key} is needed here")))
 }
 
@@ -221,7 +236,7 @@ impl<S: Scalar> Known<'_, S> {
             Made::Cable(cable) => on_line(&cable.nodes).map(|node| vec![node]),
             Made::Walls(walls) => some(if place.edge == Some("start") { walls.start() } else { walls.end() }),
             Made::Shell(shell) => match place.edge {
-                Some(edge) => some(shell.edge(edge_named(edge))),
+                Some(edge) => some(shell.edge(Edge::named(edge))),
                 None => on_grid(shell, &place.index),
             },
             Made::Mesh(shell) => {
@@ -233,11 +248,33 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    /// All nodes that a key names.
-    pub fn node_set(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
-        match fields.get(key) {
-            Some((at, Value::Node(place))) => self.nodes_at(at, place, m),
-            _ => missing(fields, key),
+    /// What a spring, damper or load acts on: its nodes, each that a load names, or those of each element of a member, with names.
+    pub fn carriers(&self, name: &str, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<(String, Vec<NodeId>)>> {
+        let (at, value) = ["between", "on", "beam", "shell"]
+            .into_iter()
+            .find_map(|key| fields.get(key))
+            .map_or_else(|| missing(fields, "on"), Ok)?;
+        let item = match value {
+            Value::Node(place) => {
+                let nodes = self.nodes_at(at, place, m)?;
+                let (count, point) = (nodes.len(), fields.get("point"));
+                if let Some((at, _)) = point.filter(|_| count > 1) {
+                    let text = format!("a force on {count} nodes has no point of its own: each takes its share where it is");
+                    return Err(Mistake::new(at, text));
+                }
+                let named =
+                    |(i, node)| (if count == 1 { name.into() } else { format!("{name}, node {}", i + 1) }, vec![node]);
+                return Ok(nodes.into_iter().enumerate().map(named).collect());
+            }
+            Value::Item(item) | Value::Group(item, _) => *item,
+            _ => return Ok(vec![(name.into(), self.different_nodes_of_part(fields, m)?)]),
+        };
+        match (&self.made[item], value) {
+            (Made::Beam(beam), _) => Ok(beam.carriers(name)),
+            (Made::Mesh(shell), Value::Group(_, group)) => {
+                Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
+            }
+            (made, _) => Ok(made.shells().into_iter().flat_map(|own| own.carriers(name, &own.group())).collect()),
         }
     }
 
@@ -325,12 +362,8 @@ impl<S: Scalar> Known<'_, S> {
             groups.extend(match &self.made[*item] {
                 Made::Beam(beam) => vec![beam.group()],
                 Made::Cable(cable) => vec![cable.group()],
-                Made::Shell(shell) => vec![shell.group()],
-                Made::Mesh(shell) => vec![shell.group()],
-                Made::Walls(walls) => walls.walls.iter().map(|wall| wall.group()).collect(),
-                Made::Sphere(faces) => faces.iter().map(|face| face.group()).collect(),
                 Made::Group(group) => vec![group.clone()],
-                _ => Vec::new(),
+                shells => shells.shells().into_iter().map(MeshedShell::group).collect(),
             });
         }
         match groups.len() {
@@ -440,25 +473,12 @@ impl<S: Scalar> Known<'_, S> {
             Some(given) => return Ok(Signal::Constant(self.scalar(key, given)?)),
             None => return missing(fields, key),
         };
-        let zero_or = |key| self.number_or(own, key, 0.0);
-        let needed = |key| self.number(own, key);
-        let signal = match own.form {
-            "constant" => Signal::Constant(needed("value")?),
-            "constant_rate" => Signal::ConstantRate { offset: zero_or("offset")?, rate: needed("rate")? },
-            "sine" => {
-                let (offset, phase) = (zero_or("offset")?, zero_or("phase")?);
-                let (amplitude, angular_frequency) = (needed("amplitude")?, needed("angular_frequency")?);
-                Signal::Sine { offset, amplitude, angular_frequency, phase }
-            }
-            "smooth_ramp" => {
-                let (from, to) = (zero_or("from")?, needed("to")?);
-                Signal::SmoothRamp { from, to, start: zero_or("start")?, duration: needed("duration")? }
-            }
-            "step" => {
-                let switch = fixed(own, "at").unwrap_or(f64::NAN);
-                Signal::Step { before: zero_or("before")?, after: needed("after")?, switch }
-            }
-            "formula" => {
+        let numbers = FUNCTION.keys(own.form).skip(FUNCTION.common.len());
+        let numbers = numbers.filter(|key| matches!(key.takes, Type::Number(..)));
+        let numbers = numbers.map(|key| self.number_or(own, key.name, 0.0)).collect::<Found<Vec<S>>>()?;
+        let signal = match (own.form, TimeFunction::of_form(own.form, fixed(own, "at"))) {
+            (_, Some(function)) => Signal::of(function, &numbers),
+            ("formula", _) => {
                 // files from when formulas were splines may keep it
                 own.get("intervals");
                 self.formula_of_time(own)?
@@ -474,7 +494,7 @@ impl<S: Scalar> Known<'_, S> {
         if own.get("smooth_start").is_none() {
             return Ok(signal);
         }
-        Ok(Signal::SmoothStart { of: Box::new(signal), duration: needed("smooth_start")? })
+        Ok(Signal::SmoothStart { of: Box::new(signal), duration: self.number(own, "smooth_start")? })
     }
 }
 
@@ -541,24 +561,6 @@ pub(super) fn texts(fields: &Fields, key: &str) -> Vec<String> {
     list(fields, key).filter_map(own).collect()
 }
 
-pub(super) fn edge_named(name: &str) -> Edge {
-    match name {
-        "first_start" => Edge::FirstStart,
-        "first_end" => Edge::FirstEnd,
-        "second_start" => Edge::SecondStart,
-        _ => Edge::SecondEnd,
-    }
-}
-
-/// The frame of a load.
-pub(super) fn frame(fields: &Fields, default: LoadFrame) -> LoadFrame {
-    match text(fields, "frame") {
-        Some("body") => LoadFrame::Body,
-        Some(_) => LoadFrame::World,
-        None => default,
-    }
-}
-
 /// What is made over time.
 pub(super) fn over(fields: &Fields) -> Over {
     let own = match fields.get("over") {
@@ -584,4 +586,17 @@ pub(super) fn over(fields: &Fields) -> Over {
         Some("end") => Times::End,
         _ => Times::Run,
     })
+}
+
+/// A text that stays for the life of the program: each is kept once.
+pub(super) fn kept(text: &str) -> &'static str {
+    static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let texts = texts.get_or_insert_default();
+    if let Some(own) = texts.get(text) {
+        return own;
+    }
+    let own: &'static str = Box::leak(text.into());
+    texts.insert(own);
+    own
 }

@@ -2,31 +2,12 @@
 
 use super::mesh_groups::fixed_point;
 use super::raw::{Raw, RawValue};
-use super::reader::{NodePlace, Reader};
+use super::reader::{Each, NodePlace, Per, Reader};
 use crate::scenes::unknown;
 use crate::scenes::{MeshData, read_gmsh};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// A design variable that has a value for each face, or each point, of some of a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Each {
-    /// The entry of the mesh.
-    pub mesh: usize,
-    pub per: Per,
-    /// Places of the faces or points in the order of the values.
-    pub places: Vec<usize>,
-    /// The same by their numbers in the file.
-    pub numbers: Vec<usize>,
-}
-
-/// What a variable has a value for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Per {
-    Face,
-    Node,
-}
 
 impl Reader {
     /// Reads the meshes that are declared.

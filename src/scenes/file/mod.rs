@@ -30,6 +30,7 @@ mod scene;
 mod schema;
 mod section;
 mod sections;
+mod state_entries;
 mod state_laws;
 mod stl;
 mod values;

@@ -1,7 +1,6 @@
-use super::reader::all_forms;
 use super::sections::SECTIONS;
 use crate::design::repeated;
-use crate::elements::entries::{Entry, Form, JointPart, Kind, MadeEntry, Part, SpringPart};
+use crate::elements::entries::{Entry, Form, Forms, JointPart, Kind, MadeEntry, Part, SpringPart, named};
 use crate::elements::forces::SPRINGS;
 use crate::elements::joints::JOINTS;
 use crate::elements::{Constraint, Element};
@@ -105,7 +104,7 @@ fn forms<L: ?Sized>(parts: &[Part<L>]) -> Vec<Form> {
     parts.iter().map(|part| part.form).collect()
 }
 
-/// The part of a list with this name.
-pub(super) fn named<'p, L: ?Sized>(parts: &'p [Part<L>], name: &str) -> Option<&'p Part<L>> {
-    parts.iter().find(|part| part.form.name == name)
+/// All forms of a table.
+pub(super) fn all_forms(forms: &Forms, own: &OwnParts) -> Vec<Form> {
+    [forms.forms.to_vec(), forms.own.map(|kind| own.forms(kind)).unwrap_or_default()].concat()
 }

@@ -2,6 +2,7 @@
 
 use super::expression::{Expression, Quantity, Scope, meaning};
 use super::mistake::Mistake;
+use crate::scenes::unknown;
 use toml::de::{DeTable, DeValue};
 
 /// A value and where it stands.
@@ -364,4 +365,57 @@ fn replaced_text(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<String, S
     }
     result.push_str(rest);
     Ok(result)
+}
+
+/// Puts a key into a table: tables into tables key by key, tables into lists by the names of their entries, entries of lists into those of
+/// their names or behind them; all else, and a table with another type, in the place of what was there.
+pub(super) fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mistake> {
+    let RawValue::Table(entries) = &mut into.value else { return Ok(()) };
+    let Some(own) = entries.iter_mut().find(|own| own.key == entry.key) else {
+        entries.push(entry.clone());
+        return Ok(());
+    };
+    match (&mut own.value.value, &entry.value.value) {
+        (RawValue::Table(_), RawValue::Table(changes)) if entry.value.get("type").is_none() => {
+            changes.iter().try_for_each(|change| put(&mut own.value, change, &format!("{path}.{}", change.key)))
+        }
+        (RawValue::List(list), RawValue::Table(changes)) => {
+            changes.iter().try_for_each(|change| change_named(list, change, path))
+        }
+        (RawValue::List(list), RawValue::List(more)) if list.iter().all(|own| own.entries().is_some()) => {
+            more.iter().try_for_each(|own| change_or_add(list, own, path))
+        }
+        _ => {
+            *own = entry.clone();
+            Ok(())
+        }
+    }
+}
+
+/// Changes the entry of a list that has this name.
+fn change_named(list: &mut [Raw], change: &Entry, path: &str) -> Result<(), Mistake> {
+    let Some(place) = list.iter().position(|own| name_of(own) == change.key) else {
+        let known: Vec<String> = list.iter().map(|own| name_of(own).into()).collect();
+        return Err(Mistake::new(change.at, unknown(path, &change.key, &known)));
+    };
+    let Some(changes) = change.value.entries() else {
+        let text = format!("what is changed of {path} \"{}\" is a table of its keys", change.key);
+        return Err(Mistake::new(change.at, text));
+    };
+    let path = format!("{path} \"{}\"", change.key);
+    changes.iter().try_for_each(|own| put(&mut list[place], own, &format!("{path}, {}", own.key)))
+}
+
+/// Changes the entry of a list that has the name of this one, or adds it.
+fn change_or_add(list: &mut Vec<Raw>, own: &Raw, path: &str) -> Result<(), Mistake> {
+    let name = name_of(own);
+    if name.is_empty() || list.iter().all(|other| name_of(other) != name) {
+        list.push(own.clone());
+        return Ok(());
+    }
+    change_named(list, &Entry { key: name.into(), at: own.at, value: own.clone() }, path)
+}
+
+fn name_of(own: &Raw) -> &str {
+    own.get("name").and_then(Raw::text).unwrap_or_default()
 }

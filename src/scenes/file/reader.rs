@@ -1,20 +1,41 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
-use super::columns::Columns;
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
-use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
-use super::own_parts::OwnParts;
+use super::own_parts::{OwnParts, all_forms};
 use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
-use crate::elements::entries::{Form, Forms, Range};
+use crate::elements::entries::{Form, Forms, Range, named};
+use crate::elements::forces::LOADS;
 use crate::scenes::unknown;
 use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// The numbers of two columns; those of the first one increase.
+pub(super) type Columns = Arc<[Vec<f64>; 2]>;
+
+/// A design variable that has a value for each face, or each point, of some of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Each {
+    /// The entry of the mesh.
+    pub mesh: usize,
+    pub per: Per,
+    /// Places of the faces or points in the order of the values.
+    pub places: Vec<usize>,
+    /// The same by their numbers in the file.
+    pub numbers: Vec<usize>,
+}
+
+/// What a variable has a value for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Per {
+    Face,
+    Node,
+}
 
 /// What a key was given.
 #[derive(Clone, Debug)]
@@ -189,7 +210,8 @@ pub(super) fn name_space(section: &str) -> &'static str {
             SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
         }
         "joint" | "driver" | "rigid_interface" | "tie" => "joint",
-        "spring" | "damper" | "element" | "force" | "torque" | "distributed_load" | "pressure" => "force",
+        "spring" | "damper" | "element" => "force",
+        load if named(LOADS, load).is_some() => "force",
         "functional" => "functional",
         _ => "member",
     }
@@ -440,7 +462,7 @@ impl Reader {
                 if forms.have_types() {
                     known.insert(0, "type".into());
                 }
-                let of = if form.name.is_empty() { owner.to_string() } else { format!("{owner} of type {}", form.name) };
+                let of = if forms.have_types() { format!("{owner} of type {}", form.name) } else { owner.to_string() };
                 let text = unknown("key", &entry.key, &known);
                 self.wrong(entry.at, format!("{of}: {text}"));
                 continue;
@@ -465,11 +487,6 @@ impl Reader {
         let form = known.iter().find(|form| form.name == name).copied();
         form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown("type", name, &names()))))
     }
-}
-
-/// All forms of a table.
-pub(super) fn all_forms(forms: &Forms, own: &OwnParts) -> Vec<Form> {
-    [forms.forms.to_vec(), forms.own.map(|kind| own.forms(kind)).unwrap_or_default()].concat()
 }
 
 fn collect_names(raw: &Raw, names: &mut Vec<String>) {

@@ -78,12 +78,13 @@ fn all_keys(forms: &'static Forms) -> impl Iterator<Item = &'static Key> {
     forms.common.iter().chain(forms.forms.iter().flat_map(|form| form.keys))
 }
 
-fn forms(page: &mut String, own: &Forms) {
+fn forms(page: &mut String, own: &'static Forms) {
+    if !own.have_types() {
+        return keys(page, &all_keys(own).copied().collect::<Vec<_>>());
+    }
     keys(page, own.common);
     for form in own.forms {
-        if !form.name.is_empty() {
-            let _ = write!(page, "\n`type = \"{}\"`: {}\n\n", form.name, escaped(form.doc));
-        }
+        let _ = write!(page, "\n`type = \"{}\"`: {}\n\n", form.name, escaped(form.doc));
         keys(page, form.keys);
     }
 }

@@ -1,12 +1,11 @@
 use super::build::build;
 use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
-use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
-use super::meshes::Each;
+use super::known::{Known, Made, fixed, fixed_list, flag, kept, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
-use super::reader::{Contents, Extent, Fields, Item, Value, Variable, name_space, read};
+use super::reader::{Contents, Each, Extent, Fields, Item, Value, Variable, name_space, read};
 use super::scenarios::{take_scenarios, without_problem};
 use super::sections::{WITH_MULTIPLIERS, WITH_NODES};
 use crate::design::DesignVariable;
@@ -24,7 +23,6 @@ use crate::scenes::{
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 /// A scene that a file describes: see [the format](super).
 ///
@@ -71,19 +69,6 @@ pub struct FileScene {
     problem: Option<OptimizationProblem>,
     output: Output,
     scenarios: Vec<(String, FileScene)>,
-}
-
-/// A text that stays for the life of the program: each is kept once.
-pub(super) fn kept(text: &str) -> &'static str {
-    static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
-    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
-    let texts = texts.get_or_insert_default();
-    if let Some(own) = texts.get(text) {
-        return own;
-    }
-    let own: &'static str = Box::leak(text.into());
-    texts.insert(own);
-    own
 }
 
 /// Name spaces of what messages name, the likeliest first; others are what parts are made of.

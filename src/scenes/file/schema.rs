@@ -1,6 +1,5 @@
 use super::extended::EXTENDS;
-use super::own_parts::OwnParts;
-use super::reader::all_forms;
+use super::own_parts::{OwnParts, all_forms};
 use super::reference::{is_listed, same, tables};
 use super::scenarios::SCENARIO;
 use super::section::Shape;
@@ -80,7 +79,7 @@ fn inner(forms: &'static Forms) -> Value {
 fn table(forms: &Forms, is_repeated: bool, parts: &OwnParts) -> Value {
     let of_form = |name: &str, doc: &str, keys: &[Key]| {
         let (mut properties, mut required) = (Map::new(), Vec::new());
-        if !name.is_empty() {
+        if forms.have_types() {
             properties.insert("type".into(), json!({"const": name, "description": doc}));
             required.push("type");
         }

@@ -2,19 +2,21 @@
 
 use super::extended::EXTENDS;
 use super::section::{Section, Shape};
-use super::state_laws::STATE_FORMS;
+use super::state_entries::STATE_FORMS;
 use crate::elements::entries::{
-    AXIS, BETWEEN, FUNCTION, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, may, need,
+    AXIS, BETWEEN, Form, Forms, Key, Kind, ORIENTATION, Range, Type, forms, forms_of, joined, may, names_of, need,
 };
-use crate::elements::forces::{DAMPERS, SPRINGS};
-use crate::elements::joints::{DRIVERS, Freedom, JOINTS};
+use crate::elements::flexible::{MATERIAL, MATERIAL_KEYS, SECTION};
+use crate::elements::forces::{DAMPERS, LOADS, SPRINGS};
+use crate::elements::joints::{DRIVERS, Freedom, JOINTS, ROLLING};
+use crate::functionals::load::{JOINT_LOADS, OF_JOINT};
 use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
+use crate::scenes::Edge;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Function, Item, Items, Lists, Node, NodeSet, NodeSets,
-    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Stl, Strips, Table, Tables, Text, Texts,
-    Vector, Weights,
+    Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Item, Items, Lists, Node, NodeSets, Number, Numbers,
+    OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Stl, Strips, Table, Tables, Text, Texts, Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -83,8 +85,6 @@ const OVER: Key = need(
     Over(&["initial", "terminal", "integral"], &AGGREGATE),
     "value at the start, at the end, integral, or an aggregate",
 );
-
-const FRAME: Key = may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the node; world");
 
 /// What makes springs of a joint.
 const SOFT: [Key; 2] = [
@@ -198,33 +198,18 @@ const WALL: Forms = one_form![
     need("elements", Count(1, 1000), "elements from one to the other"),
 ];
 
-const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
-
 /// Sections whose entries are nodes or have nodes.
 pub(super) const WITH_NODES: &[&str] =
     &["body", "point", "coordinate", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries put energy in or take it out.
-const WITH_POWER: &[&str] = &[
-    "spring",
-    "damper",
-    "element",
-    "force",
-    "torque",
-    "distributed_load",
-    "pressure",
-    "joint",
-    "body",
-    "point",
-    "beam",
-    "cable",
-    "shell",
-    "mesh",
-    "thin_walls",
-    "sphere",
-    "group",
-];
+const WITH_POWER: &[&str] = &joined::<&str, { LOADS.len() + 13 }>(&[
+    &["spring", "damper", "element"],
+    &names_of::<{ LOADS.len() }, _>(LOADS),
+    &["joint", "body", "point"],
+    WITH_ELEMENTS,
+]);
 /// Sections whose entries are joints.
 pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver"];
 
@@ -232,14 +217,12 @@ const BEAM: &[&str] = &["beam"];
 const CABLE: &[&str] = &["cable"];
 const MEMBERS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 const SHELLS: &[&str] = &["shell", "mesh", "thin_walls"];
-const MATERIAL: Key = need("material", Item(&["material"]), "name of a material");
 const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
 const OF_BEAM: Key = need("beam", Item(BEAM), "name of a beam");
 const OF_CABLE: Key = need("cable", Item(CABLE), "name of a cable");
 const AT_SHARE: Key = need("share", Fixed("-", Share), "place along its length, from 0 to 1");
 const COMPONENT: &str = "axial, shear along axes 2 and 3, torsion, bending about axes 2 and 3";
-const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
-const OF_JOINT: Key = need("joint", Item(WITH_MULTIPLIERS), "name of a joint or driver");
+pub(super) const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
 const GROUP: Key = need(
     "of",
     Items(WITH_ELEMENTS),
@@ -263,7 +246,7 @@ const BREAKPOINTS: Key = may(
     "times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none",
 );
 
-/// Joints that are two constraints, and joints by formulas.
+/// Joints by formulas.
 const OTHER_JOINTS: Forms = forms!([]
 "formula" "formulas of the places of its nodes, and of the time, that are zero" [
     NODES,
@@ -271,21 +254,9 @@ const OTHER_JOINTS: Forms = forms!([]
     need("equations", Type::SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
     BREAKPOINTS,
 ]
-"rolling_sphere" "b, a sphere, rolls on a plane of a" [
-    BETWEEN,
-    may("centre", Vector("m"), "centre of the sphere; the place of b"),
-    NORMAL,
-    need("radius", Number("m", Positive), "radius"),
-]
-"rolling_disc" "b, a thin disc, rolls on a plane of a" [
-    BETWEEN,
-    may("centre", Vector("m"), "centre of the disc; the place of b"),
-    AXIS,
-    may("point", Vector("m"), "point of the plane; the place of a"),
-    NORMAL,
-    need("radius", Number("m", Positive), "radius"),
-]);
-const JOINT_FORMS: [Form; JOINTS.len() + OTHER_JOINTS.forms.len()] = forms_of(JOINTS, OTHER_JOINTS.forms);
+);
+const JOINT_FORMS: [Form; JOINTS.len() + 3] =
+    joined(&[&forms_of::<{ JOINTS.len() }, _>(JOINTS), OTHER_JOINTS.forms, ROLLING.forms]);
 
 const STATE_KEYS: [Key; 4] = [
     NAME,
@@ -293,7 +264,7 @@ const STATE_KEYS: [Key; 4] = [
     DEFINITIONS,
     BREAKPOINTS,
 ];
-/// What is measured but at nodes.
+/// What is measured by a formula, or of a joint's multipliers.
 const MEASURED: Forms = forms!([]
             "formula" "a formula of its nodes and of the time" [
                 NODES,
@@ -306,15 +277,9 @@ const MEASURED: Forms = forms!([]
                 need("weights", Series("-"), "a weight for each of its equations"),
             ]
             "reaction_norm" "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force" [OF_JOINT]
-            "joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
-                OF_JOINT, ON, PLACE, FRAME,
-                need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
-                may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
-            ]
-            "joint_power" "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]" [
-                OF_JOINT,
-                may("on", Node, "one of its nodes, to which the joint hands on so much; all"),
-            ]
+);
+/// What is measured of elements.
+const OF_ELEMENTS: Forms = forms!([]
             "energy" "energy of all elements [J]" []
             "power" "power of loads, dampers, actuators and losses, of all that is in no energy [W]; an integral is a work [J]" [
                 may("of", Items(WITH_POWER), "names of loads, springs, dampers, parts of one's own, members or groups; everything"),
@@ -366,13 +331,32 @@ const MEASURED: Forms = forms!([]
                 need("distance", Number("m", AtLeastZero), "of the outer fibres from the axis"),
             ]
 );
-const FUNCTIONAL_FORMS: [Form; QUANTITIES.len() + MEASURED.forms.len()] = forms_of(QUANTITIES, MEASURED.forms);
-const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS, &[]);
-const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS, &[]);
-const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS, &[]);
+const FUNCTIONAL_FORMS: [Form; QUANTITIES.len() + 5 + OF_ELEMENTS.forms.len()] =
+    joined(&[&forms_of::<{ QUANTITIES.len() }, _>(QUANTITIES), MEASURED.forms, JOINT_LOADS.forms, OF_ELEMENTS.forms]);
+const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS);
+const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS);
+const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS);
+
+const LOAD_SECTIONS: [Section; LOADS.len()] = {
+    let (mut sections, mut place) = ([FIRST_SECTIONS[0]; LOADS.len()], 0);
+    while place < LOADS.len() {
+        let form = &LOADS[place].form;
+        let forms = Forms { common: &[NAME], forms: std::slice::from_ref(form), own: None };
+        sections[place] = Section { name: form.name, shape: Shape::Listed, doc: form.doc, forms };
+        place += 1;
+    }
+    sections
+};
 
 /// All sections, in the order of the reference page.
-pub(super) const SECTIONS: &[Section] = &[
+pub(super) const SECTIONS: &[Section] = &joined::<Section, { FIRST_SECTIONS.len() + LOADS.len() + MORE_SECTIONS.len() }>(&[
+    FIRST_SECTIONS,
+    &LOAD_SECTIONS,
+    MORE_SECTIONS,
+]);
+
+/// Sections before the loads.
+const FIRST_SECTIONS: &[Section] = &[
     Section {
         name: "variable",
         shape: Shape::Named,
@@ -397,59 +381,13 @@ pub(super) const SECTIONS: &[Section] = &[
             may("name", Text, "how commands and results call it; NAME"),
         ],
     },
-    Section {
-        name: "material",
-        shape: Shape::Named,
-        doc: "An isotropic elastic material.",
-        forms: one_form![
-            need("young", Number("N/m2", Positive), "Young's modulus E"),
-            need("poisson", Number("-", Any), "Poisson's ratio"),
-            need("density", Number("kg/m3", AtLeastZero), "density"),
-        ],
-    },
+    Section { name: "material", shape: Shape::Named, doc: "An isotropic elastic material.", forms: MATERIAL_KEYS },
     Section {
         name: "section",
         shape: Shape::Named,
         doc: "The section of beams and cables; axis 1 along the line, 2 and 3 across. For beams that taper its numbers may use `share`, the place \
               along the length from 0 to 1: `width = \"0.05 - 0.02 * share\"`.",
-        forms: forms!([
-            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-            may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
-        ]
-        "rectangle" "solid rectangle" [
-            MATERIAL,
-            need("width", Number("m", Positive), "along axis 2"),
-            need("height", Number("m", Positive), "along axis 3"),
-        ]
-        "box" "hollow rectangle" [
-            MATERIAL,
-            need("width", Number("m", Positive), "outer size along axis 2"),
-            need("height", Number("m", Positive), "outer size along axis 3"),
-            need("wall", Number("m", Positive), "thickness of the wall"),
-        ]
-        "circle" "solid circle" [MATERIAL, need("diameter", Number("m", Positive), "diameter")]
-        "tube" "circular tube" [
-            MATERIAL,
-            need("diameter", Number("m", Positive), "outer diameter"),
-            need("wall", Number("m", Positive), "thickness of the wall"),
-        ]
-        "beam" "by stiffness and inertia, for beams" [
-            may("axial", Number("N", Positive), "EA; needed but with stiffness, as the next three"),
-            may("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
-            may("torsion", Number("N m2", Positive), "GJ"),
-            may("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
-            may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
-            may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
-            may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
-            may("stiffness", Numbers(&[21], "N, N m, N m2", Any),
-                "upper triangle by rows of the symmetric stiffness against axial strain, shear 2 and 3, torsion, bending 2 and 3, \
-                 instead of the numbers above; diagonal"),
-        ]
-        "cable" "by stiffness and mass, for cables" [
-            need("axial", Number("N", Positive), "EA"),
-            need("bending", Number("N m2", Positive), "EI about every axis"),
-            need("mass", Number("kg/m", AtLeastZero), "mass for each length"),
-        ]),
+        forms: SECTION,
     },
     Section {
         name: "laminate",
@@ -553,7 +491,7 @@ pub(super) const SECTIONS: &[Section] = &[
             may("laminate", Item(&["laminate"]), "name of a laminate"),
             may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-            may("clamped", Choices(EDGES), "edges that never move; none"),
+            may("clamped", Choices(&Edge::NAMES), "edges that never move; none"),
             may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them, to a millionth of its diagonal: with each at least one; none"),
             may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
             may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
@@ -797,58 +735,9 @@ pub(super) const SECTIONS: &[Section] = &[
             BREAKPOINTS,
         ],
     },
-    Section {
-        name: "force",
-        shape: Shape::Listed,
-        doc: "A force at a point of a node: direction times size.",
-        forms: one_form![
-            NAME,
-            need("on", NodeSet, "node; of an edge, an end or a node set of a mesh each node takes an equal share"),
-            PLACE,
-            FRAME,
-            need("direction", Vector("-"), "direction in the world at the start; its length counts"),
-            need("size", Function("N", &FUNCTION), "size over time"),
-        ],
-    },
-    Section {
-        name: "torque",
-        shape: Shape::Listed,
-        doc: "A torque on a body: axis times size.",
-        forms: one_form![
-            NAME,
-            ON,
-            FRAME,
-            need("axis", Vector("-"), "axis in the world at the start; its length counts"),
-            need("size", Function("N m", &FUNCTION), "size over time"),
-        ],
-    },
-    Section {
-        name: "distributed_load",
-        shape: Shape::Listed,
-        doc: "A force for each length of a beam: direction times size.",
-        forms: one_form![
-            NAME,
-            OF_BEAM,
-            may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the sections; world"),
-            need("direction", Vector("-"), "direction in the world at the start; its length counts"),
-            need("size", Function("N/m", &FUNCTION), "size over time"),
-        ],
-    },
-    Section {
-        name: "pressure",
-        shape: Shape::Listed,
-        doc: "A pressure on a shell; it pushes to where the normal points.",
-        forms: one_form![
-            NAME,
-            need(
-                "shell",
-                Item(&["shell", "mesh"]),
-                "name of a shell or a mesh, or a group of the faces of one: PLATE.GROUP"
-            ),
-            may("frame", Choice(&["world", "body"]), "dead load, or normal to the deformed surface; body"),
-            need("size", Function("N/m2", &FUNCTION), "size over time"),
-        ],
-    },
+];
+/// Sections behind the loads.
+const MORE_SECTIONS: &[Section] = &[
     Section {
         name: "drawing",
         shape: Shape::Listed,
