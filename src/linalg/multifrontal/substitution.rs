@@ -161,13 +161,7 @@ impl Substitution {
         }
     }
 
-    fn forward_large(
-        &mut self,
-        symbolic: &Symbolic,
-        factors: &Factors,
-        side: Side,
-        fronts: Range<usize>,
-    ) {
+    fn forward_large(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { residual, solution, front } = self;
         let stride = stride(symbolic);
         if residual.len() <= FEW * stride {
