@@ -12,7 +12,7 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Names of options and of entries there, which have no formula of their own.
-const OPTIONS: [&str; 23] = [
+const OPTIONS: [&str; 26] = [
     "AngleLaw",
     "CableSection",
     "CableHinge",
@@ -23,11 +23,14 @@ const OPTIONS: [&str; 23] = [
     "HeldSlope",
     "Laminate",
     "LineLaw",
+    "LoadFrame",
     "Material",
+    "OfShape",
     "Outline",
     "OutlineStress",
     "Ply",
     "PlyStrength",
+    "PressureOnFace",
     "Section",
     "Shape",
     "ShellKind",

@@ -11,10 +11,9 @@ use costate::elements::{
     AnyConstraint, AnyElement, Constraint, Element, Flexible, Nonholonomic, TimeFunction, forces, joints,
 };
 use costate::internals::{
-    AngleCoordinate, AppliedForce, AppliedTorque, BeamField, BeamGravityField, Cable, CableGravity, CableInertia,
-    DiscOnPlane, DistributedLoadField, EulerParameterNorm, Face, Gravity, HeldNode, NaturalBody, OrthonormalAxes, PointMass,
-    Quad4, Quad9, RevoluteJoint, RigidBody, RollingDisc, RollingSphere, ShellField, ShellPressureField,
-    SmallStrainCableField, Soft, TiedNode, Triangle6,
+    AngleCoordinate, BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DiscOnPlane, EulerParameterNorm, Face,
+    Gravity, HeldNode, NaturalBody, OrthonormalAxes, PointMass, Quad4, Quad9, RevoluteJoint, RigidBody, RollingDisc,
+    RollingSphere, ShellField, ShellPressureField, SmallStrainCableField, Soft, TiedNode, Triangle6,
 };
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
@@ -67,8 +66,6 @@ fn shell<F: Face>(face: F, section: ShellSection, damped: bool) -> Flexible<Shel
 /// Kinds of elements.
 fn elements() -> Vec<Item> {
     let (on, a, b) = (NodeKind::Body, NodeKind::Body, NodeKind::Body);
-    let frame = LoadFrame::Body;
-    let load = || DistributedLoadField { frame: LoadFrame::World, size: TimeFunction::Constant };
     let pressure = |frame: LoadFrame| Flexible(ShellPressureField { face: Quad9, frame, size: TimeFunction::Constant });
     vec![
         element("rigid body", &[Body], move || RigidBody),
@@ -78,7 +75,6 @@ fn elements() -> Vec<Item> {
         element("beam damped", BEAM, move || beam(false, true)),
         element("beam coupled and eccentric", BEAM, move || beam(true, false)),
         element("weight of a beam", BEAM, move || Flexible(BeamGravityField { eccentric: true })),
-        element("distributed load", BEAM, move || Flexible(load())),
         element("cable", CABLE, move || Cable { damped: false }),
         element("cable damped", CABLE, move || Cable { damped: true }),
         element("cable of small strain", CABLE, move || Flexible(SmallStrainCableField)),
@@ -92,8 +88,6 @@ fn elements() -> Vec<Item> {
         element("inertia of a cable", CABLE, move || CableInertia),
         element("weight of a cable", CABLE, move || CableGravity),
         element("weight", &[Body], move || Gravity { on }),
-        element("applied force", &[Body], move || AppliedForce { on, frame, size: TimeFunction::Sine }),
-        element("applied torque", &[Body], move || AppliedTorque { on, frame, size: TimeFunction::Sine }),
         element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint { a, b })) }),
     ]
 }
@@ -122,7 +116,7 @@ fn joints() -> Vec<Item> {
     entries.0.into_iter().chain(others).collect()
 }
 
-/// Joints, drivers, springs and dampers by their entries, as their examples make them.
+/// Joints, drivers, springs, dampers and loads by their entries, as their examples make them.
 struct Entries(Vec<Item>);
 
 impl JointVisitor for Entries {
@@ -135,8 +129,8 @@ impl JointVisitor for Entries {
 
 impl SpringVisitor for Entries {
     fn visit<E: Entry<Law: Element>>(&mut self) {
-        // springs and dampers of one name are told apart by their types
-        let path = std::any::type_name::<E>();
+        // springs and dampers of one name are told apart by their types; what is interpolated is a field
+        let path = std::any::type_name::<E>().trim_end_matches('>').trim_end_matches("Field");
         let of_type = path.rsplit("::").next().unwrap_or(path);
         let word = |c: char| if c.is_uppercase() { format!(" {}", c.to_lowercase()) } else { c.into() };
         let name: String = of_type.chars().map(word).collect();
