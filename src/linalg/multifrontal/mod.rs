@@ -48,5 +48,5 @@ pub(super) use kernels::{largest, solve_unit_lower, subtract_columns, subtract_m
 pub(super) use known_signs::known_signs;
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
-pub(crate) use multifrontal_lu::SMALL_FILL;
 pub(super) use product::Target;
+pub(crate) use symbolic::SMALL_FILL;

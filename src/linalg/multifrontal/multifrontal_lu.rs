@@ -8,7 +8,7 @@ use super::known_signs::known_signs;
 use super::rank_share::RankShare;
 use super::stretches::Stretches;
 use super::substitution::{Side, Substitution};
-use super::symbolic::{Analysis, Symbolic};
+use super::symbolic::{Analysis, SMALL_FILL, Symbolic};
 use super::thread_solution::ThreadSolution;
 use super::traversal::Traversal;
 use crate::exchange::{self, Exchange};
@@ -34,10 +34,6 @@ enum Work {
     /// Each rank a stretch of them.
     Shared(Box<RankShare>),
 }
-
-/// Entries of L and U up to which factors count as small: a few megabytes, of which ranks do all by themselves. A solution takes a millisecond
-/// there, and messages a tenth of that.
-pub(crate) const SMALL_FILL: usize = 1_000_000;
 
 impl MultifrontalLu {
     /// Analyses a pattern.

@@ -1,11 +1,10 @@
 //! Solutions on several threads of a process, each with a stretch of the sequence of fronts.
 
 use super::factors::Factors;
-use super::multifrontal_lu::SMALL_FILL;
 use super::stretch_solution::{Delayed, StretchSolution, delayed};
 use super::stretches::Stretches;
 use super::substitution::{BLOCK, Side, Substitution};
-use super::symbolic::Symbolic;
+use super::symbolic::{SMALL_FILL, Symbolic};
 use crate::exchange::on_threads;
 use crate::linalg::Owners;
 use std::sync::Arc;
