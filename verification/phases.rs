@@ -21,11 +21,14 @@ pub struct Effort {
 /// That of a record.
 pub const USUAL: Effort = Effort { repeats: 7, steps: 3 };
 
+/// Parts of the work on one system, and their times \[s\].
+type SystemTimes = [(&'static str, f64); 5];
+
 /// Times \[s\], counts of a step, and what the first step and its gradient give.
 pub struct Phases {
     pub unknowns: f64,
     /// Residual, matrix, factorization, solution, and transposed solution, of one system.
-    pub of_a_system: [(&'static str, f64); 5],
+    pub of_a_system: SystemTimes,
     pub step: f64,
     /// For the first functional, and for two.
     pub adjoint: [f64; 2],
@@ -94,8 +97,7 @@ impl Phases {
 }
 
 /// Unknowns of a system of the last stage, what its parts take, and elements of this rank.
-#[allow(clippy::type_complexity)]
-fn systems(one: &Prepared, repeats: usize) -> Result<(f64, [(&'static str, f64); 5], Option<usize>), RunError> {
+fn systems(one: &Prepared, repeats: usize) -> Result<(f64, SystemTimes, Option<usize>), RunError> {
     let solve = last_stage(one)?;
     let problem = one.problem();
     let systems = Systems::new(problem.model, &one.method, &[]);

@@ -4,10 +4,11 @@ use super::element_programs::{self, Force};
 use super::evaluation::{BatchWork, run_lanes};
 use super::inside_nodes::{CURVATURE, InsideNodes};
 use super::lanes::LaneResults;
+use super::matrix_values::{MatrixValues, SharedValues};
 use super::node_programs;
 use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};
-use super::own_elements::{OwnElements, SharedValues, Target, ThreadElements};
+use super::own_elements::{OwnElements, ThreadElements};
 use super::reduction::Columns;
 use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
@@ -492,7 +493,7 @@ impl ElementsAt<'_> {
         batch: &ElementBatch,
         work: &mut BatchWork<f64>,
         block: impl Fn(usize) -> &'b ScatterMap + Sync,
-        mut target: impl Target + Send,
+        mut target: impl MatrixValues + Send,
     ) {
         let ElementsAt { force, point: (point, p, t), relief, .. } = *self;
         let (layout, program) = (batch.layout, element_matrix(whole, self.system.options.stabilized, self.moves));
@@ -540,7 +541,7 @@ fn add_entries<'b>(
     blocks: impl Fn(usize) -> &'b ScatterMap,
     labels: &[u32],
     factor: f64,
-    target: &mut impl Target,
+    target: &mut impl MatrixValues,
 ) {
     // part by part, so that sums have the same order whatever number of parts was evaluated side by side
     results.for_each_part(|part, entries| match blocks(part) {

@@ -23,6 +23,7 @@ mod inside_nodes;
 mod jacobian;
 mod lanes;
 mod laws;
+mod matrix_values;
 mod model;
 mod node_programs;
 mod node_runs;

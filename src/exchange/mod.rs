@@ -1,6 +1,6 @@
 //! Ranks: processes that run the same program on the same numbers, and share the work of it.
 //!
-//! Every rank has all vectors, and decides what it does next by the same bits as the others. Between them go pieces of factors and of
+//! Every rank has all vectors, and decides what it does next by the same bits as the others. Between them go results of elements, pieces of factors and of
 //! solutions, which come back to all of them, and what comes of work that is dealt, of which each rank does other parts for itself: what uses a
 //! solver does not know of ranks. One process is all there is unless the program was built with the feature `mpi`, started by `mpirun`, and
 //! asked for ranks with [`start`].
