@@ -1,5 +1,5 @@
-use super::flat::Flat;
-use super::memory::Listed;
+use super::flat::{Flat, Put};
+use super::packed::PackedSteps;
 use super::schedule::split;
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
@@ -20,7 +20,7 @@ pub struct Checkpoints {
     start: Option<StartRecord<f64>>,
     steps: usize,
     /// All steps, while they fit into the memory.
-    all: Option<Vec<StepRecord<f64>>>,
+    all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
     /// Most bytes of one checkpoint; known after the first step.
@@ -89,7 +89,7 @@ impl Checkpoints {
     fn divide(&mut self, step: &StepRecord<f64>) -> Result<(), RunError> {
         let (step_bytes, budget, t) = (step.bytes().len(), self.budget, step.t);
         if self.planned.is_some_and(|planned| planned.saturating_mul(step_bytes) <= budget) {
-            self.all = Some(Vec::new());
+            self.all = Some(PackedSteps::default());
             *self.kept() = Kept { step_bytes, ..Kept::default() };
             return Ok(());
         }
@@ -156,7 +156,7 @@ impl Recorder<f64> for Checkpoints {
         }
         self.steps += 1;
         if let Some(all) = &mut self.all {
-            all.push(step.clone());
+            all.push(step);
             let (steps, kept) = (all.len(), self.kept());
             kept.usage.steps = steps;
             kept.usage.bytes = steps * kept.step_bytes;
@@ -201,7 +201,7 @@ impl History for Checkpoints {
     }
     fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
         if let Some(all) = &self.all {
-            return Ok(Box::new(Listed(Box::new(all.iter()))));
+            return Ok(all.forward(rerun));
         }
         let kept = self.locked()?;
         let mut stepper = rerun.stepper()?;
@@ -210,7 +210,7 @@ impl History for Checkpoints {
     }
     fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
         if let Some(all) = &self.all {
-            return Ok(Box::new(Listed(Box::new(all.iter().rev()))));
+            return Ok(all.backward(rerun));
         }
         let (kept, stepper) = (self.locked()?, rerun.stepper()?);
         Ok(Box::new(AgainBackward(Again {

@@ -1,8 +1,9 @@
-use super::flat::Flat;
+use super::flat::{Flat, Put};
 use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, check_place, write_frame};
+use super::packed::unpack;
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, Steps, TimeGrid};
+use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, StepRule, Steps, TimeGrid};
 use std::fmt;
 use std::fs::{self, File, TryLockError};
 use std::hash::{BuildHasher, RandomState};
@@ -272,7 +273,7 @@ impl FileHistory {
         Ok(())
     }
 
-    fn append_frame(&mut self, number: u64, record: &impl Flat) -> io::Result<()> {
+    fn append_frame(&mut self, number: u64, record: &impl Put) -> io::Result<()> {
         let mut frame = std::mem::take(&mut self.frame);
         write_frame(&mut frame, self.identity, number, record);
         let written = self.append(&frame);
@@ -294,7 +295,7 @@ impl FileHistory {
     }
 
     /// A record made again must be the one that is there.
-    fn check_found(&self, found: &[u8], again: &impl Flat, place: &str) -> Result<(), RunError> {
+    fn check_found(&self, found: &[u8], again: &impl Put, place: &str) -> Result<(), RunError> {
         if *found == again.bytes() {
             return Ok(());
         }
@@ -310,17 +311,18 @@ impl FileHistory {
         failure(place, &self.path, format!("cannot be written: {cause}"), kept + ELSEWHERE)
     }
 
-    fn open_for<'h>(&'h self, grid: &'h TimeGrid, position: u64, next: Option<usize>) -> Result<FromFile<'h>, RunError> {
+    fn open_for<'h>(&'h self, rerun: &'h Rerun<'_>, position: u64, next: Option<usize>) -> Result<FromFile<'h>, RunError> {
         let path = self.place();
         let refuse = |cause: String| {
             let hint = "the gradient needs it: run again and leave the file in place until the gradient is there";
-            failure(grid.place(self.steps.saturating_sub(1)), &path, cause, hint)
+            failure(rerun.grid.place(self.steps.saturating_sub(1)), &path, cause, hint)
         };
         let mut reader = Reader::open(&path).map_err(|cause| refuse(format!("cannot be read: {cause}")))?;
         if reader.identity().map_err(|cause| refuse(cause.to_string()))? != self.identity {
             return Err(refuse("holds another run now".into()));
         }
-        Ok(FromFile { history: self, grid, reader, position, next, record: None })
+        let (grid, rule, step) = (rerun.grid, rerun.rule(), StepRecord::empty());
+        Ok(FromFile { history: self, grid, rule, reader, position, next, step })
     }
 }
 
@@ -333,7 +335,7 @@ impl Recorder<f64> for FileHistory {
         self.start = Some(start);
         Ok(())
     }
-    fn take_up(&mut self, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
+    fn take_up(&mut self, rule: StepRule, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
         // all that is found is made once more
         let all = std::mem::take(&mut self.steps);
         let Some(found) = &mut self.found else { return Ok(None) };
@@ -341,9 +343,11 @@ impl Recorder<f64> for FileHistory {
         let Some((begin, count)) = found.pause else { return Ok(None) };
         let path = if self.complete { self.path.clone() } else { part_of(&self.path) };
         let damaged = |step: usize, damage| failure(format!("step {step}"), &path, damage, "begin a new file");
+        let mut step = StepRecord::empty();
         for number in 1..=count {
-            let step = found.reader.step_from(&mut found.position, number).and_then(step_of);
-            let step = step.map_err(|damage| damaged(number, damage))?;
+            let bytes = found.reader.step_from(&mut found.position, number);
+            let read = bytes.and_then(|bytes| read_step(&mut step, bytes, rule));
+            read.map_err(|damage| damaged(number, damage))?;
             found.position += found.reader.length;
             if !steps(&step)? {
                 return Err(RunError::Interrupted { steps: number });
@@ -409,31 +413,32 @@ impl History for FileHistory {
         Ok(())
     }
     fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        let mut steps = self.open_for(rerun.grid, HEADER, Some(0))?;
+        let mut steps = self.open_for(rerun, HEADER, Some(0))?;
         steps.skip_start()?;
         Ok(Box::new(steps))
     }
     fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        Ok(Box::new(FromFileBackward(self.open_for(rerun.grid, self.steps_end, self.steps.checked_sub(1))?)))
+        Ok(Box::new(FromFileBackward(self.open_for(rerun, self.steps_end, self.steps.checked_sub(1))?)))
     }
     fn usage(&self) -> Usage {
         Usage { written: self.bytes, taken_over: self.taken_over, ..Usage::default() }
     }
 }
 
-fn step_of(bytes: &[u8]) -> Result<StepRecord<f64>, Damage> {
-    StepRecord::from_bytes(bytes).ok_or(Damage::Unreadable)
+fn read_step(step: &mut StepRecord<f64>, bytes: &[u8], rule: StepRule) -> Result<(), Damage> {
+    unpack(step, bytes, rule).ok_or(Damage::Unreadable)
 }
 
 /// Steps read one after the other.
 struct FromFile<'h> {
     history: &'h FileHistory,
     grid: &'h TimeGrid,
+    rule: StepRule<'h>,
     reader: Reader,
     /// Where the next frame begins, or ends on the way back.
     position: u64,
     next: Option<usize>,
-    record: Option<StepRecord<f64>>,
+    step: StepRecord<f64>,
 }
 
 /// The same from the last to the first.
@@ -459,11 +464,12 @@ impl FromFile<'_> {
 impl Steps for FromFile<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         let Some(index) = self.next.filter(|&index| index < self.history.steps) else { return Ok(None) };
-        let record = self.reader.step_from(&mut self.position, index + 1).and_then(step_of);
-        self.record = Some(record.map_err(|damage| self.damaged(index, damage))?);
+        let bytes = self.reader.step_from(&mut self.position, index + 1);
+        let read = bytes.and_then(|bytes| read_step(&mut self.step, bytes, self.rule));
+        read.map_err(|damage| self.damaged(index, damage))?;
         self.position += self.reader.length;
         self.next = Some(index + 1);
-        Ok(self.record.as_ref())
+        Ok(Some(&self.step))
     }
 }
 
@@ -471,10 +477,11 @@ impl Steps for FromFileBackward<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         let own = &mut self.0;
         let Some(index) = own.next else { return Ok(None) };
-        let record = own.reader.step_before(&mut own.position, index + 1).and_then(step_of);
-        own.record = Some(record.map_err(|damage| own.damaged(index, damage))?);
+        let bytes = own.reader.step_before(&mut own.position, index + 1);
+        let read = bytes.and_then(|bytes| read_step(&mut own.step, bytes, own.rule));
+        read.map_err(|damage| own.damaged(index, damage))?;
         own.next = index.checked_sub(1);
-        Ok(own.record.as_ref())
+        Ok(Some(&own.step))
     }
 }
 
@@ -483,7 +490,7 @@ mod tests {
     use super::super::frames::FRAME;
     use super::*;
     use crate::assembly::{Equations, Unknowns, VectorsAvq};
-    use crate::integrators::{Scheme, SolveRecord};
+    use crate::integrators::{ConstraintLevel, Method, SolveRecord, StageRecord, table_by_name};
 
     fn start() -> StartRecord<f64> {
         let base = VectorsAvq { a: vec![0.0], v: vec![1.0], q: vec![2.0] };
@@ -494,21 +501,14 @@ mod tests {
     }
 
     fn step(index: usize) -> StepRecord<f64> {
-        let (t, h) = (index as f64 * 0.1, 0.1);
-        let (q, v) = (vec![t, -0.0, f64::NAN], vec![1.0 / 3.0, f64::MIN_POSITIVE]);
-        let (scheme, stages) = (Scheme::Main, Vec::new());
-        StepRecord {
-            t,
-            h,
-            scheme,
-            dropped: vec![3],
-            restart: None,
-            stages,
-            position_projection: None,
-            velocity_projection: None,
-            q,
-            v,
-        }
+        let mut step = StepRecord::empty();
+        (step.t, step.h, step.end) = (index as f64 * 0.1, 0.1, index as f64 * 0.1 + 0.1);
+        step.dropped = vec![3];
+        step.carried = vec![vec![step.t, -0.0, f64::NAN], vec![1.0 / 3.0, f64::MIN_POSITIVE, 1.0]];
+        let mut stage = StageRecord::empty();
+        stage.solve.unknowns.x = vec![1.0, 2.0, 3.0];
+        step.stages = vec![stage];
+        step
     }
 
     /// A disk with room for some bytes.
@@ -555,20 +555,32 @@ mod tests {
 
     #[test]
     fn bytes_that_are_no_record_are_refused() {
+        let method = Method::new(table_by_name("midpoint").unwrap(), ConstraintLevel::Acceleration);
+        let rule = StepRule { method: &method, constrained: false };
+        let read = |bytes: &[u8]| {
+            let mut step = StepRecord::empty();
+            unpack(&mut step, bytes, rule).map(|()| step)
+        };
         let whole = step(3).bytes();
-        let again = StepRecord::from_bytes(&whole).unwrap().bytes();
-        assert_eq!(whole, again);
+        let again = read(&whole).unwrap();
+        assert_eq!(whole, again.bytes());
+        assert_eq!(again.v[2], 1.0 + 0.1 * 3.0);
         for length in 0..whole.len() {
-            assert!(StepRecord::from_bytes(&whole[..length]).is_none(), "{length} of {} bytes", whole.len());
+            assert!(read(&whole[..length]).is_none(), "{length} of {} bytes", whole.len());
         }
         let mut long = whole.clone();
         long.push(0);
-        assert!(StepRecord::from_bytes(&long).is_none());
-        // a length beyond all memory
-        let q = whole.len() - 8 * 7;
-        assert_eq!(whole[q..q + 8], 3_u64.to_le_bytes());
-        let mut huge = whole;
-        huge[q..q + 8].fill(0xff);
-        assert!(StepRecord::from_bytes(&huge).is_none());
+        assert!(read(&long).is_none());
+        // a length beyond all memory, and one that is another vector's
+        let carried = 8 * (3 + 1 + 2 + 1 + 1);
+        assert_eq!(whole[carried..carried + 8], 3_u64.to_le_bytes());
+        for length in [u64::MAX, 2] {
+            let mut other = whole.clone();
+            other[carried..carried + 8].copy_from_slice(&length.to_le_bytes());
+            assert!(read(&other).is_none());
+        }
+        let mut other = step(3);
+        other.carried[1].pop();
+        assert!(read(&other.bytes()).is_none());
     }
 }

@@ -1,24 +1,36 @@
-//! Records as plain bytes, the same for files and checkpoints: numbers in order, little-endian, lists after their length.
+//! Records as plain bytes, the same in memory, in files and of checkpoints: numbers in order, little-endian, lists after their length.
 
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pace, Pause, Prediction, Renewal,
-    Scheme, SolveRecord, Stability, StabilityCourse, StageRecord, StartRecord, StepError, StepErrors, StepRecord, StepState,
-    Track,
+    Scheme, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepState, Track,
 };
 
-/// Something that is written as bytes and read back bit by bit.
-pub(super) trait Flat: Sized {
+/// Something that is written as bytes.
+pub(super) trait Put {
     /// Appends it.
     fn put(&self, bytes: &mut Vec<u8>);
-    /// Reads it off the front; `None` if the bytes are none of its kind.
-    fn take(bytes: &mut &[u8]) -> Option<Self>;
 
     /// Its bytes.
     fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.put(&mut bytes);
         bytes
+    }
+}
+
+/// Something that is read back bit by bit.
+pub(super) trait Flat: Put + Sized {
+    /// Reads it off the front; `None` if the bytes are none of its kind.
+    fn take(bytes: &mut &[u8]) -> Option<Self>;
+
+    /// Reads so many into the memory of a list.
+    fn refill(list: &mut Vec<Self>, count: usize, bytes: &mut &[u8]) -> Option<()> {
+        list.clear();
+        for _ in 0..count {
+            list.push(Self::take(bytes)?);
+        }
+        Some(())
     }
     /// From all of the bytes.
     fn from_bytes(mut bytes: &[u8]) -> Option<Self> {
@@ -32,37 +44,55 @@ fn split<'b>(bytes: &mut &'b [u8], count: usize) -> Option<&'b [u8]> {
     Some(front)
 }
 
-impl Flat for u64 {
+impl Put for u64 {
     fn put(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());
     }
+}
+
+impl Flat for u64 {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         Some(u64::from_le_bytes(split(bytes, 8)?.try_into().ok()?))
     }
 }
 
-impl Flat for f64 {
+impl Put for f64 {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.to_bits().put(bytes);
     }
+}
+
+impl Flat for f64 {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         u64::take(bytes).map(f64::from_bits)
+    }
+    fn refill(list: &mut Vec<Self>, count: usize, bytes: &mut &[u8]) -> Option<()> {
+        list.clear();
+        let (numbers, _) = split(bytes, count.checked_mul(8)?)?.as_chunks();
+        list.extend(numbers.iter().map(|&number| f64::from_le_bytes(number)));
+        Some(())
+    }
+}
+
+impl Put for usize {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        (*self as u64).put(bytes);
     }
 }
 
 impl Flat for usize {
-    fn put(&self, bytes: &mut Vec<u8>) {
-        (*self as u64).put(bytes);
-    }
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         usize::try_from(u64::take(bytes)?).ok()
     }
 }
 
-impl Flat for bool {
+impl Put for bool {
     fn put(&self, bytes: &mut Vec<u8>) {
         u64::from(*self).put(bytes);
     }
+}
+
+impl Flat for bool {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         match u64::take(bytes)? {
             0 => Some(false),
@@ -72,42 +102,61 @@ impl Flat for bool {
     }
 }
 
-impl<T: Flat> Flat for Vec<T> {
+impl<T: Put> Put for Vec<T> {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.len().put(bytes);
         self.iter().for_each(|item| item.put(bytes));
     }
+}
+
+impl<T: Flat> Flat for Vec<T> {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
-        let count = usize::take(bytes)?;
-        // every item has bytes: a damaged length asks for no memory
-        (count <= bytes.len()).then(|| (0..count).map(|_| T::take(bytes)).collect())?
+        let mut list = Vec::new();
+        retake(&mut list, bytes)?;
+        Some(list)
     }
 }
 
-impl<T: Flat> Flat for Option<T> {
+/// Reads a list into the memory of another one.
+pub(super) fn retake<T: Flat>(list: &mut Vec<T>, bytes: &mut &[u8]) -> Option<()> {
+    let count = usize::take(bytes)?;
+    // every item has bytes: a damaged length asks for no memory
+    (count <= bytes.len()).then(|| T::refill(list, count, bytes))?
+}
+
+impl<T: Put> Put for Option<T> {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.is_some().put(bytes);
         self.iter().for_each(|item| item.put(bytes));
     }
+}
+
+impl<T: Flat> Flat for Option<T> {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         Some(if bool::take(bytes)? { Some(T::take(bytes)?) } else { None })
     }
 }
 
-impl<A: Flat, B: Flat> Flat for (A, B) {
+impl<A: Put, B: Put> Put for (A, B) {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.0.put(bytes);
         self.1.put(bytes);
     }
+}
+
+impl<A: Flat, B: Flat> Flat for (A, B) {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         Some((A::take(bytes)?, B::take(bytes)?))
     }
 }
 
-impl<T: Flat, const N: usize> Flat for [T; N] {
+impl<T: Put, const N: usize> Put for [T; N] {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.iter().for_each(|item| item.put(bytes));
     }
+}
+
+impl<T: Flat, const N: usize> Flat for [T; N] {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         let items: Option<Vec<T>> = (0..N).map(|_| T::take(bytes)).collect();
         items?.try_into().ok()
@@ -116,10 +165,13 @@ impl<T: Flat, const N: usize> Flat for [T; N] {
 
 const LEVELS: [Level; 4] = [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized];
 
-impl Flat for Level {
+impl Put for Level {
     fn put(&self, bytes: &mut Vec<u8>) {
         LEVELS.iter().position(|level| level == self).expect("all levels are listed").put(bytes);
     }
+}
+
+impl Flat for Level {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         LEVELS.get(usize::take(bytes)?).copied()
     }
@@ -127,10 +179,13 @@ impl Flat for Level {
 
 const SCHEMES: [Scheme; 2] = [Scheme::Main, Scheme::Starter];
 
-impl Flat for Scheme {
+impl Put for Scheme {
     fn put(&self, bytes: &mut Vec<u8>) {
         SCHEMES.iter().position(|scheme| scheme == self).expect("all schemes are listed").put(bytes);
     }
+}
+
+impl Flat for Scheme {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         SCHEMES.get(usize::take(bytes)?).copied()
     }
@@ -139,11 +194,13 @@ impl Flat for Scheme {
 /// All fields in order; one that is missing here does not compile.
 macro_rules! flat {
     ($($record:ident $(<$scalar:ty>)? { $($field:ident),* })*) => {$(
-        impl Flat for $record $(<$scalar>)? {
+        impl Put for $record $(<$scalar>)? {
             fn put(&self, bytes: &mut Vec<u8>) {
                 let $record { $($field),* } = self;
                 $($field.put(bytes);)*
             }
+        }
+        impl Flat for $record $(<$scalar>)? {
             fn take(bytes: &mut &[u8]) -> Option<Self> {
                 Some($record { $($field: Flat::take(bytes)?),* })
             }
@@ -157,8 +214,6 @@ flat! {
     VectorsAvq<f64> { a, v, q }
     Unknowns<f64> { x, y, mu, eta, local_mu, local_eta }
     SolveRecord<f64> { t, equations, base, unknowns }
-    StageRecord<f64> { solve, known, rate }
-    StepRecord<f64> { t, h, scheme, dropped, restart, stages, position_projection, velocity_projection, q, v }
     StartRecord<f64> { dropped, equilibrium, position_projection, velocity_projection, acceleration }
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }

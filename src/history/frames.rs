@@ -1,14 +1,14 @@
 //! Frames in a file: the length of what follows, a number, a record, the CRC-32 of both mixed into the identity of the run, which tells
 //! frames of other runs, and the length again for the way back.
 
-use super::flat::Flat;
+use super::flat::{Flat, Put};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// First bytes of every file, before the two numbers of its run.
-pub(super) const KIND: &[u8; 16] = b"costate run 07\r\n";
+pub(super) const KIND: &[u8; 16] = b"costate run 08\r\n";
 /// The part of them that files of other versions have, too.
 pub(super) const ANY_KIND: &[u8] = b"costate run ";
 /// Bytes before the first frame.
@@ -19,7 +19,7 @@ pub(super) const FRAME: u64 = 24;
 pub(super) const PAUSE: u64 = 1 << 63;
 
 /// Writes a frame over what a buffer holds.
-pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, record: &impl Flat) {
+pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, record: &impl Put) {
     frame.clear();
     0_u64.put(frame);
     number.put(frame);

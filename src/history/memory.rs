@@ -1,56 +1,41 @@
-use super::flat::Flat;
+use super::flat::Put;
+use super::packed::PackedSteps;
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
-use crate::scalar::Scalar;
 
 /// A run in memory.
-#[derive(Clone, Debug)]
-pub struct Memory<S> {
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
     /// What happened before the first step.
-    pub start: Option<StartRecord<S>>,
+    start: Option<StartRecord<f64>>,
     /// All steps.
-    pub steps: Vec<StepRecord<S>>,
+    steps: PackedSteps,
 }
 
-impl<S> Default for Memory<S> {
-    fn default() -> Self {
-        Memory { start: None, steps: Vec::new() }
-    }
-}
-
-impl<S: Scalar> Recorder<S> for Memory<S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
+impl Recorder<f64> for Memory {
+    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
         self.start = Some(start);
         Ok(())
     }
-    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        self.steps.push(step.clone());
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.steps.push(step);
         Ok(true)
     }
 }
 
-/// Steps that are all in memory, in some order.
-pub(super) struct Listed<'h>(pub Box<dyn Iterator<Item = &'h StepRecord<f64>> + 'h>);
-
-impl Steps for Listed<'_> {
-    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        Ok(self.0.next())
-    }
-}
-
-impl History for Memory<f64> {
+impl History for Memory {
     fn start_record(&self) -> Option<&StartRecord<f64>> {
         self.start.as_ref()
     }
     fn steps(&self) -> usize {
         self.steps.len()
     }
-    fn forward<'h>(&'h self, _rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        Ok(Box::new(Listed(Box::new(self.steps.iter()))))
+    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        Ok(self.steps.forward(rerun))
     }
-    fn backward<'h>(&'h self, _rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        Ok(Box::new(Listed(Box::new(self.steps.iter().rev()))))
+    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        Ok(self.steps.backward(rerun))
     }
     fn usage(&self) -> Usage {
         Usage { steps: self.steps.len(), ..Usage::default() }
@@ -60,7 +45,7 @@ impl History for Memory<f64> {
 /// A run in memory that ends with an error where it would take more than it may.
 #[derive(Debug)]
 pub struct MemoryWithin {
-    memory: Memory<f64>,
+    memory: Memory,
     most: usize,
     /// Bytes of the numbers of one step; known after the first.
     step_bytes: usize,
@@ -78,10 +63,10 @@ impl Recorder<f64> for MemoryWithin {
         self.memory.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        if self.memory.steps.is_empty() {
+        if self.memory.steps() == 0 {
             self.step_bytes = step.bytes().len();
         }
-        let steps = self.memory.steps.len() + 1;
+        let steps = self.memory.steps() + 1;
         if steps.saturating_mul(self.step_bytes) > self.most {
             return Err(RunError::History {
                 place: format!("step {steps} (t = {} s), memory", shortest(step.t)),
@@ -107,6 +92,6 @@ impl History for MemoryWithin {
         self.memory.backward(rerun)
     }
     fn usage(&self) -> Usage {
-        Usage { bytes: self.memory.steps.len() * self.step_bytes, ..self.memory.usage() }
+        Usage { bytes: self.memory.steps.bytes(), ..self.memory.usage() }
     }
 }

@@ -12,6 +12,7 @@ mod frames;
 mod free_memory;
 pub(crate) mod memory;
 pub(crate) mod nothing;
+mod packed;
 pub(crate) mod rerun;
 pub(crate) mod schedule;
 

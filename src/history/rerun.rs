@@ -1,4 +1,4 @@
-use crate::integrators::{Method, Problem, RunError, StartPlan, Stepper, Systems, TimeGrid};
+use crate::integrators::{Method, Problem, RunError, StartPlan, StepRule, Stepper, Systems, TimeGrid};
 use std::sync::OnceLock;
 
 /// The run that a history belongs to: what it takes to compute some of it again.
@@ -23,6 +23,11 @@ impl<'r> Rerun<'r> {
     /// Its numbered equations.
     pub fn systems(&self) -> &Systems<'r> {
         self.systems.get_or_init(|| Systems::new(self.problem.model, self.method, &self.plan.dropped))
+    }
+
+    /// What all its steps have in common.
+    pub fn rule(&self) -> StepRule<'_> {
+        StepRule { method: self.method, constrained: self.systems().plain.is_constrained() }
     }
 
     /// Workspace to go through it once more.

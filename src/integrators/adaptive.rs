@@ -148,9 +148,9 @@ impl<'c> ByError<'c> {
             self.ratio(tolerance, error, [&before.carried[place], &after.carried[place]])
         };
         let solutions = (self.table, self.embedded);
-        embedded_difference(solutions, 0, step, &before.carried, &mut error);
+        embedded_difference(solutions, 0, step, &mut error);
         let of_q = of(0, self.control.coordinates, &error);
-        embedded_difference(solutions, 1, step, &before.carried, &mut error);
+        embedded_difference(solutions, 1, step, &mut error);
         let of_v = of(1, self.control.velocities, &error);
         self.difference = error;
         if of_q >= of_v || of_q.is_nan() { of_q } else { of_v }

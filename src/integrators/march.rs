@@ -121,16 +121,15 @@ pub(crate) fn combine<S: RunScalar>(
     add_lists(sum, &terms);
 }
 
-/// What the embedded solution of a step differs by: in coordinates (`order` 0) or velocities (1); `carried` is that before the step.
+/// What the embedded solution of a step differs by: in coordinates (`order` 0) or velocities (1).
 pub(super) fn embedded_difference<S: RunScalar>(
     (table, embedded): (&Table, &Embedded),
     order: i32,
     step: &StepRecord<S>,
-    carried: &[Vec<S>],
     difference: &mut Vec<S>,
 ) {
     let combination = if order == 0 { &embedded.q } else { &embedded.v };
-    combine(table, order, combination, step.h, carried, &step.stages, difference);
+    combine(table, order, combination, step.h, &step.carried, &step.stages, difference);
     if order == 0 {
         for (stage, weight) in step.stages.iter().zip(&embedded.rates) {
             add_scaled(difference, &stage.rate, step.h * weight);

@@ -47,7 +47,7 @@ impl<S: RunScalar> TakenUp<S> {
     /// Brings a run, whose start has reached the recorder, to where the recorder has its steps from; `None` if it has none.
     pub fn by(stepper: &mut Stepper<S>, recorder: &mut dyn Recorder<S>) -> Result<Option<Self>, RunError> {
         let mut begins = Vec::new();
-        let pause = recorder.take_up(&mut |step| {
+        let pause = recorder.take_up(stepper.rule(), &mut |step| {
             begins.push(step.t);
             Ok(true)
         })?;

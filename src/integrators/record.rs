@@ -1,4 +1,4 @@
-use super::{Pause, RunError, Scheme};
+use super::{Pause, RunError, Scheme, StepRule};
 use crate::assembly::{Equations, Unknowns, VectorsAvq, cloned_in_place};
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ pub struct SolveRecord<S> {
 
 impl<S: Scalar> SolveRecord<S> {
     /// Room for a record.
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         let (base, unknowns) = (VectorsAvq::default(), Unknowns::default());
         SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns }
     }
@@ -46,6 +46,13 @@ pub struct StageRecord<S> {
     pub rate: Vec<S>,
 }
 
+impl<S: Scalar> StageRecord<S> {
+    /// Room for a record.
+    pub(crate) fn empty() -> Self {
+        StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() }
+    }
+}
+
 /// One step.
 #[derive(Debug, PartialEq)]
 pub struct StepRecord<S> {
@@ -53,12 +60,16 @@ pub struct StepRecord<S> {
     pub t: f64,
     /// Size of the step \[s\].
     pub h: f64,
+    /// Its end \[s\]: t + h but for rounding.
+    pub(crate) end: f64,
     /// Which of the method's tables made it.
     pub scheme: Scheme,
     /// Redundant constraint equations that are left out.
     pub dropped: Vec<usize>,
     /// Acceleration solved anew at the start: at a breakpoint, or because other redundant equations are left out from here on.
     pub restart: Option<SolveRecord<S>>,
+    /// The table's carried vectors before the step, q and v first.
+    pub(crate) carried: Vec<Vec<S>>,
     /// Stages.
     pub stages: Vec<StageRecord<S>>,
     /// Projection of the coordinates at the end.
@@ -73,17 +84,32 @@ pub struct StepRecord<S> {
 
 cloned_in_place!(SolveRecord { t, equations, base, unknowns });
 cloned_in_place!(StageRecord { solve, known, rate });
-cloned_in_place!(StepRecord { t, h, scheme, dropped, restart, stages, position_projection, velocity_projection, q, v });
+cloned_in_place!(StepRecord {
+    t,
+    h,
+    end,
+    scheme,
+    dropped,
+    restart,
+    carried,
+    stages,
+    position_projection,
+    velocity_projection,
+    q,
+    v
+});
 
 impl<S: Scalar> StepRecord<S> {
     /// Room for a record.
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         StepRecord {
             t: 0.0,
             h: 0.0,
+            end: 0.0,
             scheme: Scheme::Main,
             dropped: Vec::new(),
             restart: None,
+            carried: Vec::new(),
             stages: Vec::new(),
             position_projection: None,
             velocity_projection: None,
@@ -145,7 +171,7 @@ pub trait Recorder<S> {
     ///
     /// # Errors
     /// Steps that cannot be found again; [`RunError::Interrupted`] if the function returns `false`.
-    fn take_up(&mut self, _steps: Replay<S>) -> Result<Option<Pause<S>>, RunError> {
+    fn take_up(&mut self, _rule: StepRule, _steps: Replay<S>) -> Result<Option<Pause<S>>, RunError> {
         Ok(None)
     }
 }

@@ -125,19 +125,19 @@ impl<S: RunScalar> Resolution<S> {
         self.errors.accelerations.push((t, acceleration.iter().map(|a| a.value()).collect()));
     }
 
-    /// Takes note of a step: its number, the carried vectors before it, and how things are measured.
-    pub fn note(&mut self, table: &Table, number: usize, step: &StepRecord<S>, carried: &[Vec<S>], measures: &Measures) {
+    /// Takes note of a step: its number, and how things are measured.
+    pub fn note(&mut self, table: &Table, number: usize, step: &StepRecord<S>, measures: &Measures) {
         if table.is_static() {
             return;
         }
         let mut difference = std::mem::take(&mut self.difference);
         if let Some(embedded) = &table.embedded {
             for (order, in_velocity) in [(0, false), (1, true)] {
-                embedded_difference((table, embedded), order, step, carried, &mut difference);
+                embedded_difference((table, embedded), order, step, &mut difference);
                 self.judge(in_velocity, number, step, &difference, measures);
             }
         } else {
-            self.note_acceleration(table.order, step, &carried[1]);
+            self.note_acceleration(table.order, step);
             let factors = measures.error_factors.map(|factor| factor * step.h.powi(table.order as i32 + 1));
             for (in_velocity, factor) in [false, true].into_iter().zip(factors) {
                 let order = if in_velocity { table.order } else { table.order - 1 };
@@ -152,7 +152,7 @@ impl<S: RunScalar> Resolution<S> {
     }
 
     /// Adds the mean acceleration of a step, of which as many are kept as an order asks for.
-    fn note_acceleration(&mut self, order: usize, step: &StepRecord<S>, start: &[S]) {
+    fn note_acceleration(&mut self, order: usize, step: &StepRecord<S>) {
         if let Some(solved) = &step.restart {
             self.begin(step.t, &solved.unknowns.x);
         }
@@ -166,7 +166,7 @@ impl<S: RunScalar> Resolution<S> {
         let (t, mean) = &mut list[0];
         *t = step.t + 0.5 * step.h;
         mean.clear();
-        mean.extend(step.v.iter().zip(start).map(|(end, start)| (end.value() - start.value()) / step.h));
+        mean.extend(step.v.iter().zip(&step.carried[1]).map(|(end, start)| (end.value() - start.value()) / step.h));
     }
 
     /// Errors of coordinates or of velocities, and how large these are.

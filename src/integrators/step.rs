@@ -4,7 +4,7 @@ use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
 use super::grid::{Clocks, clock_at};
 use super::initial_guess::{InitialGuess, solve};
-use super::march::{Method, Problem, Run, add_scaled, combine, embedded_difference};
+use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
@@ -12,11 +12,12 @@ use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
 use super::start::check_velocities;
 use super::steady_turn;
+use super::step_points::StepRule;
 use super::{
     Carried, ConstraintLevel, InitialState, Pace, Pause, RunError, Scheme, Stability, StabilityCourse, StartPlan, Systems,
     Table, TimeGrid, Verdict,
 };
-use crate::assembly::{Clock, ConstraintRows, Equations, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
+use crate::assembly::{Clock, ConstraintRows, Equations, Residual, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::linalg::sign_of_determinant;
@@ -39,8 +40,6 @@ pub struct Stepper<'m, S> {
     earlier: Counters,
     pub(super) between: StepState<S>,
     record: StepRecord<S>,
-    /// Carried vectors after the step.
-    updated: Vec<Vec<S>>,
     resolution: Resolution<S>,
     error_factors: Option<[f64; 2]>,
     /// Of a mechanism whose drives determine the motion.
@@ -151,7 +150,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             earlier: Counters::default(),
             between: StepState { dropped, ..StepState::default() },
             record: StepRecord::empty(),
-            updated: Vec::new(),
             resolution: Resolution::default(),
             error_factors: None,
             drives: None,
@@ -369,8 +367,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let error_factors = *self.error_factors.get_or_insert_with(|| table.error_factors());
         let (length, round_off) = (*length, self.stage.measured_round_off());
         let measures = Measures { scales: coordinate_scales, length, round_off, error_factors };
-        // what was carried before the step was swapped away
-        self.resolution.note(table, self.between.step, &self.record, &self.updated, &measures);
+        self.resolution.note(table, self.between.step, &self.record, &measures);
         self.note_side(self.record.t + self.record.h);
     }
 
@@ -399,8 +396,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             return self.resolution.forget_side();
         }
         let Some(drives) = &mut self.drives else { return };
-        // what was carried before the step was swapped away
-        let (before, after) = (&self.updated, &self.between.carried);
+        let (before, after) = (&self.record.carried, &self.between.carried);
         let StepRecord { t, h, .. } = self.record;
         if is_smooth([&before[0], &before[1]], [&after[0], &after[1]], h, &self.stage.coordinate_scales) {
             let (mut pose, _) = drives.before.take().unwrap_or_default();
@@ -570,7 +566,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.stage.residual.clock = self.clock;
         let table = method.table.scheme(scheme);
         let h = end - t;
-        (record.t, record.h, record.scheme) = (t, h, scheme);
+        (record.t, record.h, record.end, record.scheme) = (t, h, end, scheme);
         record.dropped.clone_from(&state.dropped);
         record.restart = None;
         if table.is_static() {
@@ -588,22 +584,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         // from one step no change is known
         let is_known = table.embedded.is_some() || state.prediction.tracks.iter().any(|track| !track.times.is_empty());
         self.stage.allowed = allowed(table, &state, h, self.stage.length);
-        let change = self.solve_stages(&mut state, &mut record, table, (t, end), guided)?;
-        let stages = &record.stages;
-        let kinds = table.update.iter().zip(&table.carried);
-        self.updated.resize_with(table.carried.len(), Vec::new);
-        for ((update, kind), new) in kinds.zip(&mut self.updated) {
-            combine(table, kind.order(), update, h, &state.carried, stages, new);
-        }
-        std::mem::swap(&mut state.carried, &mut self.updated);
-        let [q, ..] = &mut state.carried[..] else { unreachable!("q and v are carried first") };
-        for (stage, weight) in stages.iter().zip(&table.rates[stages.len()]) {
-            add_scaled(q, &stage.rate, h * weight);
-        }
-        if let Some(last) = stages.last().filter(|stage| !stage.rate.is_empty()) {
+        std::mem::swap(&mut state.carried, &mut record.carried);
+        let change = self.solve_stages(&mut state, &mut record, table, guided)?;
+        state.carried.resize_with(table.carried.len(), Vec::new);
+        record.update(self.rule(), &mut state.carried);
+        if let Some(last) = record.stages.last().filter(|stage| !stage.rate.is_empty()) {
             state.rate.clone_from(&last.rate);
         }
-        self.project(&mut state, &mut record, (end, table.shift(table.stages.len() - 1, h)), guided)?;
+        self.project(&mut state, &mut record, guided)?;
         record.q.clone_from(&state.carried[0]);
         record.v.clone_from(&state.carried[1]);
         state.allowed = None;
@@ -624,10 +612,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let error = step.h * step.h / 12.0 * change;
             return [error, error / step.h];
         };
-        // what was carried before the step was swapped away
-        let Stepper { updated, difference, stage, .. } = self;
+        let Stepper { difference, stage, .. } = self;
         [0, 1].map(|order| {
-            embedded_difference((table, embedded), order, step, updated, difference);
+            embedded_difference((table, embedded), order, step, difference);
             stage.size(difference)
         })
     }
@@ -655,10 +642,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         state: &mut StepState<S>,
         record: &mut StepRecord<S>,
         table: &Table,
-        (t, end): (f64, f64),
         guided: Option<&StepRecord<f64>>,
     ) -> Result<f64, RunError> {
-        let (h, step) = (end - t, state.step);
+        let (t, h, step, rule) = (record.t, record.h, state.step, self.rule());
         let asks_for_change = self.method.tolerance == NewtonTolerance::Scaled && table.embedded.is_none();
         let mut change = 0.0;
         let first = table.stages.iter().position(|stage| stage.known.is_none());
@@ -666,27 +652,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.stage.begin_step(&self.method.stage_equations(table, first, h, self.constrained));
         }
         self.stage.trusted.clear();
-        self.stage.trusted.extend(state.carried[0].iter().map(|q| q.value()));
-        let room = || StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() };
-        record.stages.resize_with(table.stages.len(), room);
-        for (index, stage) in table.stages.iter().enumerate() {
-            let (earlier, own) = record.stages.split_at_mut(index);
-            let StageRecord { solve: own, known, rate } = &mut own[0];
-            let VectorsAvq { a, v, q } = &mut own.base;
-            for (order, combination, sum) in [(2, &stage.a, a), (1, &stage.v, v), (0, &stage.q, q)] {
-                combine(table, order, combination, h, &state.carried, earlier, sum);
-            }
-            for (earlier, weight) in earlier.iter().zip(&table.rates[index]) {
-                add_scaled(&mut own.base.q, &earlier.rate, h * weight);
-            }
-            own.equations = self.method.stage_equations(table, index, h, self.constrained);
-            // a stage at the end of the step lies before the breakpoint that may be there, whatever t + h rounds to
-            own.t = if stage.c <= 1.0 + 1e-12 { (t + stage.c * h).min(end) } else { t + stage.c * h };
-            *known = stage.known;
-            if let Some(place) = stage.known {
-                let Unknowns { x, mu, .. } = &mut own.unknowns;
-                x.clone_from(&state.carried[place]);
-                mu.clone_from(&state.last.mu);
+        self.stage.trusted.extend(record.carried[0].iter().map(|q| q.value()));
+        record.stages.resize_with(table.stages.len(), StageRecord::empty);
+        for index in 0..table.stages.len() {
+            record.begin_stage(rule, index);
+            let StageRecord { solve: own, known, rate } = &mut record.stages[index];
+            if known.is_some() {
+                own.unknowns.mu.clone_from(&state.last.mu);
                 rate.clone_from(&state.rate);
                 continue;
             }
@@ -708,11 +680,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 change += self.stage.distance(&state.last.x, &own.unknowns.x);
             }
             state.last.set(&own.unknowns);
-            let factor = table.rate_factor(index, h);
-            rate.clear();
-            rate.extend(own.unknowns.y.iter().map(|&y| y * factor));
+            record.end_stage(rule, index);
         }
         Ok(change)
+    }
+
+    /// What all steps have in common.
+    pub(super) fn rule(&self) -> StepRule<'m> {
+        StepRule { method: self.method, constrained: self.constrained }
     }
 
     /// At acceleration level: (q, v) back onto g = 0 and dg/dt = 0, each as one more system.
@@ -720,46 +695,33 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         &mut self,
         state: &mut StepState<S>,
         record: &mut StepRecord<S>,
-        (t, shift): (f64, StageCoefficients),
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         if !self.constrained || self.method.constraint_level() != ConstraintLevel::Acceleration {
             (record.position_projection, record.velocity_projection) = (None, None);
             return Ok(());
         }
+        let (rule, t, stages) = (self.rule(), record.t, record.stages.len());
         let StepState { carried, prediction, step, .. } = state;
         let [q, v, ..] = &mut carried[..] else { unreachable!("q and v are carried first") };
-        let place = || format!("step {}, projection (t = {} s)", *step + 1, shortest(t));
-        let a = record.stages.last().map_or(&[][..], |last| &last.solve.unknowns.x);
-        let stages = record.stages.len();
-        let own = [&mut record.position_projection, &mut record.velocity_projection];
+        let end = record.end;
+        let place = || format!("step {}, projection (t = {} s)", *step + 1, shortest(end));
         let guides = guided.map(|step| [&step.position_projection, &step.velocity_projection]);
-        // both share the last stage's matrix
-        let equations = [Equations::position_projection(shift), Equations::velocity_projection(shift)];
-        for (index, (own, equations)) in own.into_iter().zip(equations).enumerate() {
-            let own = own.get_or_insert_with(SolveRecord::empty);
-            (own.t, own.equations) = (t, equations);
-            for (base, values) in [(&mut own.base.a, a), (&mut own.base.v, v), (&mut own.base.q, q)] {
-                base.clear();
-                base.extend_from_slice(values);
-            }
-            let track = &mut prediction.tracks[stages + index];
+        for order in 0..2 {
+            let own = record.begin_projection(rule, order, [q, v]);
+            let track = &mut prediction.tracks[stages + order];
             let first = if let Some(guides) = guides {
-                InitialGuess::guided(guides[index].as_ref())
+                InitialGuess::guided(guides[order].as_ref())
             } else {
                 Residual::shape(&self.stage.system, &mut own.unknowns, true);
-                track.add_expected(record.t, 1.0, &mut own.unknowns);
+                track.add_expected(t, 1.0, &mut own.unknowns);
                 InitialGuess::Given
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
-                track.learn((record.t, 1.0), None, &own.unknowns, &self.stage.coordinate_scales);
+                track.learn((t, 1.0), None, &own.unknowns, &self.stage.coordinate_scales);
             }
-            if index == 0 {
-                add_scaled(q, &own.unknowns.x, shift.alpha);
-            } else {
-                add_scaled(v, &own.unknowns.x, shift.beta);
-            }
+            StepRecord::end_projection(own, order, [q, v]);
         }
         Ok(())
     }

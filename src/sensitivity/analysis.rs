@@ -10,7 +10,7 @@ use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values}
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
-    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march,
+    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, SwitchWatch, TimeGrid, march,
     march_adaptive, march_along, march_dividing,
 };
 use crate::program::Digest;
@@ -587,9 +587,9 @@ impl Recorder<f64> for Measuring<'_, '_> {
     fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
         self.history.end(pause)
     }
-    fn take_up(&mut self, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
+    fn take_up(&mut self, rule: StepRule, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
         let Measuring { values, history, observer, switches, p } = self;
-        history.take_up(&mut |step| {
+        history.take_up(rule, &mut |step| {
             values.step(step);
             switches.step(step, p);
             Ok(observer.step(step)? && steps(step)?)

@@ -1,11 +1,11 @@
 //! Which table makes a step, steps chosen by their error, and the motion between steps.
 
 use costate::functionals::{Aggregate, AggregateKind, Times};
-use costate::history::Keep;
+use costate::history::{Keep, Watch};
 use costate::integrators::{
     ConstraintLevel, Method, NewtonTolerance, Scheme, StepControl, StepRecord, Table, TimeGrid, tables,
 };
-use costate::internals::{Memory, QuadratureWeights, march, table_named};
+use costate::internals::{QuadratureWeights, march, table_named};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{FiveBar, all};
@@ -107,9 +107,13 @@ fn chosen(scene: &Swinging, table: &str, control: StepControl) -> Forward {
 
 /// All steps of a run over given steps.
 fn steps_over(prepared: &Prepared, grid: &TimeGrid) -> Vec<StepRecord<f64>> {
-    let mut memory = Memory::default();
-    march(&prepared.problem(), &prepared.method, grid, &prepared.plan, &mut memory).expect("runs");
-    memory.steps
+    let mut steps = Vec::new();
+    let mut keep = Watch(|step: &StepRecord<f64>| {
+        steps.push(step.clone());
+        true
+    });
+    march(&prepared.problem(), &prepared.method, grid, &prepared.plan, &mut keep).expect("runs");
+    steps
 }
 
 #[test]

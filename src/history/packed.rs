@@ -1,0 +1,157 @@
+//! Steps by the numbers from which all others follow: what was carried into them, and their solutions.
+
+use super::Rerun;
+use super::flat::{Flat, Put, retake};
+use crate::assembly::Unknowns;
+use crate::integrators::{RunError, SolveRecord, StageRecord, StepRecord, StepRule, Steps};
+
+impl Put for StepRecord<f64> {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        let StepRecord {
+            t,
+            h,
+            end,
+            scheme,
+            dropped,
+            restart,
+            carried,
+            stages,
+            position_projection,
+            velocity_projection,
+            ..
+        } = self;
+        [t, h, end].into_iter().for_each(|time| time.put(bytes));
+        scheme.put(bytes);
+        dropped.put(bytes);
+        restart.put(bytes);
+        carried.put(bytes);
+        stages.len().put(bytes);
+        for StageRecord { solve, known, rate } in stages {
+            known.put(bytes);
+            if known.is_some() {
+                solve.unknowns.mu.put(bytes);
+                rate.put(bytes);
+            } else {
+                put_solution(&solve.unknowns, bytes);
+            }
+        }
+        for projection in [position_projection, velocity_projection] {
+            projection.is_some().put(bytes);
+            projection.iter().for_each(|solve| put_solution(&solve.unknowns, bytes));
+        }
+    }
+}
+
+/// Without the multipliers inside nodes: who goes through the system again has them from the rest.
+fn put_solution(Unknowns { x, y, mu, eta, local_mu, local_eta }: &Unknowns<f64>, bytes: &mut Vec<u8>) {
+    [x, y, mu, eta].into_iter().for_each(|own| own.put(bytes));
+    [local_mu, local_eta].into_iter().for_each(|own| own.len().put(bytes));
+}
+
+fn take_solution(Unknowns { x, y, mu, eta, local_mu, local_eta }: &mut Unknowns<f64>, bytes: &mut &[u8]) -> Option<()> {
+    [x, y, mu, eta].into_iter().try_for_each(|own| retake(own, bytes))?;
+    for own in [local_mu, local_eta] {
+        let count = usize::take(bytes)?;
+        own.clear();
+        own.resize(count, 0.0);
+    }
+    Some(())
+}
+
+/// Reads a step into the memory of another one, as it was when it was made; `None` if the bytes are none of it.
+pub(super) fn unpack(step: &mut StepRecord<f64>, mut bytes: &[u8], rule: StepRule) -> Option<()> {
+    take_given(step, &mut bytes)?;
+    (bytes.is_empty() && fits(step, rule)).then(|| step.follow(rule))
+}
+
+/// Whether the vectors are those of a step of the method.
+fn fits(step: &StepRecord<f64>, rule: StepRule) -> bool {
+    let (table, StepRecord { carried, stages, position_projection, velocity_projection, .. }) = (rule.table(step), step);
+    let Some(dofs) = carried.first().map(Vec::len) else { return false };
+    let kinds = stages.iter().zip(&table.stages).all(|(own, stage)| own.known == stage.known);
+    let solved = stages.iter().filter(|stage| stage.known.is_none()).map(|stage| &stage.solve);
+    let mut solved = solved.chain(position_projection).chain(velocity_projection);
+    [(carried.len(), table.carried.len()), (stages.len(), table.stages.len())].iter().all(|(own, asked)| own == asked)
+        && kinds
+        && carried.iter().all(|own| own.len() == dofs)
+        && solved.all(|own| own.unknowns.x.len() == dofs)
+}
+
+fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
+    let StepRecord {
+        t, h, end, scheme, dropped, restart, carried, stages, position_projection, velocity_projection, ..
+    } = step;
+    for time in [t, h, end] {
+        *time = Flat::take(bytes)?;
+    }
+    *scheme = Flat::take(bytes)?;
+    retake(dropped, bytes)?;
+    *restart = Flat::take(bytes)?;
+    let vectors = usize::take(bytes)?;
+    carried.resize_with(vectors, Vec::new);
+    carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
+    let count = usize::take(bytes)?;
+    stages.resize_with(count, StageRecord::empty);
+    for StageRecord { solve, known, rate } in stages {
+        *known = Flat::take(bytes)?;
+        if known.is_some() {
+            retake(&mut solve.unknowns.mu, bytes)?;
+            retake(rate, bytes)?;
+        } else {
+            take_solution(&mut solve.unknowns, bytes)?;
+        }
+    }
+    for projection in [position_projection, velocity_projection] {
+        if bool::take(bytes)? {
+            take_solution(&mut projection.get_or_insert_with(SolveRecord::empty).unknowns, bytes)?;
+        } else {
+            *projection = None;
+        }
+    }
+    Some(())
+}
+
+/// Steps in memory, one after the other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PackedSteps(Vec<Box<[u8]>>);
+
+impl PackedSteps {
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Bytes of all steps.
+    pub fn bytes(&self) -> usize {
+        self.0.iter().map(|step| step.len()).sum()
+    }
+
+    pub fn push(&mut self, step: &StepRecord<f64>) {
+        // all steps are about as long
+        let mut bytes = Vec::with_capacity(self.0.last().map_or(0, |before| before.len()));
+        step.put(&mut bytes);
+        self.0.push(bytes.into());
+    }
+
+    pub fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
+        Box::new(Unpacking { steps: self.0.iter(), rule: rerun.rule(), step: StepRecord::empty() })
+    }
+
+    pub fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
+        Box::new(Unpacking { steps: self.0.iter().rev(), rule: rerun.rule(), step: StepRecord::empty() })
+    }
+}
+
+/// Steps in some order.
+struct Unpacking<'h, I> {
+    steps: I,
+    rule: StepRule<'h>,
+    step: StepRecord<f64>,
+}
+
+impl<'h, I: Iterator<Item = &'h Box<[u8]>>> Steps for Unpacking<'h, I> {
+    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
+        let Some(bytes) = self.steps.next() else { return Ok(None) };
+        unpack(&mut self.step, bytes, self.rule).expect("these are the bytes of a step");
+        Ok(Some(&self.step))
+    }
+}
