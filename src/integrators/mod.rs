@@ -67,7 +67,7 @@ pub(crate) use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
 pub(crate) use harmonic_response::{Response, Vibration, harmonic_response};
 pub use march::Method;
 pub(crate) use march::Problem;
-pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, is_cut, mode_vectors};
+pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, is_cut, mode_vectors, value_of};
 pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal};
 pub(crate) use pause::{Pace, Pause};

@@ -22,7 +22,7 @@ const PLACE: &str = "derivatives of modes";
 /// Shift at which the equilibrium is looked for, as a share of the lowest omega^2.
 const SHIFT: f64 = 1e-4;
 /// Values that differ by this share of their size are the same.
-const SAME: f64 = 1e-8;
+pub(crate) const SAME: f64 = 1e-8;
 /// Distances from the value at which its vectors are sought, as shares of it: the first at which the matrix has factors.
 const BESIDE: [f64; 3] = [1e-10, 1e-8, 1e-6];
 /// Most iterations.

@@ -145,6 +145,13 @@ impl<'s> Optimization<'s> {
                 unit: own.value_unit(),
                 aggregate: own.over.aggregate().map(|own| own.kind),
             }));
+            all.extend(problem.modes.iter().map(|own| CaseFunctional {
+                case: place,
+                name: own.name.clone(),
+                full: case.full_name(&own.name),
+                unit: own.unit().into(),
+                aggregate: None,
+            }));
         }
         let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.name()));
         let problem = in_all_scenarios(problem, &all);

@@ -8,7 +8,7 @@ use crate::exchange::{Sent, sent_by_fields};
 use crate::functionals::Extremes;
 use crate::history::Watch;
 use crate::integrators::{Counters, RunError, StepRecord};
-use crate::scenes::Prepared;
+use crate::scenes::{ModeMeasure, Prepared};
 use crate::sensitivity::Forward;
 use std::sync::OnceLock;
 
@@ -33,7 +33,9 @@ struct CaseRun<'s> {
 /// What its gradient needs, where it was simulated.
 struct Kept<'s> {
     prepared: Prepared<'s>,
-    forward: Forward,
+    /// None where nothing but modes is measured.
+    forward: Option<Forward>,
+    modes: Vec<&'s ModeMeasure>,
 }
 
 /// What all ranks know of it.
@@ -106,17 +108,26 @@ impl<'o> Optimization<'o> {
         let known = |name: &str| self.places.iter().position(|place| place.0 == number && place.1 == name);
         prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
         prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));
-        let places = prepared.functionals().iter().filter_map(|functional| known(&functional.name)).collect();
         prepared.keep = self.keep.clone();
-        let mut watch = Watch(|_: &StepRecord<f64>| !wants_to_stop());
-        let (forward, stopped) = prepared.analysis().observed(design, &mut watch)?;
-        if wants_to_stop() {
-            return Err(RunError::Interrupted { steps: forward.history.steps() });
+        let modes: Vec<&ModeMeasure> = self.problem.modes.iter().filter(|mode| known(&mode.name).is_some()).collect();
+        let names = prepared.functionals().iter().map(|own| &own.name).chain(modes.iter().map(|mode| &mode.name));
+        let places = names.filter_map(|name| known(name)).collect();
+        let mut found = Found { values: Vec::new(), extremes: Vec::new(), places, counters: Counters::default() };
+        let mut forward = None;
+        if !prepared.functionals().is_empty() {
+            let mut watch = Watch(|_: &StepRecord<f64>| !wants_to_stop());
+            let (own, stopped) = prepared.analysis().observed(design, &mut watch)?;
+            if wants_to_stop() {
+                return Err(RunError::Interrupted { steps: own.history.steps() });
+            }
+            stopped.map_or(Ok(()), Err)?;
+            prepared.analysis().check_values(&own)?;
+            (found.values, found.extremes, found.counters) = (own.values.clone(), own.extremes.clone(), own.counters);
+            forward = Some(own);
         }
-        stopped.map_or(Ok(()), Err)?;
-        prepared.analysis().check_values(&forward)?;
-        let (values, extremes, counters) = (forward.values.clone(), forward.extremes.clone(), forward.counters);
-        Ok((Kept { prepared, forward }, Found { values, extremes, places, counters }))
+        found.values.extend(prepared.measured_modes(&modes)?);
+        found.extremes.resize(found.values.len(), None);
+        Ok((Kept { prepared, forward, modes }, found))
     }
 
     /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
@@ -164,6 +175,7 @@ impl Simulated<'_> {
 }
 
 impl Kept<'_> {
+    /// Of functionals, then of modes, whose derivatives are always their own.
     fn rows(
         &self,
         places: &[usize],
@@ -171,7 +183,27 @@ impl Kept<'_> {
         how: &Differentiation,
         work: &mut Work,
     ) -> Result<Vec<Vec<f64>>, RunError> {
-        let Kept { prepared, forward } = self;
+        let (of_run, of_modes) = places.split_at(self.prepared.functionals().len());
+        let mut rows = match &self.forward {
+            Some(forward) => self.rows_of_run(forward, of_run, by, how, work)?,
+            None => Vec::new(),
+        };
+        let wanted = self.modes.iter().zip(of_modes).filter(|(_, place)| how.wanted[**place]);
+        let mut found = self.prepared.measured_mode_gradients(&wanted.map(|own| *own.0).collect::<Vec<_>>())?.into_iter();
+        let zeros = || vec![0.0; self.prepared.x.len()];
+        rows.extend(of_modes.iter().map(|&place| how.wanted[place].then(|| found.next()).flatten().unwrap_or_else(zeros)));
+        Ok(rows)
+    }
+
+    fn rows_of_run(
+        &self,
+        forward: &Forward,
+        places: &[usize],
+        by: GradientBy,
+        how: &Differentiation,
+        work: &mut Work,
+    ) -> Result<Vec<Vec<f64>>, RunError> {
+        let prepared = &self.prepared;
         let (analysis, x) = (prepared.analysis(), &prepared.x);
         let gradient = match by {
             GradientBy::Adjoint => {
@@ -183,15 +215,21 @@ impl Kept<'_> {
                 work.sweeps += x.len();
                 analysis.complex_step(x, forward)?
             }
-            GradientBy::Difference { share } => return self.differences(share, how, work),
+            GradientBy::Difference { share } => return self.differences(forward, share, how, work),
         };
         work.gradient += gradient.counters;
         Ok(gradient.rows)
     }
 
     /// One simulation for each variable that varies, at a design that differs by a share of its value (of its scale where it is 0).
-    fn differences(&self, share: f64, how: &Differentiation, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let Kept { prepared, forward } = self;
+    fn differences(
+        &self,
+        forward: &Forward,
+        share: f64,
+        how: &Differentiation,
+        work: &mut Work,
+    ) -> Result<Vec<Vec<f64>>, RunError> {
+        let prepared = &self.prepared;
         let analysis = prepared.analysis().on_steps_of(forward);
         let mut rows = vec![vec![0.0; prepared.x.len()]; forward.values.len()];
         for (&variable, &(_, size)) in how.scaling.varying.iter().zip(&how.scaling.measures) {

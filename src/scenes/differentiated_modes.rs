@@ -1,7 +1,9 @@
-use super::Prepared;
+use super::{ModeMeasure, Prepared};
 use crate::assembly::RestingModel;
 use crate::design::{DesignChain, ModelNumbers};
-use crate::integrators::{Mode, ModeGroup, Problem, RunError, complex_modes, is_cut, mode_vectors, vibrations};
+use crate::integrators::{
+    Mode, ModeGroup, Problem, RunError, SAME_MODE, complex_modes, is_cut, mode_vectors, value_of, vibrations,
+};
 use crate::scalar::Complex64;
 use crate::sensitivity::{Still, ValueBars, value_rates};
 use nalgebra::DMatrix;
@@ -70,6 +72,91 @@ impl Prepared<'_> {
         }
         modes.truncate(asked);
         Ok(DifferentiatedModes { q: problem.start.q, modes, gradients })
+    }
+}
+
+/// Modes that are looked for beyond the numbers that are asked for: so many do not count, as rigid motions.
+const RIGID: usize = 6;
+
+/// Whether two modes have one value.
+fn is_same(one: &Mode, other: &Mode) -> bool {
+    (value_of(one) - value_of(other)).norm() <= SAME_MODE * value_of(other).norm()
+}
+
+/// A mode, with its derivatives where they were asked for.
+type Vibrating = (Mode, Option<ModeGradient>);
+
+impl Prepared<'_> {
+    /// What is measured of modes.
+    ///
+    /// # Errors
+    /// As for [`Prepared::complex_modes_with_state`]; fewer modes than that.
+    pub(crate) fn measured_modes(&self, measures: &[&ModeMeasure]) -> Result<Vec<f64>, RunError> {
+        let value = |modes: &[Vibrating], measure: &ModeMeasure| {
+            let mode = &modes[measure.number - 1].0;
+            if measure.growth { mode.growth } else { mode.frequency }
+        };
+        self.measured(measures, &value, &|count, damped| {
+            let damped = damped || self.spin_rate().is_some();
+            let found = if damped { self.complex_modes_with_state(count) } else { self.modes_with_state(count) };
+            Ok(DifferentiatedModes { q: Vec::new(), modes: found?.1, gradients: Vec::new() })
+        })
+    }
+
+    /// Its derivatives by all design variables.
+    ///
+    /// # Errors
+    /// As for [`Prepared::modes_with_gradients`].
+    pub(crate) fn measured_mode_gradients(&self, measures: &[&ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
+        let row = |modes: &[Vibrating], measure: &ModeMeasure| {
+            let own = &modes[measure.number - 1].0;
+            let equal = |(mode, _): &&Vibrating| is_same(mode, own);
+            let group: Vec<&ModeGradient> = modes.iter().filter(equal).filter_map(|own| own.1.as_ref()).collect();
+            let mut mean = vec![0.0; self.x.len()];
+            for gradient in &group {
+                let rates = if measure.growth { &gradient.growth } else { &gradient.frequency };
+                mean.iter_mut().zip(rates).for_each(|(mean, rate)| *mean += rate / group.len() as f64);
+            }
+            mean
+        };
+        self.measured(measures, &row, &|count, damped| self.modes_with_gradients(count, damped))
+    }
+
+    /// What is made of the modes that measures are of, found by a count.
+    fn measured<T>(
+        &self,
+        measures: &[&ModeMeasure],
+        make: &dyn Fn(&[Vibrating], &ModeMeasure) -> T,
+        find: &dyn Fn(usize, bool) -> Result<DifferentiatedModes, RunError>,
+    ) -> Result<Vec<T>, RunError> {
+        let mut all: Vec<Option<T>> = measures.iter().map(|_| None).collect();
+        for damped in [false, true] {
+            let own = || measures.iter().enumerate().filter(|(_, own)| own.damped == damped);
+            let Some(last) = own().max_by_key(|(_, own)| own.number) else { continue };
+            let mut count = last.1.number + RIGID;
+            let vibrating = loop {
+                let DifferentiatedModes { modes, mut gradients, .. } = find(count, damped)?;
+                gradients.resize(modes.len(), None);
+                let is_all = modes.len() < count;
+                let both = modes.into_iter().zip(gradients);
+                let vibrating: Vec<_> = both.filter(|(mode, _)| mode.frequency > 0.0).collect();
+                // with all that have its value
+                let own = vibrating.get(last.1.number - 1).zip(vibrating.last());
+                if own.is_some_and(|(own, end)| is_all || !is_same(&own.0, &end.0)) {
+                    break vibrating;
+                }
+                if is_all {
+                    let ModeMeasure { name, number, .. } = last.1;
+                    return Err(RunError::Input(format!(
+                        "\"{name}\" is of mode {number}; there are {} that vibrate",
+                        vibrating.len()
+                    )));
+                }
+                count *= 2;
+            };
+            own().for_each(|(place, measure)| all[place] = Some(make(&vibrating, measure)));
+        }
+        Ok(all.into_iter().flatten().collect())
     }
 }
 

@@ -39,7 +39,7 @@ pub use file::FileScene;
 pub use gmsh::{parse_gmsh, read_gmsh};
 pub use joint_ends::JointEnd;
 pub use mesh_data::{FilePlace, MeshData};
-pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
+pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, ModeMeasure, OptimizationProblem, Sense};
 pub use periodic_modes::PeriodicModes;
 pub use prepared::Prepared;
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};

@@ -10,6 +10,7 @@ mod laws;
 mod mechanisms;
 mod meshes;
 mod mode_gradients;
+mod mode_limits;
 mod mutations;
 mod own_parts;
 mod periodic_modes;

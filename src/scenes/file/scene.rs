@@ -1,7 +1,7 @@
 use super::build::build;
 use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
-use super::known::{Known, Made, fixed, fixed_list, flag, kept, list, text, texts};
+use super::known::{Known, Made, count, fixed, fixed_list, flag, kept, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
@@ -17,8 +17,8 @@ use crate::program::Recorded;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::unknown;
 use crate::scenes::{
-    AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scenario, Sense,
-    Settings, built,
+    AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
+    Scenario, Sense, Settings, built,
 };
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -451,6 +451,14 @@ fn problem(
             functionals.push(other.clone());
         }
     }
+    let modes = fields.tables("mode").map(|(_, own)| ModeMeasure {
+        name: text(own, "name").unwrap_or_default().to_string(),
+        number: count(own, "number"),
+        growth: text(own, "measure") == Some("growth"),
+        damped: flag(own, "damped", false),
+    });
+    let modes: Vec<ModeMeasure> = modes.collect();
+    functionals.extend(modes.iter().map(|mode| mode.name.clone()));
     let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
     let (sense, key, objective) = objective(fields, mistakes)?;
     let check = |kind: &str, at: usize, name: &str, known: &[String], mistakes: &mut Vec<Mistake>| {
@@ -483,7 +491,7 @@ fn problem(
     });
     let linear = linear.collect();
     let (scale, screening) = (fixed(fields, "scale"), fixed(fields, "screening"));
-    let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
+    let problem = OptimizationProblem { sense, objective, scale, constraints, modes, linear, varying, screening };
     // the rest, such as an objective of weights that are zero
     if mistakes.is_empty()
         && let Err(why) = problem.check(variables, &functionals.iter().map(String::as_str).collect::<Vec<_>>())

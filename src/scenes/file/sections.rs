@@ -152,8 +152,23 @@ const LINEAR: Forms = one_form![
     may("equal", Fixed("", Any), "value of the sum"),
 ];
 
+const MODE: Forms = one_form![
+    need("name", Text, "what objective and limits call it"),
+    need(
+        "number",
+        Count(1, 200),
+        "which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate"
+    ),
+    may("measure", Choice(&["frequency", "growth"]), "its omega in rad/s, or its growth in 1/s; frequency"),
+    may(
+        "damped",
+        Flag,
+        "with dampers, states of first order and what else depends on velocities, as about a steady turn always; false"
+    ),
+];
+
 const LIMIT: Forms = one_form![
-    need("functional", Text, "name of a functional"),
+    need("functional", Text, "name of a functional, or of a mode"),
     may("at_most", Fixed("unit", Any), "largest value"),
     may("at_least", Fixed("unit", Any), "least value"),
     may("equal", Fixed("unit", Any), "value"),
@@ -820,8 +835,8 @@ const MORE_SECTIONS: &[Section] = &[
         shape: Shape::Once,
         doc: "What costate optimize does. The objective is minimize, maximize, or a sum with sense and weights.",
         forms: one_form![
-            may("minimize", Text, "name of a functional that is to become small"),
-            may("maximize", Text, "name of a functional that is to become large"),
+            may("minimize", Text, "name of a functional, or of a mode, that is to become small"),
+            may("maximize", Text, "name of one that is to become large"),
             may("sense", Choice(&["minimize", "maximize"]), "of a sum; minimize"),
             may("weights", Weights, "weights of functionals in a sum, by name"),
             may("varying", Texts, "names of the design variables that may change, as they are listed; all"),
@@ -831,7 +846,12 @@ const MORE_SECTIONS: &[Section] = &[
                 Fixed("-", Positive),
                 "limits kept by more than this share need no gradient; every limit has one"
             ),
-            may("constraint", Tables(&LIMIT), "limits of functionals"),
+            may(
+                "mode",
+                Tables(&MODE),
+                "modes of small vibrations about the start or the equilibrium, whose frequencies or growths are measured"
+            ),
+            may("constraint", Tables(&LIMIT), "limits of functionals and modes"),
             may("linear", Tables(&LINEAR), "limits of sums of design variables"),
         ],
     },

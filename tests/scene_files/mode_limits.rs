@@ -1,0 +1,106 @@
+//! Modes in optimizations: optima with closed forms.
+
+use costate::optimize::{Optimization, Optimized, Sqp};
+use costate::scenes::{AnyScene, FileScene, Prepared};
+
+fn optimized(text: &str) -> (FileScene, Optimized) {
+    let scene = FileScene::parse("modes.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let optimization = Optimization::of(&scene).unwrap();
+    let optimized = optimization.run(&Sqp, &optimization.initial(), &mut ()).unwrap();
+    assert!(optimized.ended.reason.is_optimum(), "{:?}", optimized.ended);
+    (scene, optimized)
+}
+
+fn slider(limit: &str) -> String {
+    format!(
+        r#"
+version = 1
+settings = {{ end = 1, steps = 10 }}
+variable.c = {{ initial = 8, bounds = [0.1, 100], unit = "N s/m" }}
+body = [{{ name = "mass", mass = 2, inertia = [1, 1, 1] }}]
+joint = [{{ name = "slide", type = "prismatic", between = ["ground", "mass"], axis = [1, 0, 0] }}]
+[[spring]]
+name = "spring"
+type = "slide"
+between = ["ground", "mass"]
+axis = [1, 0, 0]
+stiffness = 200
+damping = "c"
+[optimization]
+maximize = "omega"
+{limit}
+[[optimization.mode]]
+name = "omega"
+number = 1
+damped = true
+[[optimization.mode]]
+name = "growth"
+number = 1
+measure = "growth"
+damped = true
+"#
+    )
+}
+
+#[test]
+fn the_fastest_oscillator_that_fades_fast_enough_needs_no_simulation() {
+    let (_, optimized) = optimized(&slider("constraint = [{ functional = \"growth\", at_most = -3 }]"));
+    let best = optimized.history.best().unwrap();
+    // growth -c/2m, omega^2 = k/m - growth^2
+    assert!((best.design[0] - 12.0).abs() < 1e-6, "{}", best.design[0]);
+    assert!((best.objective - 91_f64.sqrt()).abs() < 1e-6, "{}", best.objective);
+    assert_eq!(optimized.history.points.iter().map(|point| point.work.simulation.systems).sum::<usize>(), 0);
+    // of another unit than functionals
+    let units: Vec<&str> = optimized.history.functionals.iter().map(|own| own.1.as_str()).collect();
+    assert_eq!(units, ["rad/s", "1/s"]);
+}
+
+/// A square bar, whose bending modes are two by two.
+fn bar(more: &str) -> String {
+    format!(
+        r#"
+version = 1
+settings = {{ end = 1e-4, steps = 1 }}
+variable.h = {{ initial = 0.02, bounds = [0.001, 0.1], unit = "m" }}
+section.bar = {{ type = "rectangle", width = "h", height = "h", material = "steel" }}
+material.steel = {{ density = 7800, young = 210e9, poisson = 0.3 }}
+beam = [{{ name = "bar", from = [0, 0, 0], to = [1, 0, 0], elements = 8, section = "bar", second_axis = [0, 0, 1], clamped = "start" }}]
+functional = [{{ name = "weight", type = "mass", of = "bar", over = "initial" }}]
+[optimization]
+minimize = "weight"
+constraint = [{{ functional = "bending", at_least = 100 }}]
+mode = [{{ name = "bending", number = {more} }}]
+"#
+    )
+}
+
+#[test]
+fn the_lightest_bar_keeps_its_frequency() {
+    // omega = beta^2 sqrt(E h^2 / (12 rho)) / L^2, beta of modes 1 and 2 in each plane
+    for (number, beta) in [(1, 1.875_104_07_f64), (2, 1.875_104_07), (3, 4.694_091_13)] {
+        let (scene, optimized) = optimized(&bar(&number.to_string()));
+        let best = optimized.history.best().unwrap();
+        let height = 100.0 / beta.powi(2) * (12.0 * 7800.0 / 210e9_f64).sqrt();
+        assert!((best.design[0] / height - 1.0).abs() < 2e-3, "mode {number}: {} {height}", best.design[0]);
+        let settings = scene.settings();
+        let prepared = Prepared::with(&scene, &best.design, Prepared::method_of(&settings).unwrap(), settings).unwrap();
+        let omega = prepared.modes(4).unwrap()[number - 1].frequency;
+        assert!((omega / 100.0 - 1.0).abs() < 1e-6, "mode {number}: {omega}");
+    }
+}
+
+#[test]
+fn a_mode_that_is_not_there_is_told() {
+    let text = slider("").replace("number = 1\ndamped", "number = 2\ndamped");
+    let scene = FileScene::parse("modes.toml", &text).unwrap_or_else(|why| panic!("{why}"));
+    let optimization = Optimization::of(&scene).unwrap();
+    let failure = optimization.run(&Sqp, &optimization.initial(), &mut ()).expect_err("one mode").to_string();
+    assert!(failure.contains("\"omega\" is of mode 2; there are 1 that vibrate"), "{failure}");
+    for (wrong, message) in [
+        (slider("").replace("name = \"growth\"", "name = \"omega\""), "\"omega\" is the name of a mode and of something else"),
+        (slider("").replace("maximize = \"omega\"", "maximize = \"omegas\""), "omegas"),
+    ] {
+        let why = FileScene::parse("modes.toml", &wrong).err().expect("refused").to_string();
+        assert!(why.contains(message), "{why}");
+    }
+}
