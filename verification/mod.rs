@@ -14,6 +14,8 @@ mod element_cost;
 mod flexible_pendulum;
 #[path = "four-bar/study.rs"]
 mod four_bar;
+#[path = "full-hub/study.rs"]
+mod full_hub;
 #[path = "functionals/study.rs"]
 mod functionals;
 #[path = "gradient-cost/study.rs"]
@@ -49,6 +51,7 @@ mod stability;
 mod suspension;
 #[path = "variational/study.rs"]
 mod variational;
+mod whole_runs;
 #[path = "work-precision/study.rs"]
 mod work_precision;
 
@@ -83,6 +86,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(shell_benchmarks::ShellBenchmarks),
         Box::new(rotor_hub::RotorHub),
+        Box::new(full_hub::FullHub),
         Box::new(functionals::Functionals),
         Box::new(signals::Signals),
         Box::new(four_bar::FourBar),

@@ -97,10 +97,13 @@ fn a_mode_that_is_not_there_is_told() {
     let failure = optimization.run(&Sqp, &optimization.initial(), &mut ()).expect_err("one mode").to_string();
     assert!(failure.contains("\"omega\" is of mode 2; there are 1 that vibrate"), "{failure}");
     for (wrong, message) in [
-        (slider("").replace("name = \"growth\"", "name = \"omega\""), "\"omega\" is the name of a mode and of something else"),
+        (
+            slider("").replace("name = \"growth\"", "name = \"omega\""),
+            "\"omega\" is the name of a mode and of something else",
+        ),
         (slider("").replace("maximize = \"omega\"", "maximize = \"omegas\""), "omegas"),
     ] {
-        let why = FileScene::parse("modes.toml", &wrong).err().expect("refused").to_string();
+        let why = FileScene::parse("modes.toml", &wrong).expect_err("refused").to_string();
         assert!(why.contains(message), "{why}");
     }
 }

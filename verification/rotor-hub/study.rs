@@ -5,13 +5,12 @@ mod flight;
 mod series;
 mod swash_plate;
 
+use crate::verification::whole_runs::{compare_with_whole_runs, inside};
 use crate::verification::{Form, Report, Study};
 use costate::functionals::Sample;
 use costate::integrators::RunError;
-use costate::prelude::DesignVariable;
 use costate::scalar::Quaternion;
 use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
-use costate::sensitivity::Quotient;
 use series::blade_frequencies;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -31,10 +30,6 @@ const EXTENSION: f64 = 4e-3;
 const FREQUENCY: f64 = 1e-3;
 /// Southwell's coefficient of the first flapping mode.
 const SOUTHWELL: f64 = 0.03;
-/// Gradients against quotients of whole runs.
-const GRADIENT: f64 = 1e-6;
-/// Derivatives below this share of the functional itself are compared by it.
-const SLIGHT: f64 = 1e-4;
 /// Turns over which joints are watched.
 const TURNS: usize = 10;
 
@@ -270,9 +265,7 @@ fn flights(report: &mut Report) -> Result<(), String> {
         if short {
             (settings.end, settings.steps) = (settings.end / 24.0, 15);
         }
-        // away from bounds, on which the scene begins
-        let inwards = |own: &DesignVariable| own.initial + 0.1 * (0.5 * (own.lower + own.upper) - own.initial);
-        let x: Vec<f64> = scene.variables().iter().map(inwards).collect();
+        let x = inside(scene);
         let prepared = Prepared::with(scene, &x, Prepared::method_of(&settings).map_err(told)?, settings).map_err(told)?;
         let (analysis, clock) = (prepared.analysis(), Instant::now());
         let forward = analysis.forward(&x).map_err(told)?;
@@ -287,16 +280,7 @@ fn flights(report: &mut Report) -> Result<(), String> {
             );
         }
         report.inform(format!("{name}/largest stress by the yield stress"), forward.values[0]);
-        // along a direction in which all variables change
-        let direction: Vec<f64> = x.iter().enumerate().map(|(k, x)| x * if k % 3 == 1 { -0.3 } else { 0.2 }).collect();
-        let quotients = analysis.quotients(&x, &direction).map_err(told)?;
-        for (k, (row, functional)) in gradient.rows.iter().zip(prepared.functionals()).enumerate() {
-            let own: f64 = row.iter().zip(&direction).map(|(own, d)| own * d).sum();
-            // beyond what roundings leave of the quotient
-            let Quotient { value, floor, .. } = quotients[k];
-            let off = ((own - value).abs() - floor).max(0.0) / own.abs().max(SLIGHT * forward.values[k].abs());
-            report.at_most(format!("{name}/gradient of {} against whole runs, share", functional.name), off, GRADIENT);
-        }
+        compare_with_whole_runs(report, &name, &prepared, (&forward, &gradient), |_| true).map_err(told)?;
     }
     Ok(())
 }

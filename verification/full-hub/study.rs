@@ -1,0 +1,185 @@
+//! The rotor hub of Boopathy & Kennedy with blades of 48 panels: twelve functionals by all thicknesses and two lengths, and what simulation and
+//! gradients take on the mesh of the source.
+
+use crate::verification::memory::{forget_peak, peak_memory};
+use crate::verification::whole_runs::{compare_with_whole_runs, inside};
+use crate::verification::{Form, Report, Study, on_threads};
+use costate::integrators::RunError;
+use costate::scenes::{AnyScene, FileScene, Prepared, Settings};
+use std::fmt::Write;
+use std::time::Instant;
+
+/// Adjoint against complex steps, as a share of the largest derivative of a functional.
+const EXACT: f64 = 1e-10;
+
+const HUB: &str = include_str!("../../examples/scenes/rotor-hub.toml");
+/// Functionals of the scene that belong to Table 6, and those that it has not.
+const OWN: [&str; 2] = ["mass", "stress"];
+const AGGREGATES: [(&str, &str); 4] = [
+    ("exponential", "exponential"),
+    ("exponential squared", "squared_exponential"),
+    ("power", "power"),
+    ("power squared", "squared_power"),
+];
+
+/// The study.
+pub struct FullHub;
+
+impl Study for FullHub {
+    fn name(&self) -> &'static str {
+        "full-hub"
+    }
+    fn summary(&self) -> &'static str {
+        "rotor hub with blades of 48 panels: twelve functionals by 50 variables, times and memory of simulation and gradients"
+    }
+    fn forms(&self) -> &'static [Form] {
+        &[Form::Short]
+    }
+    fn run(&self, report: &mut Report) -> Result<(), String> {
+        let (panels, steps) = if report.is_short() { (4, 3) } else { (48, 12) };
+        eprintln!("[1/3] twelve functionals by {panels} thicknesses and two lengths");
+        complex_steps(report, &hub(panels, 1)?, steps)?;
+        eprintln!("[2/3] the mesh of the source along a direction");
+        let across = if report.is_short() { 1 } else { 4 };
+        whole_runs(report, &hub(panels, across)?, steps)?;
+        eprintln!("[3/3] times and memory");
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        for threads in [1, 2].into_iter().filter(|&threads| threads <= cores) {
+            on_threads(threads, || times(report, &hub(panels, across)?, threads))?;
+        }
+        Ok(())
+    }
+}
+
+fn told(error: RunError) -> String {
+    error.to_string()
+}
+
+/// The scene with so many panels, each of one element along the blade and some across it, and the functionals of Table 6.
+fn hub(panels: usize, across: usize) -> Result<FileScene, String> {
+    let mut text = HUB.to_string();
+    for (from, to) in [
+        ("along = 12 ", format!("along = {panels} ")),
+        ("across = 1\n", format!("across = {across}\n")),
+        ("count = 12", format!("count = {panels}")),
+    ] {
+        if text.matches(from).count() != 1 {
+            return Err(format!("the scene has no single \"{from}\""));
+        }
+        text = text.replace(from, &to);
+    }
+    let over = |kind: &str, more: &str| format!("{{ aggregate = \"{kind}\", sharpness = 50{more} }}");
+    let stress = |text: &mut String, name: &str, over: String| {
+        writeln!(
+            text,
+            "[[functional]]\nname = \"{name}\"\ntype = \"von_mises\"\nof = \"blade 0\"\nyield_stress = \"yield\"\nover = {over}"
+        )
+    };
+    let mut add = || -> std::fmt::Result {
+        writeln!(
+            text,
+            "\n[[functional]]\nname = \"compliance\"\ntype = \"strain_energy\"\nof = \"blade 0\"\nover = \"integral\""
+        )?;
+        stress(&mut text, "KS (continuous)", over("smooth_maximum", ", continuous = true"))?;
+        for (name, kind) in AGGREGATES {
+            stress(&mut text, &format!("induced ({name})"), over(kind, ", continuous = true"))?;
+            stress(&mut text, &format!("induced (discrete {name})"), over(kind, ""))?;
+        }
+        Ok(())
+    };
+    add().map_err(|error| error.to_string())?;
+    FileScene::parse("rotor-hub.toml", &text)
+}
+
+/// The scene in one of its flights, of so many steps or the whole turn, at a design away from bounds.
+fn prepared<'s>(scene: &'s FileScene, steps: Option<usize>, method: Option<&str>) -> Result<Prepared<'s>, String> {
+    let mut settings: Settings = scene.settings();
+    if let Some(steps) = steps {
+        (settings.end, settings.steps) = (settings.end * steps as f64 / settings.steps as f64, steps);
+    }
+    if let Some(method) = method {
+        settings = settings.with_method(method);
+    }
+    Prepared::with(scene, &inside(scene), Prepared::method_of(&settings).map_err(told)?, settings).map_err(told)
+}
+
+/// Which functionals are among the first of Table 6, or all of its.
+fn of_the_table(prepared: &Prepared, all: bool) -> Vec<bool> {
+    let first = [OWN[0], OWN[1], "compliance"];
+    let is_one = |name: &str| first.contains(&name) || all && (name.starts_with("KS") || name.starts_with("induced"));
+    prepared.functionals().iter().map(|own| is_one(&own.name)).collect()
+}
+
+fn complex_steps(report: &mut Report, scene: &FileScene, steps: usize) -> Result<(), String> {
+    let prepared = prepared(scene, Some(steps), None)?;
+    let (analysis, wanted) = (prepared.analysis(), of_the_table(&prepared, true));
+    let forward = analysis.forward(&prepared.x).map_err(told)?;
+    let adjoint = analysis.adjoint_of(&prepared.x, &forward, &wanted).map_err(told)?;
+    let complex = analysis.complex_step(&prepared.x, &forward).map_err(told)?;
+    report.inform("complex step/variables", prepared.x.len() as f64);
+    report.inform("complex step/functionals", wanted.iter().filter(|own| **own).count() as f64);
+    let rows = adjoint.rows.iter().zip(&complex.rows).zip(prepared.functionals()).zip(wanted);
+    for ((rows, functional), _) in rows.filter(|own| own.1) {
+        let (own, exact) = rows;
+        let largest = exact.iter().fold(0.0_f64, |largest, exact| largest.max(exact.abs()));
+        let off = own.iter().zip(exact).fold(0.0_f64, |off, (own, exact)| off.max((own - exact).abs()));
+        let name = &functional.name;
+        report.inform(format!("complex step/{name}/largest derivative"), largest);
+        report.at_most(format!("complex step/{name}/adjoint against it, share of the largest"), off / largest, EXACT);
+    }
+    Ok(())
+}
+
+fn whole_runs(report: &mut Report, scene: &FileScene, steps: usize) -> Result<(), String> {
+    let prepared = prepared(scene, Some(steps), None)?;
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).map_err(told)?;
+    let wanted = of_the_table(&prepared, true);
+    let gradient = analysis.adjoint_of(x, &forward, &wanted).map_err(told)?;
+    compare_with_whole_runs(report, "whole runs", &prepared, (&forward, &gradient), |k| wanted[k]).map_err(told)
+}
+
+/// Of a turn.
+fn times(report: &mut Report, scene: &FileScene, threads: usize) -> Result<(), String> {
+    let steps = report.is_short().then_some(3);
+    let megabytes = || peak_memory().unwrap_or(f64::NAN) / 1e6;
+    for method in [None, Some("dirk2")] {
+        let prepared = prepared(scene, steps, method)?;
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let named = |what: &str| {
+            let of = method.map_or_else(|| prepared.method.table.name.clone(), String::from);
+            format!("times/{of}/{threads} thread{}/{what}", if threads == 1 { "" } else { "s" })
+        };
+        report.inform(named("unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
+        forget_peak();
+        let clock = Instant::now();
+        let forward = analysis.forward(x).map_err(told)?;
+        let simulation = clock.elapsed().as_secs_f64();
+        report.inform(named("simulation [s]"), simulation);
+        let mut before = 0.0;
+        for (all, what) in [(false, "gradients of mass, compliance and KS [s]"), (true, "gradients of all twelve [s]")] {
+            // on one thread once is enough
+            if all && threads == 1 {
+                continue;
+            }
+            let clock = Instant::now();
+            analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
+            let seconds = clock.elapsed().as_secs_f64();
+            report.inform(named(what), seconds);
+            if all {
+                report.inform(
+                    named("each further functional, share of the first gradients"),
+                    (seconds - before) / (9.0 * before),
+                );
+            } else {
+                report.inform(named("memory of both [MB]"), megabytes());
+            }
+            before = seconds;
+        }
+        report.inform(
+            named("KS of the von Mises stress by the yield stress"),
+            forward.values[prepared.functional("stress").map_err(told)?],
+        );
+    }
+    Ok(())
+}
