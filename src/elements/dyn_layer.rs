@@ -354,6 +354,7 @@ struct ElementRecordings {
     power: OnceLock<Recording>,
     inertia_moment: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
+    has_energies: OnceLock<bool>,
     conservative: OnceLock<bool>,
 }
 
@@ -378,6 +379,7 @@ impl ElementPhysics {
             power: OnceLock::new(),
             inertia_moment,
             stresses: OnceLock::new(),
+            has_energies: OnceLock::new(),
             conservative: OnceLock::new(),
         }))
     }
@@ -420,7 +422,7 @@ impl ElementPhysics {
     }
     /// Whether its energies are complete.
     pub fn has_energies(&self) -> bool {
-        self.0.own.has_energies()
+        *self.0.has_energies.get_or_init(|| self.0.own.has_energies())
     }
     /// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
     pub fn is_conservative(&self) -> bool {
