@@ -305,6 +305,31 @@ impl<'m> TransposedSolver<'m> {
         Ok(&self.bases)
     }
 
+    /// The same of an acceleration that is zero, at an equilibrium: forces and reactions there are balanced whatever the design, so that the
+    /// multipliers are those of the equilibrium, whose adjoints they are, and its coordinates and parameters act by the constraints alone.
+    /// What stiff parts would add here is what goes back through the equilibrium takes away again, with all the digits of the difference.
+    pub fn through_at_rest(
+        &mut self,
+        record: &SolveRecord<f64>,
+        p: &[f64],
+        bars: &[SolutionBar],
+        back: &mut [Backward],
+        counters: &mut Counters,
+    ) -> Result<&[VectorsAvq<f64>], RunError> {
+        let aside =
+            |own: &Backward| Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p: vec![0.0; own.p.len()] };
+        let mut balanced: Vec<Backward> = back.iter().map(aside).collect();
+        self.through(record, p, bars, &mut balanced, counters)?;
+        let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
+        // rates disturb the balance
+        let rates: Vec<Vec<f64>> = asked.iter().map(|&k| std::mem::take(&mut self.bases[k].v)).collect();
+        self.sweep.adjoints.iter_mut().for_each(|own| own.f.fill(0.0));
+        self.add_products(record, p, &asked, back);
+        self.write_bases(&record.equations, &asked);
+        asked.iter().zip(rates).for_each(|(&k, own)| self.bases[k].v = own);
+        Ok(&self.bases)
+    }
+
     /// Solves for the adjoint variables with the matrix of a system, which is factored now unless it was before.
     fn solve_factored(
         &mut self,
