@@ -39,6 +39,16 @@ impl<S: Scalar> Adjoints<S> {
     }
 }
 
+impl Adjoints {
+    /// Adds others.
+    pub fn add(&mut self, other: &Self) {
+        let Adjoints { f, y, g, g_second } = self;
+        for (own, other) in [(f, &other.f), (y, &other.y), (g, &other.g), (g_second, &other.g_second)] {
+            own.iter_mut().zip(other).for_each(|(own, other)| *own += other);
+        }
+    }
+}
+
 /// Where products are taken.
 #[derive(Clone, Copy)]
 pub struct ProductPoint<'p, S = f64> {

@@ -201,15 +201,14 @@ impl<'m> Sweep<'m> {
         }
         let system = Arc::new(System::new(model, self.method.system_options(dropped, false)));
         let multipliers = system.multipliers();
-        let mut solver = TransposedSolver::new(system, self.method, &active)?;
+        let mut solver = TransposedSolver::new(system, self.method, &active)?.refining();
         let bar = |(back, mut mu): (&Backward, Vec<f64>)| {
             // holds stand behind the others
             mu.resize(multipliers, 0.0);
             SolutionBar { x: back.carried[0].clone(), rate: Vec::new(), mu }
         };
         let bars: Vec<SolutionBar> = back.iter().zip(balanced).map(bar).collect();
-        let nothing = || Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p: vec![0.0; model.parameters] };
-        let mut own: Vec<Backward> = back.iter().map(|_| nothing()).collect();
+        let mut own: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(model.parameters)).collect();
         let bases = solver.through(record, &p, &bars, &mut own, &mut self.counters)?;
         for ((back, own), base) in back.iter_mut().zip(own).zip(bases) {
             add(&mut back.carried[0], 1.0, &base.q);

@@ -82,7 +82,7 @@ impl Still<'_> {
             let all: [[Vec<f64>; 2]; 3] = [&own.q, &own.mu, &own.p].map(|own| parts(own));
             let [q, mu, p] = all;
             bars.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionBar { x, rate: Vec::new(), mu }));
-            back.extend(p.map(|p| Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p }));
+            back.extend(p.map(|p| Backward { p, ..Backward::of_parameters(0) }));
         }
         self.through_equilibrium(system.clone(), &mut bars, &mut back)?;
         let mut ends = back.into_iter().zip(bars).map(|(back, bar)| (back.p, bar.x));

@@ -43,6 +43,11 @@ pub(super) struct Backward {
 const NEGLIGIBLE: f64 = 1e-250;
 
 impl Backward {
+    /// Of parameters alone.
+    pub fn of_parameters(parameters: usize) -> Self {
+        Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p: vec![0.0; parameters] }
+    }
+
     /// Sets what is negligible to zero.
     pub fn drop_negligible(&mut self) {
         let carried = self.carried.iter_mut().flatten();
@@ -99,6 +104,8 @@ pub(super) struct TransposedSolver<'m> {
     trials: [Trial; 3],
     /// See [`TransposedSolver::is_alone`].
     is_alone: bool,
+    /// See [`TransposedSolver::refining`].
+    refines: bool,
     /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::is_careful`].
     is_careful: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
@@ -181,6 +188,7 @@ impl<'m> TransposedSolver<'m> {
     ) -> Self {
         TransposedSolver {
             is_alone,
+            refines: false,
             // a small one may have its factors made ahead, at any time
             residual: if is_large(factorization.plan()) { Residual::shared() } else { Residual::default() },
             jacobian: Jacobian::default(),
@@ -299,6 +307,9 @@ impl<'m> TransposedSolver<'m> {
             return Ok(&self.bases);
         }
         self.solve_factored(record, p, (&asked, bars), counters)?;
+        if self.refines {
+            self.refine(record, p, (&asked, bars), counters)?;
+        }
         self.add_products(record, p, &asked, back);
         self.add_inside_nodes(&record.equations, &asked, bars);
         self.write_bases(&record.equations, &asked);
@@ -316,9 +327,7 @@ impl<'m> TransposedSolver<'m> {
         back: &mut [Backward],
         counters: &mut Counters,
     ) -> Result<&[VectorsAvq<f64>], RunError> {
-        let aside =
-            |own: &Backward| Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p: vec![0.0; own.p.len()] };
-        let mut balanced: Vec<Backward> = back.iter().map(aside).collect();
+        let mut balanced: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(p.len())).collect();
         self.through(record, p, bars, &mut balanced, counters)?;
         let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
         // rates disturb the balance
@@ -328,6 +337,57 @@ impl<'m> TransposedSolver<'m> {
         self.write_bases(&record.equations, &asked);
         asked.iter().zip(rates).for_each(|(&k, own)| self.bases[k].v = own);
         Ok(&self.bases)
+    }
+
+    /// From now on adjoint variables are corrected until they keep their equation as the formulas say it, not only the matrix: its entries round,
+    /// and where parts are stiff, as at an equilibrium without inertia, soft motions take that for forces.
+    pub fn refining(self) -> Self {
+        TransposedSolver { refines: true, ..self }
+    }
+
+    /// Corrects the adjoint variables of a stage by what products leave of their equation.
+    fn refine(
+        &mut self,
+        record: &SolveRecord<f64>,
+        p: &[f64],
+        (asked, bars): (&[usize], &[SolutionBar]),
+        counters: &mut Counters,
+    ) -> Result<(), RunError> {
+        let dofs = self.system.model.dofs;
+        let mut left = f64::INFINITY;
+        loop {
+            let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
+            self.add_products(record, p, asked, &mut aside);
+            let Equations { residual, constraint, .. } = record.equations;
+            let [elements, _, _, constraints, _] = &self.sweep.at;
+            let mut rest: Vec<SolutionBar> = bars.to_vec();
+            for (place, &k) in asked.iter().enumerate() {
+                rest[k].mu.fill(0.0);
+                for (parts, shift) in [(elements, residual), (constraints, constraint)] {
+                    let own = &parts[place * 3 * dofs..(place + 1) * 3 * dofs];
+                    for (part, factor) in own.chunks_exact(dofs).zip([shift.gamma, shift.beta, shift.alpha]) {
+                        add(&mut rest[k].x, factor, part);
+                    }
+                }
+            }
+            let known = self.sweep.adjoints.clone();
+            self.solve(asked, &rest).map_err(|singular| self.singular_at(singular, record.t))?;
+            counters.solves += asked.len();
+            let size = |own: &Adjoints| own.f.iter().fold(f64::MIN_POSITIVE, |size, f| size.max(f.abs()));
+            let next =
+                self.sweep.adjoints.iter().zip(&known).map(|(own, known)| size(own) / size(known)).fold(0.0, f64::max);
+            let is_better = next < 0.5 * left;
+            for (own, known) in self.sweep.adjoints.iter_mut().zip(known) {
+                let correction = std::mem::replace(own, known);
+                if is_better {
+                    own.add(&correction);
+                }
+            }
+            if !is_better {
+                return Ok(());
+            }
+            left = next;
+        }
     }
 
     /// Solves for the adjoint variables with the matrix of a system, which is factored now unless it was before.
