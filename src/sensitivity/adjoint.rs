@@ -5,7 +5,7 @@
 
 use super::solvers::StepSolvers;
 use super::transposed::{Backward, SolutionBar, TransposedSolver, add, set_zero_vectors, set_zeros};
-use crate::assembly::{Residual, StageSystem, System, VectorsAvq};
+use crate::assembly::{System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, StageWeight, Times, Totals,
@@ -127,17 +127,7 @@ impl<'m> Sweep<'m> {
         self.select(&start.dropped, &mut solvers, None)?;
         solvers.end_steps(&mut self.counters);
         let bars = self.start_bars(start, &mut back);
-        let is_at_rest = rerun.plan.equilibrium.as_ref() == Some(&start.dropped) && self.stays_at_rest(start);
-        let balanced: Vec<Vec<f64>> = match is_at_rest {
-            true => bars.iter().map(|own| own.mu.clone()).collect(),
-            false => vec![vec![0.0; multipliers]; bars.len()],
-        };
-        if is_at_rest {
-            let solver = solvers.plain();
-            let bases =
-                solver.through_at_rest(&start.acceleration, &self.problem.p, &bars, &mut back, &mut self.counters)?;
-            carry(bases, &mut back);
-        } else if !self.method.table.is_static() {
+        if !self.method.table.is_static() {
             self.acceleration(&start.acceleration, bars, &mut back, &mut solvers)?;
         }
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
@@ -156,7 +146,7 @@ impl<'m> Sweep<'m> {
             }
         }
         if let (Some(record), Some(dropped)) = (&start.equilibrium, &rerun.plan.equilibrium) {
-            self.equilibrium(record, dropped, balanced, &mut back)?;
+            self.equilibrium(record, dropped, &mut back)?;
         }
         let gradients = back
             .into_iter()
@@ -168,30 +158,8 @@ impl<'m> Sweep<'m> {
         Ok(AdjointRun { gradients, counters: self.counters })
     }
 
-    /// Whether nothing moves at the equilibrium at which a motion begins: it turns with nothing, lets nothing go, and no drive moves.
-    fn stays_at_rest(&self, start: &StartRecord<f64>) -> bool {
-        let (model, SolveRecord { t, equations, base, .. }) = (self.problem.model, &start.acceleration);
-        let is_free = model.spin.is_none() && model.holds.is_empty() && model.states.is_empty();
-        if start.equilibrium.is_none() || !is_free || base.v.iter().any(|&v| v != 0.0) {
-            return false;
-        }
-        let system = &*self.systems.plain;
-        let stage = StageSystem { equations, base, p: &self.problem.p, t: *t };
-        let mut residual = Residual::<f64>::default();
-        residual.start(system, stage);
-        residual.evaluate(system, stage, &mut Residual::unknowns(system));
-        residual.g.iter().all(|&g| g == 0.0)
-    }
-
-    /// Back through the equilibrium at which a motion begins, without some equations of the model at rest, whose multipliers have these
-    /// adjoints.
-    fn equilibrium(
-        &mut self,
-        record: &SolveRecord<f64>,
-        dropped: &[usize],
-        balanced: Vec<Vec<f64>>,
-        back: &mut [Backward],
-    ) -> Result<(), RunError> {
+    /// Back through the equilibrium at which a motion begins, without some equations of the model at rest.
+    fn equilibrium(&mut self, record: &SolveRecord<f64>, dropped: &[usize], back: &mut [Backward]) -> Result<(), RunError> {
         let resting = self.problem.model.at_rest();
         let (model, p, active) = (&resting.model, resting.parameters(&self.problem.p), resting.parameters(self.active));
         let q = record.point().q;
@@ -201,13 +169,9 @@ impl<'m> Sweep<'m> {
         }
         let system = Arc::new(System::new(model, self.method.system_options(dropped, false)));
         let multipliers = system.multipliers();
-        let mut solver = TransposedSolver::new(system, self.method, &active)?.refining();
-        let bar = |(back, mut mu): (&Backward, Vec<f64>)| {
-            // holds stand behind the others
-            mu.resize(multipliers, 0.0);
-            SolutionBar { x: back.carried[0].clone(), rate: Vec::new(), mu }
-        };
-        let bars: Vec<SolutionBar> = back.iter().zip(balanced).map(bar).collect();
+        let mut solver = TransposedSolver::new(system, self.method, &active)?;
+        let bar = |back: &Backward| SolutionBar { x: back.carried[0].clone(), rate: Vec::new(), mu: vec![0.0; multipliers] };
+        let bars: Vec<SolutionBar> = back.iter().map(bar).collect();
         let mut own: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(model.parameters)).collect();
         let bases = solver.through(record, &p, &bars, &mut own, &mut self.counters)?;
         for ((back, own), base) in back.iter_mut().zip(own).zip(bases) {

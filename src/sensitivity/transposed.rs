@@ -38,6 +38,9 @@ pub(super) struct Backward {
     pub p: Vec<f64>,
 }
 
+/// A correction of this share leaves nothing but round-off.
+const ROUND_OFF: f64 = 1e-14;
+
 /// Adjoint variables smaller than this, in any unit, change no digit of a gradient. A damped motion forgets: going back, they fall below the
 /// normal numbers, with which a processor calculates a hundred times slower.
 const NEGLIGIBLE: f64 = 1e-250;
@@ -104,8 +107,6 @@ pub(super) struct TransposedSolver<'m> {
     trials: [Trial; 3],
     /// See [`TransposedSolver::is_alone`].
     is_alone: bool,
-    /// See [`TransposedSolver::refining`].
-    refines: bool,
     /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::is_careful`].
     is_careful: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
@@ -188,7 +189,6 @@ impl<'m> TransposedSolver<'m> {
     ) -> Self {
         TransposedSolver {
             is_alone,
-            refines: false,
             // a small one may have its factors made ahead, at any time
             residual: if is_large(factorization.plan()) { Residual::shared() } else { Residual::default() },
             jacobian: Jacobian::default(),
@@ -307,7 +307,7 @@ impl<'m> TransposedSolver<'m> {
             return Ok(&self.bases);
         }
         self.solve_factored(record, p, (&asked, bars), counters)?;
-        if self.refines {
+        if record.equations.is_static() {
             self.refine(record, p, (&asked, bars), counters)?;
         }
         self.add_products(record, p, &asked, back);
@@ -316,36 +316,8 @@ impl<'m> TransposedSolver<'m> {
         Ok(&self.bases)
     }
 
-    /// The same of an acceleration that is zero, at an equilibrium: forces and reactions there are balanced whatever the design, so that the
-    /// multipliers are those of the equilibrium, whose adjoints they are, and its coordinates and parameters act by the constraints alone.
-    /// What stiff parts would add here is what goes back through the equilibrium takes away again, with all the digits of the difference.
-    pub fn through_at_rest(
-        &mut self,
-        record: &SolveRecord<f64>,
-        p: &[f64],
-        bars: &[SolutionBar],
-        back: &mut [Backward],
-        counters: &mut Counters,
-    ) -> Result<&[VectorsAvq<f64>], RunError> {
-        let mut balanced: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(p.len())).collect();
-        self.through(record, p, bars, &mut balanced, counters)?;
-        let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
-        // rates disturb the balance
-        let rates: Vec<Vec<f64>> = asked.iter().map(|&k| std::mem::take(&mut self.bases[k].v)).collect();
-        self.sweep.adjoints.iter_mut().for_each(|own| own.f.fill(0.0));
-        self.add_products(record, p, &asked, back);
-        self.write_bases(&record.equations, &asked);
-        asked.iter().zip(rates).for_each(|(&k, own)| self.bases[k].v = own);
-        Ok(&self.bases)
-    }
-
-    /// From now on adjoint variables are corrected until they keep their equation as the formulas say it, not only the matrix: its entries round,
-    /// and where parts are stiff, as at an equilibrium without inertia, soft motions take that for forces.
-    pub fn refining(self) -> Self {
-        TransposedSolver { refines: true, ..self }
-    }
-
-    /// Corrects the adjoint variables of a stage by what products leave of their equation.
+    /// Corrects the adjoint variables of an equilibrium until they keep their equation as the formulas say it, not only the matrix: its entries
+    /// round, and without inertia soft motions take for forces what that makes of stiff ones.
     fn refine(
         &mut self,
         record: &SolveRecord<f64>,
@@ -384,6 +356,9 @@ impl<'m> TransposedSolver<'m> {
                 }
             }
             if !is_better {
+                return Ok(());
+            }
+            if next <= ROUND_OFF {
                 return Ok(());
             }
             left = next;
