@@ -209,6 +209,16 @@ fn cables_and_shells_hang_down_from_their_hinges() {
 }
 
 #[test]
+fn a_bent_plate_that_is_stiff_in_its_plane_has_derivatives_to_the_last_digits() {
+    let scene = example("perforated-plate", 1, 0.01);
+    let prepared = prepared(&scene);
+    let forward = forward(&prepared);
+    // of the matrix of the equilibrium alone the adjoint of the moment would have nine digits
+    let apart = check(&prepared, &forward);
+    assert!(apart < 1e-12, "{apart:e}");
+}
+
+#[test]
 fn it_is_the_equilibrium_of_load_steps() {
     let bent = |settings: &str| {
         format!(
