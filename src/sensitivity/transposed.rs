@@ -326,7 +326,8 @@ impl<'m> TransposedSolver<'m> {
         counters: &mut Counters,
     ) -> Result<(), RunError> {
         let dofs = self.system.model.dofs;
-        let mut left = f64::INFINITY;
+        // shares of the last corrections; zero where nothing is left to correct, so that each has the numbers that it has alone
+        let mut left = vec![f64::INFINITY; asked.len()];
         loop {
             let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
             self.add_products(record, p, asked, &mut aside);
@@ -342,26 +343,22 @@ impl<'m> TransposedSolver<'m> {
                     }
                 }
             }
-            let known = self.sweep.adjoints.clone();
+            let known = self.sweep.adjoints[..asked.len()].to_vec();
             self.solve(asked, &rest).map_err(|singular| self.singular_at(singular, record.t))?;
             counters.solves += asked.len();
             let size = |own: &Adjoints| own.f.iter().fold(f64::MIN_POSITIVE, |size, f| size.max(f.abs()));
-            let next =
-                self.sweep.adjoints.iter().zip(&known).map(|(own, known)| size(own) / size(known)).fold(0.0, f64::max);
-            let is_better = next < 0.5 * left;
-            for (own, known) in self.sweep.adjoints.iter_mut().zip(known) {
+            for ((own, known), left) in self.sweep.adjoints.iter_mut().zip(known).zip(&mut left) {
                 let correction = std::mem::replace(own, known);
+                let share = size(&correction) / size(own);
+                let is_better = share < 0.5 * *left;
                 if is_better {
                     own.add(&correction);
                 }
+                *left = if is_better && share > ROUND_OFF { share } else { 0.0 };
             }
-            if !is_better {
+            if left.iter().all(|&left| left == 0.0) {
                 return Ok(());
             }
-            if next <= ROUND_OFF {
-                return Ok(());
-            }
-            left = next;
         }
     }
 
