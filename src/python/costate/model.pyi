@@ -491,19 +491,21 @@ class Model:
         varying: Sequence[str] | None = None,
         scale: Scalar | None = None,
         screening: Scalar | None = None,
+        mode: Sequence[Table] | None = None,
         constraint: Sequence[Table] | None = None,
         linear: Sequence[Table] | None = None,
     ) -> str:
         """What costate optimize does. The objective is minimize, maximize, or a sum with sense and weights.
 
-        * ``minimize`` (text, optional): name of a functional that is to become small
-        * ``maximize`` (text, optional): name of a functional that is to become large
+        * ``minimize`` (text, optional): name of a functional, or of a mode, that is to become small
+        * ``maximize`` (text, optional): name of one that is to become large
         * ``sense`` ("minimize" or "maximize", optional): of a sum; minimize
         * ``weights`` (table, optional): weights of functionals in a sum, by name
         * ``varying`` (list of text, optional): names of the design variables that may change, as they are listed; all
         * ``scale`` (number or formula, optional): size of the objective that is of the order of 1; its size at the start [unit]
         * ``screening`` (number or formula, optional): limits kept by more than this share need no gradient; every limit has one [-]
-        * ``constraint`` (list of table constraint with functional, at_most, at_least, equal, scale, for, optional): limits of functionals
+        * ``mode`` (list of table mode with name, number, measure, damped, for, optional): modes of small vibrations about the start or the equilibrium, whose frequencies or growths are measured
+        * ``constraint`` (list of table constraint with functional, at_most, at_least, equal, scale, for, optional): limits of functionals and modes
         * ``linear`` (list of table linear with name, coefficients, at_most, at_least, equal, for, optional): limits of sums of design variables
         """
 
