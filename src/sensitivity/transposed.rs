@@ -327,10 +327,11 @@ impl<'m> TransposedSolver<'m> {
     ) -> Result<(), RunError> {
         let dofs = self.system.model.dofs;
         // shares of the last corrections; zero where nothing is left to correct, so that each has the numbers that it has alone
-        let mut left = vec![f64::INFINITY; asked.len()];
+        let mut left = vec![1.0; asked.len()];
         loop {
             let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
             self.add_products(record, p, asked, &mut aside);
+            self.add_inside_nodes(&record.equations, asked, bars);
             let Equations { residual, constraint, .. } = record.equations;
             let [elements, _, _, constraints, _] = &self.sweep.at;
             let mut rest: Vec<SolutionBar> = bars.to_vec();
