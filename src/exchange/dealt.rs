@@ -1,7 +1,8 @@
 //! Work that is dealt: each rank does other parts of it, for itself, however long it takes.
 
-use super::{Exchange, Sent, apart};
+use super::{Exchange, Sent, apart, new_thread};
 use std::sync::{Condvar, Mutex, PoisonError};
+use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 /// Signs of life within the longest wait for one.
@@ -49,13 +50,13 @@ pub(crate) fn see_work<T: Sent>(
     at_work(world, others(world), || {
         let panicked = Flag::default();
         std::thread::scope(|scope| {
-            let listener = scope.spawn(|| listen(world, &shown, &panicked));
+            let listener = (world.ranks() > 1).then(|| start(world, scope, || listen(world, &shown, &panicked)));
             let raised = Raised(&panicked);
             work(&|number, result| {
                 shown(number, result);
             });
             std::mem::forget(raised);
-            let _ = listener.join();
+            let _ = listener.map(ScopedJoinHandle::join);
         });
     });
     see.into_inner().unwrap_or_else(PoisonError::into_inner).1
@@ -125,7 +126,7 @@ fn at_work<R>(world: &dyn Exchange, others: impl Iterator<Item = usize> + Clone 
     }
     let ended = Flag::default();
     std::thread::scope(|scope| {
-        scope.spawn(|| {
+        start(world, scope, || {
             let mut told = Instant::now();
             while !ended.is_raised_within(PAUSE) {
                 world.hurry();
@@ -139,6 +140,12 @@ fn at_work<R>(world: &dyn Exchange, others: impl Iterator<Item = usize> + Clone 
         let _raised = Raised(&ended);
         apart(work)
     })
+}
+
+/// Starts a thread beside the one that works: without it, ranks would not know of each other.
+fn start<'s>(world: &dyn Exchange, scope: &'s Scope<'s, '_>, run: impl FnOnce() + Send + 's) -> ScopedJoinHandle<'s, ()> {
+    let started = new_thread().spawn_scoped(scope, run);
+    started.unwrap_or_else(|refused| world.end(&format!("the system starts no thread: {refused}")))
 }
 
 /// Raised once, which others wait for.
