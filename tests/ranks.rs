@@ -413,21 +413,22 @@ constraint = [{ functional = "strain energy, integral", at_most = 1e-9 }]
 
 #[test]
 fn all_ranks_end_where_one_fails_at_work() {
-    for (name, arguments, begun, happens, words) in [
+    let faults = [
         ("killed at the start", RUN, "", KILLED, "process"),
         ("killed", RUN, STEPS, KILLED, "signal 9"),
         ("killed, forward or back", OPTIMIZE, "results/optimization.csv", KILLED, "signal 9"),
         ("killed in a sweep", SWEEP, "results/sweep.csv", KILLED, "signal 9"),
-        ("asleep at the start", RUN, "", ASLEEP, "within"),
+        ("asleep at the start", SWEEP, "", ASLEEP, "within"),
         ("asleep", RUN, STEPS, ASLEEP, "within"),
-        ("asleep, forward or back", OPTIMIZE, "results/optimization.csv", ASLEEP, "within"),
         ("asleep in a sweep", SWEEP, "results/sweep.csv", ASLEEP, "within"),
+        ("asleep, forward or back", OPTIMIZE, "results/optimization.csv", ASLEEP, "within"),
         ("no memory", RUN, STEPS, NO_MEMORY, "memory allocation of"),
         ("no memory, forward or back", OPTIMIZE, "results/optimization.csv", NO_MEMORY, "memory allocation of"),
         ("no room for the file of steps", KEPT, STEPS, NO_ROOM, "kept: cannot be written: File too large"),
         ("no room for a table of designs", OPTIMIZE, "results/optimization.csv", NO_ROOM, "File too large"),
         ("no room for rows of a sweep", SWEEP, "results/sweep.csv", NO_ROOM, "sweep.csv: File too large"),
-    ] {
+    ];
+    for (place, (name, arguments, begun, happens, words)) in faults.into_iter().enumerate() {
         each_time(name, |time| {
             let folder = Folder::new("at-work", 10_000);
             fs::write(folder.0.join("stone.toml"), STONE).unwrap();
@@ -438,7 +439,7 @@ fn all_ranks_end_where_one_fails_at_work() {
             command.env("COSTATE_LONGEST_WAIT", if happens == ASLEEP { LONGEST_WAIT } else { "100" });
             // memory that is freed goes back: each matrix asks for some
             command.env("MALLOC_MMAP_THRESHOLD_", "65536");
-            let rank = if happens == NO_ROOM { 0 } else { (time + 1) % ranks };
+            let rank = if happens == NO_ROOM { 0 } else { (place + time) % ranks };
             let end = end_of(&folder, command, begun, || {
                 std::thread::sleep(Duration::from_millis(time as u64 * 977 % if begun.is_empty() { 1000 } else { 2500 }));
                 let process = folder.process_of(rank);
