@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 use std::fs;
-use std::io::Read;
+use std::fs::File;
 use std::path::PathBuf;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::time::{Duration, Instant};
 
 /// Within which all ranks end with an error, and within which a run makes its first step; both take long where nothing is optimized.
@@ -13,7 +13,27 @@ const FIRST_STEP: Duration = Duration::from_secs(if cfg!(debug_assertions) { 400
 /// The longest wait for another rank, where one sleeps \[s\].
 const LONGEST_WAIT: &str = if cfg!(debug_assertions) { "60" } else { "4" };
 
-/// An empty folder with a plate that is large enough to be shared, removed when dropped.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_costate");
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/plate-pendulum.toml");
+
+/// A plate that is large enough to be shared.
+fn plate(steps: usize) -> String {
+    let mut text = fs::read_to_string(SCENE).unwrap();
+    let steps = steps.to_string();
+    for (old, new) in [
+        ("elements = [5, 1]", "elements = [30, 12]"),
+        ("to = 2 }", "to = 24 }"),
+        ("plate[10, 1]", "plate[60, 12]"),
+        ("1e-3 * 20", &format!("{steps} / 1024")),
+        ("steps = 20", &format!("steps = {steps}")),
+    ] {
+        assert_eq!(text.matches(old).count(), 1, "{old}");
+        text = text.replace(old, new);
+    }
+    text
+}
+
+/// An empty folder with a plate, removed when dropped.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -21,54 +41,63 @@ impl Folder {
         let path = std::env::temp_dir().join(format!("costate-ranks-{}-{name}", std::process::id()));
         let _ = fs::remove_dir_all(&path);
         fs::create_dir_all(&path).unwrap();
-        let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/plate-pendulum.toml");
-        let mut text = fs::read_to_string(scene).unwrap();
-        fs::write(path.join("small.toml"), &text).unwrap();
-        let steps = steps.to_string();
-        for (old, new) in [
-            ("elements = [5, 1]", "elements = [30, 12]"),
-            ("to = 2 }", "to = 24 }"),
-            ("plate[10, 1]", "plate[60, 12]"),
-            ("1e-3 * 20", &format!("1e-3 * {steps}")),
-            ("steps = 20", &format!("steps = {steps}")),
-        ] {
-            assert_eq!(text.matches(old).count(), 1, "{old}");
-            text = text.replace(old, new);
-        }
-        fs::write(path.join("plate.toml"), text).unwrap();
+        fs::write(path.join("small.toml"), fs::read_to_string(SCENE).unwrap()).unwrap();
+        fs::write(path.join("plate.toml"), plate(steps)).unwrap();
         Folder(path)
     }
 
     /// The program, once or as several ranks.
     fn command(&self, ranks: usize, arguments: &[&str]) -> Command {
-        let program = env!("CARGO_BIN_EXE_costate");
-        let mut command = if ranks == 1 { Command::new(program) } else { mpirun() };
+        let mut command = if ranks == 1 { Command::new(PROGRAM) } else { mpirun() };
         if ranks > 1 {
-            command.args(["-n", &ranks.to_string(), program]);
+            command.args(["-n", &ranks.to_string(), PROGRAM]);
         }
-        // by which its ranks are told from those of other tests
-        command.env("COSTATE_TEST", &self.0).env("COSTATE_LONGEST_WAIT", "100");
-        command.args(arguments).current_dir(&self.0);
+        self.here(&mut command).args(arguments);
         command
+    }
+
+    /// The program as ranks that a line of the shell starts: the arguments follow it.
+    fn by_shell(&self, ranks: &[(usize, &str)], arguments: &[&str]) -> Command {
+        let mut command = mpirun();
+        for (some, line) in ranks {
+            command.args(["-n", &some.to_string(), "sh", "-c", line, PROGRAM]).args(arguments).arg(":");
+        }
+        self.here(&mut command);
+        command
+    }
+
+    fn here<'c>(&self, command: &'c mut Command) -> &'c mut Command {
+        // by which its ranks are told from those of other tests
+        command.env("COSTATE_TEST", &self.0).env("COSTATE_LONGEST_WAIT", "100").current_dir(&self.0)
+    }
+
+    /// What a command has said on stderr so far.
+    fn said(&self) -> String {
+        text(&fs::read(self.0.join("stderr")).unwrap_or_default())
     }
 
     fn run(&self, ranks: usize, arguments: &[&str]) -> Output {
         self.command(ranks, arguments).output().expect("mpirun is installed where the feature mpi is tested")
     }
 
-    /// The process of a rank, as soon as it runs.
-    fn process_of(&self, rank: usize) -> u32 {
+    /// All processes of its commands that run, with their environment.
+    fn processes(&self) -> Vec<(String, String)> {
         let own = format!("COSTATE_TEST={}\0", self.0.display());
+        let all = fs::read_dir("/proc").unwrap().flatten().map(|entry| {
+            let environment = fs::read(entry.path().join("environ")).unwrap_or_default();
+            let text = String::from_utf8_lossy(&environment).into_owned() + "\0";
+            (entry.file_name().to_string_lossy().into_owned(), text)
+        });
+        all.filter(|(_, text)| text.contains(&own)).collect()
+    }
+
+    /// The process of a rank, as soon as it runs.
+    fn process_of(&self, rank: usize) -> String {
         let of_rank = format!("OMPI_COMM_WORLD_RANK={rank}\0");
         let begun = Instant::now();
         loop {
-            for entry in fs::read_dir("/proc").unwrap().flatten() {
-                let Ok(number) = entry.file_name().to_string_lossy().parse() else { continue };
-                let environment = fs::read(entry.path().join("environ")).unwrap_or_default();
-                let environment = String::from_utf8_lossy(&environment) + "\0";
-                if environment.contains(&own) && environment.contains(&of_rank) {
-                    return number;
-                }
+            if let Some((number, _)) = self.processes().into_iter().find(|(_, text)| text.contains(&of_rank)) {
+                return number;
             }
             assert!(begun.elapsed() < FIRST_STEP, "rank {rank} does not start");
             std::thread::sleep(Duration::from_millis(20));
@@ -84,17 +113,6 @@ impl Drop for Folder {
 
 /// A run that ends with a test that fails.
 struct Running(Child);
-
-impl Running {
-    fn output(&mut self) -> Output {
-        let status = self.0.wait().unwrap();
-        let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
-        // a few lines, for which pipes have room
-        self.0.stdout.take().unwrap().read_to_end(&mut stdout).unwrap();
-        self.0.stderr.take().unwrap().read_to_end(&mut stderr).unwrap();
-        Output { status, stdout, stderr }
-    }
-}
 
 impl Drop for Running {
     fn drop(&mut self) {
@@ -337,80 +355,194 @@ fn a_scenario_that_fails_on_one_rank_is_told_by_all() {
     assert_eq!((error_of(&one), one.status.code()), (error_of(&three), three.status.code()));
 }
 
-/// Starts a long run, does something to its second rank, and returns how it ended, which it must soon.
-fn fault(name: &str, (ranks, longest_wait): (usize, &str), signal: &str, later: Duration) -> Output {
-    let run = ["run", "plate.toml", "--no-report", "--out", "results"];
-    fault_of((&run, "results/histories.unfinished.csv"), name, (ranks, longest_wait), signal, later)
+/// Brings a fault about as often as `COSTATE_FAULTS` says, each time otherwise, and says how long its ranks took at most to end.
+fn each_time(name: &str, fault: impl Fn(usize) -> Duration) {
+    let times = std::env::var("COSTATE_FAULTS").map_or(1, |times| times.parse().expect("a number"));
+    let slowest = (0..times).map(fault).max().unwrap_or_default();
+    println!("{name:40} {times:3} times, at most {:5.2} s", slowest.as_secs_f64());
 }
 
-/// The same of a command that has begun its work when there is a file.
-fn fault_of(
-    (arguments, file): (&[&str], &str),
-    name: &str,
-    (ranks, longest_wait): (usize, &str),
-    signal: &str,
-    later: Duration,
-) -> Output {
-    let folder = Folder::new(name, 10_000);
-    fs::write(folder.0.join("stone.toml"), STONE).unwrap();
-    let mut command = folder.command(ranks, arguments);
-    command.env("COSTATE_LONGEST_WAIT", longest_wait).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let child = command.spawn().expect("mpirun is installed where the feature mpi is tested");
-    let mut running = Running(child);
-    let process = folder.process_of(1).to_string();
-    let table = folder.0.join(file);
-    let begun = Instant::now();
-    while !table.exists() {
-        assert!(begun.elapsed() < FIRST_STEP && running.0.try_wait().unwrap().is_none(), "no step is made");
+/// What is left of a command that failed: its exit code, what it said on stderr, and how long it took to end.
+struct End {
+    code: Option<i32>,
+    said: String,
+    took: Duration,
+}
+
+/// Waits until a command has begun its work, which a file shows, or starts if there is no name, lets something happen to it, and sees that it ends soon afterwards.
+fn end_of(folder: &Folder, mut command: Command, begun: &str, happens: impl FnOnce()) -> End {
+    let streams = ["stdout", "stderr"].map(|name| File::create(folder.0.join(name)).unwrap());
+    let [stdout, stderr] = streams;
+    let mut running = Running(command.stdout(stdout).stderr(stderr).spawn().expect("mpirun is installed"));
+    let start = Instant::now();
+    while !folder.0.join(begun).exists() {
+        let is_running = running.0.try_wait().unwrap().is_none();
+        assert!(start.elapsed() < FIRST_STEP && is_running, "no work is begun: {}", folder.said());
         std::thread::sleep(Duration::from_millis(20));
     }
-    std::thread::sleep(later);
-    let begun = Instant::now();
-    assert!(Command::new("kill").args([signal, &process]).status().unwrap().success());
-    let output = running.output();
-    assert!(begun.elapsed() < SOON, "{name}: after {:?}", begun.elapsed());
-    assert!(!output.status.success(), "{name}: {}", text(&output.stdout));
-    output
+    happens();
+    let start = Instant::now();
+    let status = running.0.wait().unwrap();
+    while !folder.processes().is_empty() && start.elapsed() < SOON {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let (took, said) = (start.elapsed(), folder.said());
+    assert!(took < SOON && folder.processes().is_empty(), "after {took:?}: {said}");
+    assert!(!status.success() && !said.is_empty(), "{said}");
+    End { code: status.code(), said, took }
 }
 
+const RUN: &[&str] = &["run", "plate.toml", "--no-report", "--out", "results"];
+const KEPT: &[&str] = &["run", "plate.toml", "--no-report", "--out", "results", "--history", "file:kept"];
+const OPTIMIZE: &[&str] = &["optimize", "short.toml", "--no-report", "--out", "results"];
+const SWEEP: &[&str] = &["sweep", "stone.toml", "--vary", "load=0:1:300", "--vary", "lift=1:8:300", "--out", "results"];
+const STEPS: &str = "results/histories.unfinished.csv";
+
+/// What is done to the process of a rank.
+const KILLED: &[&str] = &["kill", "-KILL"];
+const ASLEEP: &[&str] = &["kill", "-STOP"];
+const NO_MEMORY: &[&str] = &["prlimit", "--data=1", "--pid"];
+const NO_ROOM: &[&str] = &["prlimit", "--fsize=1", "--pid"];
+
+/// Of forty designs, forward and back.
+const OPTIMIZATION: &str = r#"
+[optimization]
+minimize = "mass"
+constraint = [{ functional = "strain energy, integral", at_most = 1e-9 }]
+"#;
+
 #[test]
-fn all_ranks_end_where_one_is_killed() {
-    for (ranks, later) in [(2, 0), (2, 700), (3, 300)] {
-        fault(&format!("killed-{later}"), (ranks, "100"), "-KILL", Duration::from_millis(later));
+fn all_ranks_end_where_one_fails_at_work() {
+    let faults = [
+        ("killed at the start", RUN, "", KILLED, "process"),
+        ("killed", RUN, STEPS, KILLED, "signal 9"),
+        ("killed, forward or back", OPTIMIZE, "results/optimization.csv", KILLED, "signal 9"),
+        ("killed in a sweep", SWEEP, "results/sweep.csv", KILLED, "signal 9"),
+        ("asleep at the start", SWEEP, "", ASLEEP, "within"),
+        ("asleep", RUN, STEPS, ASLEEP, "within"),
+        ("asleep in a sweep", SWEEP, "results/sweep.csv", ASLEEP, "within"),
+        ("asleep, forward or back", OPTIMIZE, "results/optimization.csv", ASLEEP, "within"),
+        ("no memory", RUN, STEPS, NO_MEMORY, "memory allocation of"),
+        ("no memory, forward or back", OPTIMIZE, "results/optimization.csv", NO_MEMORY, "memory allocation of"),
+        ("no room for the file of steps", KEPT, STEPS, NO_ROOM, "kept: cannot be written: File too large"),
+        ("no room for a table of designs", OPTIMIZE, "results/optimization.csv", NO_ROOM, "File too large"),
+        ("no room for rows of a sweep", SWEEP, "results/sweep.csv", NO_ROOM, "sweep.csv: File too large"),
+    ];
+    for (place, (name, arguments, begun, happens, words)) in faults.into_iter().enumerate() {
+        each_time(name, |time| {
+            let folder = Folder::new("at-work", 10_000);
+            fs::write(folder.0.join("stone.toml"), STONE).unwrap();
+            fs::write(folder.0.join("short.toml"), plate(4) + OPTIMIZATION).unwrap();
+            let ranks = if begun.is_empty() { 2 + time % 2 } else { 2 + time % 3 };
+            // a file that is too large is an error, and no signal
+            let mut command = folder.by_shell(&[(ranks, "trap '' XFSZ; exec \"$0\" \"$@\"")], arguments);
+            command.env("COSTATE_LONGEST_WAIT", if happens == ASLEEP { LONGEST_WAIT } else { "100" });
+            // memory that is freed goes back: each matrix asks for some
+            command.env("MALLOC_MMAP_THRESHOLD_", "65536");
+            let rank = if happens == NO_ROOM { 0 } else { (place + time) % ranks };
+            let end = end_of(&folder, command, begun, || {
+                std::thread::sleep(Duration::from_millis(time as u64 * 977 % if begun.is_empty() { 1000 } else { 2500 }));
+                let process = folder.process_of(rank);
+                assert!(Command::new(happens[0]).args(&happens[1..]).arg(process).status().unwrap().success());
+            });
+            assert!(end.said.contains(words), "{name}, rank {rank} of {ranks}: {}", end.said);
+            assert!(happens != ASLEEP || end.code == Some(70), "{:?}: {}", end.code, end.said);
+            // what was finished before can be read
+            let tables = [begun, "results/histories.csv"].map(|file| fs::read_to_string(folder.0.join(file)));
+            let rows = tables.into_iter().find_map(Result::ok).unwrap_or_default();
+            assert!(begun.is_empty() || !rows.is_empty(), "{name}: {}", end.said);
+            let columns: Vec<usize> = rows.lines().skip(1).map(|row| row.split(',').count()).collect();
+            assert!(columns.iter().all(|&count| count == columns[0]), "{rows}");
+            end.took
+        });
     }
 }
 
 #[test]
-fn all_ranks_end_where_one_sleeps() {
-    for (ranks, later) in [(2, 0), (3, 500)] {
-        let output = fault(&format!("asleep-{later}"), (ranks, LONGEST_WAIT), "-STOP", Duration::from_millis(later));
-        let said = text(&output.stderr);
-        assert!(said.contains("error: rank") && said.contains(&format!("within {LONGEST_WAIT} s")), "{said}");
-        assert_eq!(output.status.code(), Some(70), "{said}");
-    }
+fn all_ranks_end_where_one_has_no_memory_from_the_start() {
+    // where MPI begins, it may wait for what does not come
+    each_time("no memory from the start", |time| {
+        let folder = Folder::new("no-memory", 10_000);
+        let limited = format!("ulimit -v {}; exec \"$0\" \"$@\"", 205_000 - 9_900 * time);
+        let mut command = folder.by_shell(&[(1 + time % 3, "exec \"$0\" \"$@\""), (1, &limited)], RUN);
+        command.env("COSTATE_LONGEST_WAIT", LONGEST_WAIT);
+        end_of(&folder, command, "", || {}).took
+    });
 }
 
+/// A number whose equation vanishes in the second step.
+const SINGULAR: &str = r#"
+[[coordinate]]
+name = "c{i}"
+for = { i = { from = 1, to = 3 } }
+rate = 1
+[[element]]
+name = "mass {i}"
+for = { i = { from = 1, to = 3 } }
+nodes = { x = "c{i}" }
+kinetic = "0.5 * x.rate^2"
+force = { x = "2^24 * min(1, max(0, 1e9 * (t - 1.1 / 1024))) * x.value" }
+breakpoints = []
+"#;
+
 #[test]
-fn a_sweep_ends_where_a_rank_sleeps_or_is_killed() {
-    let sweep = ["sweep", "stone.toml", "--vary", "load=0:1:300", "--vary", "lift=1:8:300", "--out", "results"];
-    for signal in ["-STOP", "-KILL"] {
-        let name = format!("sweep{signal}");
-        let begun = (&sweep[..], "results/sweep.csv");
-        let output = fault_of(begun, &name, (2, LONGEST_WAIT), signal, Duration::from_secs(1));
-        let said = text(&output.stderr);
-        assert_eq!(said.contains("no sign of rank 1 within"), signal == "-STOP", "{said}");
-    }
+fn all_ranks_tell_a_singular_system_as_one_process_does() {
+    each_time("singular", |time| {
+        let folder = Folder::new("singular", 10_000);
+        let scene = plate(4) + &SINGULAR.replace("to = 3", &format!("to = {}", 1 + time % 7));
+        fs::write(folder.0.join("plate.toml"), scene).unwrap();
+        let expected = error_of(&folder.run(1, &["run", "plate.toml", "--no-report", "--out", "expected"]));
+        assert!(expected.contains("error: step 2, stage 2") && expected.contains("do not determine \"c"), "{expected}");
+        let end = end_of(&folder, folder.command(2 + time % 3, RUN), "results/histories.csv", || {});
+        assert!(end.said.contains(&expected) && end.code == Some(1), "{expected}\n{}", end.said);
+        end.took
+    });
 }
 
 #[test]
 fn ranks_with_other_numbers_are_told() {
-    let folder = Folder::new("others", 2);
-    let program = env!("CARGO_BIN_EXE_costate");
-    let run = |thickness: &'static str| ["-n", "1", program, "run", "plate.toml", "--no-report", "--set", thickness];
-    let mut command = mpirun();
-    command.args(run("thickness 3=0.01")).arg(":").args(run("thickness 3=0.0100001")).current_dir(&folder.0);
-    let output = command.env("COSTATE_LONGEST_WAIT", LONGEST_WAIT).output().unwrap();
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(70), "{said}");
-    assert!(said.contains("different matrices") || said.contains("other numbers"), "{said}");
+    each_time("other numbers", |time| {
+        let folder = Folder::new("others", 2);
+        let other = format!("exec \"$0\" \"$@\" --set 'thickness 3={}'", 0.01 + 1e-15 * 4_f64.powi(time as i32));
+        let command = folder.by_shell(&[(1 + time % 3, "exec \"$0\" \"$@\""), (1, &other)], RUN);
+        let End { code, said, took } = end_of(&folder, command, "", || {});
+        assert_eq!(code, Some(70), "{said}");
+        assert!(said.contains("different matrices") || said.contains("other numbers"), "{said}");
+        took
+    });
+}
+
+/// Stacks of a GiB: the system has room for as many threads as it is to start.
+#[test]
+fn with_fewer_threads_than_asked_for_bits_are_the_same_or_an_error_says_so() {
+    let folder = Folder::new("threads", 2);
+    fs::write(folder.0.join("stone.toml"), STONE).unwrap();
+    let sweep =
+        ["sweep", "stone.toml", "--vary", "lift=2:5:4", "--no-report", "--json", "--out", "results", "--threads", "3"];
+    for arguments in [&["gradient", "plate.toml", "--no-report", "--json"], &sweep[..]] {
+        let run = |threads: usize| {
+            let kilobytes = (threads << 20) + 800_000;
+            let mut command = Command::new("sh");
+            command.args(["-c", &format!("ulimit -v {kilobytes}; exec \"$0\" \"$@\""), PROGRAM]).args(arguments);
+            let command = folder.here(&mut command).env("RAYON_NUM_THREADS", "2").env("RUST_MIN_STACK", "1073741824");
+            command.output().unwrap()
+        };
+        let found = |output: &Output| {
+            let rows = fs::read(folder.0.join("results/sweep.csv")).unwrap_or_default();
+            (json(output)["functionals"].clone(), rows)
+        };
+        let expected = found(&run(20));
+        let mut finished = 0;
+        for threads in 0..8 {
+            let output = run(threads);
+            match error_of(&output).is_empty() {
+                true => {
+                    assert!(found(&output) == expected, "{threads} threads");
+                    finished += 1;
+                }
+                false => assert_eq!(output.status.code(), Some(1), "{threads} threads: {}", text(&output.stderr)),
+            }
+        }
+        assert!((3..8).contains(&finished), "{finished} of 8");
+    }
 }

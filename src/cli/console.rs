@@ -33,8 +33,13 @@ pub fn complain(message: &str) {
     if !is_first() {
         return;
     }
+    tell(&format!("error: {message}\n"));
+}
+
+/// Writes a line to stderr at once: what others write in the meantime, as `mpirun` does, is not in the middle of it.
+fn tell(line: &str) {
     // nobody is left to tell if stderr is gone, too
-    let _ = writeln!(io::stderr(), "error: {message}");
+    let _ = io::stderr().write_all(line.as_bytes());
 }
 
 /// Prints what a user should know about results that stand.
@@ -42,7 +47,7 @@ pub fn warn(message: &str) {
     if !is_first() {
         return;
     }
-    let _ = writeln!(io::stderr(), "warning: {message}");
+    tell(&format!("warning: {message}\n"));
 }
 
 /// Prints the JSON object as the last line of stdout if it was asked for.

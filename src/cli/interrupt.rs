@@ -43,7 +43,8 @@ pub fn install() -> Result<(), Failure> {
             if let Some(words) = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).take() {
                 super::console::say(words);
             }
-            super::console::complain("interrupted");
+            // mpirun stops those that are left in the same way
+            super::console::complain(if is_shared() { "interrupted, or another rank has failed" } else { "interrupted" });
             std::process::exit(INTERRUPTED.into());
         }
     })

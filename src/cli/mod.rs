@@ -172,6 +172,18 @@ fn lines(text: &str, columns: usize) -> String {
     all
 }
 
+/// Starts the threads that share work, which would start with the first of it, and panic where the system refuses one.
+///
+/// # Errors
+/// That refusal.
+fn start_threads() -> Result<(), Failure> {
+    let failed = rayon::ThreadPoolBuilder::new().build_global().err();
+    // a program of one's own may have started them
+    let refused = failed.as_ref().and_then(std::error::Error::source);
+    let message = |cause| format!("the system starts no thread: {cause}; RAYON_NUM_THREADS sets a number of them");
+    refused.map_or(Ok(()), |cause| Err(Failure::run(message(cause))))
+}
+
 /// A command line with its scenes and studies.
 pub struct CommandLine<'p> {
     /// As which the program was called.
@@ -268,6 +280,7 @@ impl<'p> CommandLine<'p> {
     fn run(&self, command: &Command) -> Result<(), Failure> {
         self.check_ranks(command)?;
         interrupt::install()?;
+        start_threads()?;
         match command {
             Command::Run(options) => run::run(options, self),
             Command::Gradient(options) => gradient::run(options, self),

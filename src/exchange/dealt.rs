@@ -1,7 +1,8 @@
 //! Work that is dealt: each rank does other parts of it, for itself, however long it takes.
 
-use super::{Exchange, Sent, apart};
+use super::{Exchange, Sent, apart, new_thread};
 use std::sync::{Condvar, Mutex, PoisonError};
+use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 /// Signs of life within the longest wait for one.
@@ -15,9 +16,13 @@ const DONE: f64 = 2.0;
 
 /// Does the work of this rank while the others do theirs, and returns what came of all, by ranks.
 pub(crate) fn gather_work<T: Sent>(world: &dyn Exchange, work: impl FnOnce() -> T) -> Vec<T> {
-    let mut own = Some(at_work(world, others(world), work));
+    let mut early = vec![Vec::new(); world.ranks()];
+    let mut own = Some(at_work(world, others(world), others(world), |rank, result| early[rank] = result, work));
     tell(world, &own);
-    let of = |rank: usize| if rank == world.rank() { own.take() } else { Some(after_work(world, rank)) };
+    let of = |rank: usize| match rank == world.rank() {
+        true => own.take(),
+        false => Some(after_work(world, rank, std::mem::take(&mut early[rank]))),
+    };
     (0..world.ranks()).filter_map(of).collect()
 }
 
@@ -30,13 +35,20 @@ pub(crate) fn see_work<T: Sent>(
     see: impl FnMut(usize, T) -> bool + Send,
 ) -> bool {
     if world.rank() > 0 {
-        at_work(world, 0..1, || {
-            work(&|number, result| {
-                let mut message = vec![RESULT];
-                (number, result).write(&mut message);
-                world.send(0, message);
-            })
-        });
+        // the first one tells nothing else before all are done
+        at_work(
+            world,
+            0..1,
+            0..1,
+            |_, _| {},
+            || {
+                work(&|number, result| {
+                    let mut message = vec![RESULT];
+                    (number, result).write(&mut message);
+                    world.send(0, message);
+                })
+            },
+        );
         world.send(0, vec![DONE]);
         return true;
     }
@@ -46,18 +58,24 @@ pub(crate) fn see_work<T: Sent>(
         *goes_on = *goes_on && see(number, result);
         *goes_on
     };
-    at_work(world, others(world), || {
-        let panicked = Flag::default();
-        std::thread::scope(|scope| {
-            let listener = scope.spawn(|| listen(world, &shown, &panicked));
-            let raised = Raised(&panicked);
-            work(&|number, result| {
-                shown(number, result);
+    at_work(
+        world,
+        others(world),
+        0..0,
+        |_, _| {},
+        || {
+            let panicked = Flag::default();
+            std::thread::scope(|scope| {
+                let listener = (world.ranks() > 1).then(|| start(world, scope, || listen(world, &shown, &panicked)));
+                let raised = Raised(&panicked);
+                work(&|number, result| {
+                    shown(number, result);
+                });
+                std::mem::forget(raised);
+                let _ = listener.map(ScopedJoinHandle::join);
             });
-            std::mem::forget(raised);
-            let _ = listener.join();
-        });
-    });
+        },
+    );
     see.into_inner().unwrap_or_else(PoisonError::into_inner).1
 }
 
@@ -66,7 +84,7 @@ pub(crate) fn of_first_at_work<T: Sent>(world: &dyn Exchange, own: Option<T>) ->
     if own.is_some() {
         tell(world, &own);
     }
-    own.unwrap_or_else(|| after_work(world, 0))
+    own.unwrap_or_else(|| after_work(world, 0, Vec::new()))
 }
 
 /// Tells all others what came of this rank's work.
@@ -81,64 +99,88 @@ fn others(world: &dyn Exchange) -> impl Iterator<Item = usize> + Clone + use<> {
     (0..ranks).filter(move |&rank| rank != own)
 }
 
-/// What a rank has sent behind its signs of life.
-fn after_work<T: Sent>(world: &dyn Exchange, rank: usize) -> T {
+/// What a rank has sent behind its signs of life; the last message of it may be there.
+fn after_work<T: Sent>(world: &dyn Exchange, rank: usize, mut message: Vec<f64>) -> T {
     loop {
-        if let [DONE, result @ ..] = &world.receive(rank)[..] {
+        if let [DONE, result @ ..] = &message[..] {
             return T::read(&mut result.iter());
         }
+        message = world.receive(rank);
     }
 }
 
 /// Shows the first rank what others have found, until all of them are done, or nobody looks any more.
 fn listen<T: Sent>(world: &dyn Exchange, shown: &dyn Fn(usize, T) -> bool, panicked: &Flag) {
     let mut at_work: Vec<(usize, Instant)> = others(world).map(|rank| (rank, Instant::now())).collect();
-    while !at_work.is_empty() && !panicked.is_raised_within(PAUSE) {
-        let mut goes_on = true;
-        at_work.retain_mut(|(rank, heard)| {
-            while let Some(message) = world.receive_if_there(*rank) {
-                *heard = Instant::now();
-                match &message[..] {
-                    [DONE, ..] => return false,
-                    [RESULT, rest @ ..] => {
-                        let (number, result) = Sent::read(&mut rest.iter());
-                        goes_on &= shown(number, result);
-                    }
-                    _ => {}
-                }
+    let mut goes_on = true;
+    while goes_on && !at_work.is_empty() && !panicked.is_raised_within(PAUSE) {
+        hear(world, &mut at_work, |_, message| {
+            if let [RESULT, rest @ ..] = &message[..] {
+                let (number, result) = Sent::read(&mut rest.iter());
+                goes_on &= shown(number, result);
             }
-            if heard.elapsed() > world.longest_wait() {
-                world.waited_in_vain(&format!("sign of rank {rank}"));
-            }
-            true
+            !matches!(message[..], [DONE, ..])
         });
-        if !goes_on {
-            return;
-        }
     }
 }
 
-/// Work that takes as long as it takes: some others are told that this rank is at it.
-fn at_work<R>(world: &dyn Exchange, others: impl Iterator<Item = usize> + Clone + Sync, work: impl FnOnce() -> R) -> R {
+/// Takes what ranks have sent that are at work, since a time each, and leaves out those that do not go on; ends all where one is silent.
+fn hear(world: &dyn Exchange, at_work: &mut Vec<(usize, Instant)>, mut goes_on: impl FnMut(usize, Vec<f64>) -> bool) {
+    at_work.retain_mut(|(rank, heard)| {
+        while let Some(message) = world.receive_if_there(*rank) {
+            *heard = Instant::now();
+            if !goes_on(*rank, message) {
+                return false;
+            }
+        }
+        if heard.elapsed() > world.longest_wait() {
+            world.waited_in_vain(&format!("sign of rank {rank}"));
+        }
+        true
+    });
+}
+
+/// Work that takes as long as it takes: some others are told that this rank is at it, and of some it hears that they are, until one says more.
+fn at_work<R>(
+    world: &dyn Exchange,
+    told: impl Iterator<Item = usize> + Clone + Sync,
+    heard: impl Iterator<Item = usize>,
+    mut takes: impl FnMut(usize, Vec<f64>) + Send,
+    work: impl FnOnce() -> R,
+) -> R {
     if world.ranks() == 1 {
         return work();
     }
     let ended = Flag::default();
+    let mut heard: Vec<(usize, Instant)> = heard.map(|rank| (rank, Instant::now())).collect();
     std::thread::scope(|scope| {
-        scope.spawn(|| {
-            let mut told = Instant::now();
+        start(world, scope, || {
+            let mut last_sign = Instant::now();
             while !ended.is_raised_within(PAUSE) {
                 world.hurry();
-                if told.elapsed() > world.longest_wait() / SIGNS {
-                    others.clone().for_each(|rank| world.send(rank, Vec::new()));
-                    told = Instant::now();
+                if last_sign.elapsed() > world.longest_wait() / SIGNS {
+                    told.clone().for_each(|rank| world.send(rank, Vec::new()));
+                    last_sign = Instant::now();
                 }
+                hear(world, &mut heard, |rank, message| {
+                    let is_sign = message.is_empty();
+                    if !is_sign {
+                        takes(rank, message);
+                    }
+                    is_sign
+                });
             }
         });
         // a panic ends it, too
         let _raised = Raised(&ended);
         apart(work)
     })
+}
+
+/// Starts a thread beside the one that works: without it, ranks would not know of each other.
+fn start<'s>(world: &dyn Exchange, scope: &'s Scope<'s, '_>, run: impl FnOnce() + Send + 's) -> ScopedJoinHandle<'s, ()> {
+    let started = new_thread().spawn_scoped(scope, run);
+    started.unwrap_or_else(|refused| world.end(&format!("the system starts no thread: {refused}")))
 }
 
 /// Raised once, which others wait for.

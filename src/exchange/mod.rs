@@ -17,9 +17,9 @@ mod threads;
 
 pub(crate) use dealt::{gather_work, of_first_at_work, see_work};
 pub(crate) use sent::{Sent, sent_by_fields, sent_by_variants};
-pub(crate) use threads::on_threads;
 #[cfg(test)]
-pub(crate) use threads::{on_ranks, on_ranks_within};
+pub(crate) use threads::{STARTED_AT_MOST, on_ranks, on_ranks_within};
+pub(crate) use threads::{new_thread, on_threads};
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -195,7 +195,7 @@ pub(crate) fn start() -> Result<Started, String> {
     Ok(Started(()))
 }
 
-/// Ranks at work. One that panics ends them all: others would wait for it until their limit.
+/// Ranks at work.
 #[cfg(feature = "cli")]
 pub(crate) struct Started(());
 
@@ -210,15 +210,5 @@ impl Started {
         }
         #[cfg(not(feature = "mpi"))]
         let _ = (code, message);
-    }
-}
-
-#[cfg(feature = "cli")]
-impl Drop for Started {
-    fn drop(&mut self) {
-        #[cfg(feature = "mpi")]
-        if let (true, Some(ranks)) = (std::thread::panicking(), mpi::started()) {
-            ranks.panicked();
-        }
     }
 }

@@ -1,11 +1,13 @@
 //! Ranks that `mpirun` started.
 
-use super::{Exchange, Traffic};
+use super::{Exchange, Traffic, new_thread};
+use crate::program::panic_is_caught;
 use ::mpi::ffi;
 use std::io::Write;
 use std::os::raw::{c_int, c_void};
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -71,9 +73,40 @@ pub(super) fn start() -> Result<(), String> {
         },
         Err(_) => Duration::from_secs_f64(USUAL_WAIT),
     };
-    let own = Mpi::new(longest_wait)?;
-    RANKS.get_or_init(|| own);
+    let own = within(longest_wait, "start of MPI", || Mpi::new(longest_wait))??;
+    RANKS.get_or_init(|| own).end_with_panics();
     Ok(())
+}
+
+/// Calls functions of MPI that wait for other ranks without a limit; after one, the process ends.
+///
+/// # Errors
+/// A thread that the system does not start, which has the clock.
+fn within<R>(limit: Duration, what: &str, call: impl FnOnce() -> R) -> Result<R, String> {
+    let (done, until_done) = channel::<()>();
+    std::thread::scope(|scope| {
+        let watch = move || {
+            if until_done.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+                tell(&in_vain(what, limit));
+                std::process::exit(OUT_OF_STEP);
+            }
+        };
+        let started = new_thread().spawn_scoped(scope, watch);
+        started.map_err(|refused| format!("the system starts no thread: {refused}"))?;
+        let result = call();
+        drop(done);
+        Ok(result)
+    })
+}
+
+/// Writes an error to stderr at once: lines of other ranks do not get into it.
+fn tell(error: &str) {
+    let _ = std::io::stderr().write_all(format!("error: {error}\n").as_bytes());
+}
+
+/// What came to an end without what a rank waited for.
+fn in_vain(what: &str, limit: Duration) -> String {
+    format!("no {what} within {} s ({LONGEST_WAIT} sets this limit)", limit.as_secs_f64())
 }
 
 impl Mpi {
@@ -152,9 +185,21 @@ impl Mpi {
         self.traffic[1].fetch_add((numbers * size_of::<f64>()) as u64, Ordering::Relaxed);
     }
 
-    /// Ends all ranks after a panic, which has been told.
-    pub fn panicked(&self) -> ! {
-        self.abort(PANICKED)
+    /// Ends all ranks where any thread of this one panics: the thread that it came from may wait for others, and these for other ranks.
+    fn end_with_panics(&'static self) {
+        let print = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            print(panic);
+            if !panic_is_caught() {
+                self.end_with(PANICKED, "a panic, which is a mistake in this program");
+            }
+        }));
+    }
+
+    /// Ends all ranks, for a reason.
+    fn end_with(&self, code: c_int, reason: &str) -> ! {
+        tell(&format!("rank {} of {}: {reason}", self.rank, self.ranks));
+        self.abort(code)
     }
 
     /// See [`super::Started::finish`].
@@ -183,7 +228,8 @@ impl Mpi {
             self.end_alone(worst, if code == 0 { "others failed" } else { message });
         }
         // SAFETY: all ranks are here, and no thread calls MPI afterwards.
-        unsafe { ffi::MPI_Finalize() };
+        let ended = within(self.longest_wait, "end of MPI", || unsafe { ffi::MPI_Finalize() });
+        ended.unwrap_or_else(|refused| self.end(&refused));
     }
 }
 
@@ -191,7 +237,7 @@ impl Mpi {
     /// Ends all ranks where this one does not end as the others; the first one has said why.
     fn end_alone(&self, code: c_int, message: &str) -> ! {
         if self.rank > 0 {
-            let _ = writeln!(std::io::stderr(), "error: rank {} of {}: {message}", self.rank, self.ranks);
+            self.end_with(code, message);
         }
         self.abort(code)
     }
@@ -301,13 +347,11 @@ impl Exchange for Mpi {
     }
 
     fn end(&self, reason: &str) -> ! {
-        let _ = writeln!(std::io::stderr(), "error: rank {} of {}: {reason}", self.rank, self.ranks);
-        self.abort(OUT_OF_STEP)
+        self.end_with(OUT_OF_STEP, reason)
     }
 
     fn waited_in_vain(&self, what: &str) -> ! {
-        let limit = self.longest_wait.as_secs_f64();
-        self.end(&format!("no {what} within {limit} s ({LONGEST_WAIT} sets this limit)"))
+        self.end(&in_vain(what, self.longest_wait))
     }
 }
 
@@ -322,4 +366,69 @@ fn is_done(request: &mut ffi::MPI_Request) -> bool {
     // SAFETY: a request of this process, or none, which is done.
     unsafe { ffi::MPI_Test(request, &mut is_done, ffi::RSMPI_STATUS_IGNORE) };
     is_done != 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::Formula;
+    use std::process::Command;
+
+    /// What a rank does, in its environment.
+    const DOES: &str = "COSTATE_TEST_RANK";
+    const THIS: &str = "exchange::mpi::tests::a_panic_of_any_thread_ends_all_ranks";
+
+    /// The first rank waits for the second one, of which some thread panics.
+    fn be_a_rank(does: &str) {
+        start().expect("numbers in the environment");
+        let ranks = started().expect("several ranks");
+        let wait = || drop(ranks.receive(1 - ranks.rank()));
+        let panic = || panic!("{does}");
+        match does {
+            _ if ranks.rank() == 0 => wait(),
+            "waits for nobody" => panic(),
+            "waits for a thread of the pool" => drop(rayon::join(wait, panic)),
+            "waits for a thread" => std::thread::scope(|scope| {
+                scope.spawn(panic);
+                wait();
+            }),
+            _ => {
+                let recorded = Formula::record(1, |_| panic!("of a formula"));
+                assert!(recorded.is_err_and(|error| error.contains("of a formula")));
+                ranks.send(0, vec![1.0]);
+            }
+        }
+        ranks.finish(0, "");
+    }
+
+    /// As often as `COSTATE_FAULTS` says.
+    #[test]
+    fn a_panic_of_any_thread_ends_all_ranks() {
+        if let Ok(does) = std::env::var(DOES) {
+            return be_a_rank(&does);
+        }
+        let times = std::env::var("COSTATE_FAULTS").map_or(1, |times| times.parse().expect("a number"));
+        let run = |does: &str| {
+            let begun = Instant::now();
+            let mut ranks = Command::new("mpirun");
+            ranks.args(["--oversubscribe", "-n", "2"]).arg(std::env::current_exe().expect("this program"));
+            ranks.args(["--exact", THIS, "--nocapture"]);
+            ranks.env(DOES, does).env(LONGEST_WAIT, "100").env("RAYON_NUM_THREADS", "2");
+            ranks.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+            let output = ranks.output().expect("mpirun is installed where the feature mpi is tested");
+            (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned(), begun.elapsed())
+        };
+        for does in ["waits for nobody", "waits for a thread of the pool", "waits for a thread"] {
+            let mut slowest = Duration::ZERO;
+            for _ in 0..times {
+                let (code, said, took) = run(does);
+                assert!(code == Some(PANICKED) && took < Duration::from_secs(10), "{code:?} after {took:?}: {said}");
+                assert!(said.contains(does) && said.contains("error: rank 1 of 2: a panic"), "{said}");
+                slowest = slowest.max(took);
+            }
+            println!("a panic of a rank that {does}: {times} times, at most {slowest:.1?} with the start");
+        }
+        let (code, said, _) = run("has a formula that panics");
+        assert_eq!(code, Some(0), "{said}");
+    }
 }

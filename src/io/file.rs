@@ -55,6 +55,9 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Re
     aside.publish()
 }
 
+/// Takes what is written, and keeps nothing.
+const NOWHERE: &str = if cfg!(windows) { "NUL" } else { "/dev/null" };
+
 /// A temporary file in the folder of its target; removed unless it is published.
 pub(crate) struct Aside {
     target: PathBuf,
@@ -68,12 +71,12 @@ impl Aside {
         let Some(name) = target.file_name() else {
             return Err(IoError::new(target, "the path does not end in a file name"));
         };
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let part = format!(".part-{}-{count}-{}", std::process::id(), name.to_string_lossy());
         if !is_first() {
             // another rank has the same numbers, and writes the file
-            return Ok(Self { target: target.to_path_buf(), part: std::env::temp_dir().join(part) });
+            return Ok(Self { target: target.to_path_buf(), part: NOWHERE.into() });
         }
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let part = format!(".part-{}-{count}-{}", std::process::id(), name.to_string_lossy());
         if target.is_dir() {
             return Err(IoError::new(target, "a folder of this name exists"));
         }
@@ -105,7 +108,9 @@ impl Aside {
 impl Drop for Aside {
     fn drop(&mut self) {
         // after a rename there is nothing left under this name
-        let _ = fs::remove_file(&self.part);
+        if is_first() {
+            let _ = fs::remove_file(&self.part);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Numbers as text: CSV for programs, aligned columns for people.
 
 use super::file::{Aside, IoError};
+use crate::exchange::is_first;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Seek, Write};
@@ -48,8 +49,10 @@ impl CsvFile {
         let aside = Aside::unfinished(path)?;
         let open = || -> io::Result<File> {
             let out = File::options().write(true).create(true).truncate(false).open(&aside.part)?;
-            out.try_lock()
-                .map_err(|cause| io::Error::other(format!("{} is being written: {cause}", aside.part.display())))?;
+            if is_first() {
+                out.try_lock()
+                    .map_err(|cause| io::Error::other(format!("{} is being written: {cause}", aside.part.display())))?;
+            }
             // of a device there is nothing to be cut off
             let _ = out.set_len(0);
             Ok(out)

@@ -1,4 +1,4 @@
-use crate::exchange::{Sent, apart, gather_work, world};
+use crate::exchange::{Sent, apart, gather_work, new_thread, world};
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -41,15 +41,37 @@ pub(crate) fn run_at_once(count: usize, threads: usize, run: impl Fn(usize) + Sy
     };
     let run_all = || {
         std::thread::scope(|scope| {
-            for place in 0..at_once {
+            let start = |place: usize| {
                 let own = threads / at_once + usize::from(place < threads % at_once);
-                scope.spawn(move || match ThreadPoolBuilder::new().num_threads(own.max(1)).build() {
+                let worker = move || match ThreadPoolBuilder::new().num_threads(own.max(1)).build() {
                     Ok(pool) => pool.install(work),
                     // where the system gives no more threads, this one is there
                     Err(_) => work(),
-                });
+                };
+                new_thread().spawn_scoped(scope, worker).is_ok()
+            };
+            if (0..at_once).filter(|&place| start(place)).count() == 0 {
+                work();
             }
         });
     };
     apart(run_all);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::STARTED_AT_MOST;
+
+    #[test]
+    fn all_is_done_once_however_few_threads_the_system_starts() {
+        for at_most in 0..4 {
+            STARTED_AT_MOST.set(at_most);
+            let done: Vec<AtomicUsize> = (0..9).map(|_| AtomicUsize::new(0)).collect();
+            run_at_once(done.len(), 3, |number| {
+                done[number].fetch_add(1, Ordering::Relaxed);
+            });
+            assert!(done.iter().all(|own| own.load(Ordering::Relaxed) == 1), "{at_most}: {done:?}");
+        }
+    }
 }

@@ -6,11 +6,22 @@ use super::operation::{Node, Operation};
 use super::recorded::{Recorded, Recording, extend, record};
 use super::running::{Making, Program};
 use smallvec::{SmallVec, smallvec};
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
+
+thread_local! {
+    static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether a panic of this thread comes from a formula that is recorded, and becomes an error.
+#[cfg(feature = "mpi")]
+pub(crate) fn panic_is_caught() -> bool {
+    IS_CAUGHT.get()
+}
 
 /// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
 pub type ProgramKey = (ProgramKind, Codes);
@@ -216,7 +227,9 @@ impl Formula {
     fn recorded(arguments: Arguments, formula: &mut dyn FnMut(&[Recorded]) -> Results) -> Result<Arc<Formula>, String> {
         let _making = Making::begin();
         // an index out of range in a user's formula: who recorded it knows the name of its part
+        let around = IS_CAUGHT.replace(true);
         let recorded = catch_unwind(AssertUnwindSafe(|| record(&vec![f64::NAN; arguments.count()], formula)));
+        IS_CAUGHT.set(around);
         let ((results, stages), recording) = recorded.map_err(|panic| {
             let words = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
             format!("its formula panics: {}", words.unwrap_or("without a word"))

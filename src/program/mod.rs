@@ -28,6 +28,8 @@ mod undefined;
 
 pub use arguments::ArgumentKind;
 pub use digest::Digest;
+#[cfg(feature = "mpi")]
+pub(crate) use formula::panic_is_caught;
 pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;

@@ -552,18 +552,24 @@ mod tests {
         per_rank.into_iter().next().expect("a rank")
     }
 
-    /// Matrices of a pattern: with large and with small diagonals, without the numbers of a column, and the first one again.
+    /// Matrices of a pattern: with large and with small diagonals, without the numbers of one and of several columns, and the first one again.
     fn matrices_of(noise: &mut Noise, pattern: &SparsePattern) -> Vec<Vec<f64>> {
         let regular = dominant(noise, pattern);
-        let (mut weak, mut hollow) = (noise.vector(pattern.rows.len()), regular.clone());
+        let mut weak = noise.vector(pattern.rows.len());
         for column in 0..pattern.size {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
                 weak[place] *= if (pattern.rows[place] as usize).abs_diff(column) < 4 { 1e-6 } else { 1.0 };
             }
         }
-        let column = noise.below(pattern.size);
-        hollow[pattern.column_starts[column]..pattern.column_starts[column + 1]].fill(0.0);
-        vec![regular.clone(), weak, hollow, regular]
+        let mut hollow = |columns: usize| {
+            let mut values = regular.clone();
+            for column in (0..columns).map(|_| noise.below(pattern.size)) {
+                values[pattern.column_starts[column]..pattern.column_starts[column + 1]].fill(0.0);
+            }
+            values
+        };
+        let (once, often) = (hollow(1), hollow(4));
+        vec![regular.clone(), weak, once, often, regular]
     }
 
     #[test]
@@ -601,6 +607,27 @@ mod tests {
         }
         let counts = format!("{delayed} delayed pivots, {across} across ranks, {singular} singular matrices");
         assert!(delayed > 300 && across > 100 && singular > 50, "{counts}");
+    }
+
+    #[test]
+    fn where_the_system_refuses_threads_one_has_the_same_bits() {
+        let mut noise = Noise(22);
+        let pattern = shell(17, 10);
+        let (values, b) = (noise.vector(pattern.rows.len()), noise.vector(7 * pattern.size));
+        let solve = |at_most: usize| {
+            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            lu.cut_solutions(4, &[]);
+            exchange::STARTED_AT_MOST.set(at_most);
+            let bits = bits(&mut lu, &values, &b);
+            exchange::STARTED_AT_MOST.set(usize::MAX);
+            bits
+        };
+        let expected = solve(usize::MAX);
+        assert!(expected.is_ok());
+        // none, some of those that one solution takes, and those of some solutions
+        for at_most in [0, 1, 2, 3, 5, 10] {
+            assert!(solve(at_most) == expected, "{at_most} threads");
+        }
     }
 
     #[test]

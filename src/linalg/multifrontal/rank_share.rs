@@ -30,13 +30,12 @@ struct Received {
     places: [Vec<u32>; 2],
     message: Vec<f64>,
     first: usize,
-    is_broken: bool,
 }
 
 /// First number of its message.
 const CONTRIBUTION: f64 = 1.0;
-/// Number of delayed pivots in the place of a contribution that there is not.
-const BROKEN: f64 = -1.0;
+/// In the place of an unknown that has no pivot, where all have one.
+const REGULAR: f64 = -1.0;
 
 impl RankShare {
     /// The stretch of this rank, for so many threads.
@@ -77,13 +76,16 @@ impl RankShare {
 
     /// Factors values given in the order of the pattern.
     ///
+    /// Only a last front finds that there is no pivot: all others leave it to the one above. So whoever waits for a contribution gets it, and
+    /// every last front is looked at, of which the first in the order of elimination tells, as in one process.
+    ///
     /// # Errors
     /// [`Singular`] with the column that has no pivot, on all ranks.
     pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
         let own = self.solution.stretches.fronts(self.exchange.rank());
         let (_, rest) = factors.part(symbolic).split_at(symbolic, own.start);
         let (mut part, _) = rest.split_at(symbolic, own.end);
-        let (mut failure, mut is_broken) = (None, false);
+        let mut failure: Option<(usize, Singular)> = None;
         // what waits for nobody comes first
         let is_parted = |index: &usize| self.solution.subtrees[*index].1;
         let mut order: Vec<usize> = (0..self.pieces.len()).collect();
@@ -92,24 +94,22 @@ impl RankShare {
             let (root, first) = (self.pieces[index].root(), self.pieces[index].fronts().start);
             let is_parted = self.solution.stretches.is_parted(symbolic, root);
             let taken = if is_parted { self.take_children(symbolic, root) } else { Vec::new() };
-            is_broken |= taken.iter().any(|child| child.is_broken);
-            if !is_broken {
-                let (before, rest) = self.pieces.split_at_mut(index);
-                let (below, mut fronts) = part.reborrow().split_at(symbolic, first);
-                let result = if is_parted {
-                    let children = children(symbolic, root, &taken, before, &below);
-                    rest[0].factor_front(symbolic, values, &mut fronts, &children)
-                } else {
-                    rest[0].factor(symbolic, values, fronts)
-                };
-                (is_broken, failure) = (result.is_err(), result.err());
+            let (before, rest) = self.pieces.split_at_mut(index);
+            let (below, mut fronts) = part.reborrow().split_at(symbolic, first);
+            let result = if is_parted {
+                let children = children(symbolic, root, &taken, before, &below);
+                rest[0].factor_front(symbolic, values, &mut fronts, &children)
+            } else {
+                rest[0].factor(symbolic, values, fronts)
+            };
+            match result {
+                Ok(()) => self.hand_on(symbolic, root, self.pieces[index].contribution(symbolic, &part)),
+                Err(singular) => failure = failure.filter(|&(earlier, _)| earlier < root).or(Some((root, singular))),
             }
-            let contribution = (!is_broken).then(|| self.pieces[index].contribution(symbolic, &part));
-            self.hand_on(symbolic, root, contribution);
             self.exchange.hurry();
         }
-        let delayed = if is_broken { Vec::new() } else { delayed(symbolic, &part, &self.solution.pieces) };
-        self.agree(symbolic, failure, delayed)
+        let delayed = if failure.is_some() { Vec::new() } else { delayed(symbolic, &part, &self.solution.pieces) };
+        self.agree(symbolic, failure.map(|(_, singular)| singular), delayed)
     }
 
     /// Contributions of other ranks to a front, whenever they come.
@@ -136,33 +136,29 @@ impl RankShare {
     }
 
     /// Sends the contribution of a front to the rank that needs it.
-    fn hand_on(&self, symbolic: &Symbolic, front: usize, contribution: Option<Contribution<'_>>) {
+    fn hand_on(&self, symbolic: &Symbolic, front: usize, contribution: Contribution<'_>) {
         let Some(parent) = symbolic.fronts[front].parent else { return };
-        let mut message = vec![CONTRIBUTION, front as f64];
-        match contribution {
-            Some(Contribution { delayed_rows, delayed_columns, values, .. }) => {
-                message.push(delayed_rows.len() as f64);
-                message.extend([delayed_rows, delayed_columns].into_iter().flatten().map(|&place| f64::from(place)));
-                message.extend_from_slice(values);
-            }
-            None => message.push(BROKEN),
-        }
         let to = self.solution.stretches.owner(parent);
         if to != self.exchange.rank() {
+            let Contribution { delayed_rows, delayed_columns, values, .. } = contribution;
+            let mut message = vec![CONTRIBUTION, front as f64, delayed_rows.len() as f64];
+            message.extend([delayed_rows, delayed_columns].into_iter().flatten().map(|&place| f64::from(place)));
+            message.extend_from_slice(values);
             self.exchange.send(to, message);
         }
     }
 
     /// All ranks know of the first failure, and of pivots that were delayed.
     fn agree(&mut self, symbolic: &Symbolic, failure: Option<Singular>, delayed: Vec<Delayed>) -> Result<(), Singular> {
-        let failed = failure.map_or(BROKEN, |singular| singular.unknown as f64);
+        let failed = failure.map_or(REGULAR, |singular| singular.unknown as f64);
         let mut own = vec![failed];
         for Delayed { front, places: [rows, columns], .. } in delayed {
             own.extend([front as f64, rows.len() as f64]);
             own.extend(rows.iter().chain(&columns).map(|&place| f64::from(place)));
         }
         let all = self.exchange.gather_lists(&own);
-        if let Some(failed) = all.iter().find(|other| other[0] != BROKEN) {
+        // stretches follow each other as the fronts do
+        if let Some(failed) = all.iter().find(|other| other[0] != REGULAR) {
             return Err(Singular { unknown: failed[0] as usize });
         }
         self.solution.delayed.clear();
@@ -252,10 +248,9 @@ impl Received {
     /// What a message says; nothing if it is no contribution.
     fn new(message: Vec<f64>) -> Option<Self> {
         let &[CONTRIBUTION, front, delayed, ..] = &message[..] else { return None };
-        let is_broken = delayed == BROKEN;
-        let count = if is_broken { 0 } else { delayed as usize };
+        let count = delayed as usize;
         let places = [0, 1].map(|list| message[3 + list * count..][..count].iter().map(|&place| place as u32).collect());
-        Some(Received { front: front as usize, places, message, first: 3 + 2 * count, is_broken })
+        Some(Received { front: front as usize, places, message, first: 3 + 2 * count })
     }
 
     fn contribution(&self) -> Contribution<'_> {

@@ -7,6 +7,7 @@ use super::substitution::{BLOCK, Side, Substitution};
 use super::symbolic::{SMALL_FILL, Symbolic};
 use crate::exchange::on_threads;
 use crate::linalg::Owners;
+use std::io;
 use std::sync::Arc;
 
 /// Stretches of all threads, with vectors of each, which have the bits that one thread gives.
@@ -51,16 +52,24 @@ impl ThreadSolution {
         if side == Side::Transposed {
             factors.transpose(symbolic);
         }
-        let both = (symbolic, &*factors);
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            let given = &*block;
-            on_threads(&mut self.threads, |exchange, (own, vectors)| {
-                own.forward(exchange, both, vectors, side, given);
-                own.backward(exchange, both, vectors, side);
-            });
-            for (number, (_, vectors)) in self.threads.iter().enumerate() {
-                vectors.store_some(symbolic, block, self.stretches.places(symbolic, number));
+            while self.solve_block((symbolic, factors), side, block).is_err() {
+                // the system starts no more threads: the one that there is has the same bits
+                *self = Self::of(symbolic, Stretches::new(symbolic, 1));
+                self.set_delayed(symbolic, factors);
             }
         }
+    }
+
+    fn solve_block(&mut self, both: (&Symbolic, &Factors), side: Side, block: &mut [f64]) -> io::Result<()> {
+        let given = &*block;
+        on_threads(&mut self.threads, |exchange, (own, vectors)| {
+            own.forward(exchange, both, vectors, side, given);
+            own.backward(exchange, both, vectors, side);
+        })?;
+        for (number, (_, vectors)) in self.threads.iter().enumerate() {
+            vectors.store_some(both.0, block, self.stretches.places(both.0, number));
+        }
+        Ok(())
     }
 }
