@@ -189,7 +189,7 @@ impl Kept<'_> {
             None => Vec::new(),
         };
         let wanted = self.modes.iter().zip(of_modes).filter(|(_, place)| how.wanted[**place]);
-        let mut found = self.prepared.measured_mode_gradients(&wanted.map(|own| *own.0).collect::<Vec<_>>())?.into_iter();
+        let mut found = self.prepared.measured_modes_by_design(&wanted.map(|own| *own.0).collect::<Vec<_>>())?.into_iter();
         let zeros = || vec![0.0; self.prepared.x.len()];
         rows.extend(of_modes.iter().map(|&place| how.wanted[place].then(|| found.next()).flatten().unwrap_or_else(zeros)));
         Ok(rows)

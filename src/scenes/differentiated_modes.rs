@@ -107,7 +107,7 @@ impl Prepared<'_> {
     ///
     /// # Errors
     /// As for [`Prepared::modes_with_gradients`].
-    pub(crate) fn measured_mode_gradients(&self, measures: &[&ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
+    pub(crate) fn measured_modes_by_design(&self, measures: &[&ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
         let row = |modes: &[Vibrating], measure: &ModeMeasure| {
             let own = &modes[measure.number - 1].0;
             let equal = |(mode, _): &&Vibrating| is_same(mode, own);
