@@ -424,9 +424,9 @@ fn all_ranks_end_where_one_fails_at_work() {
         ("asleep, forward or back", OPTIMIZE, "results/optimization.csv", ASLEEP, "within"),
         ("no memory", RUN, STEPS, NO_MEMORY, "memory allocation of"),
         ("no memory, forward or back", OPTIMIZE, "results/optimization.csv", NO_MEMORY, "memory allocation of"),
-        ("no room for the file of steps", KEPT, STEPS, NO_ROOM, "kept: cannot be written: File too large"),
+        ("no room for the file of steps", KEPT, STEPS, NO_ROOM, "File too large"),
         ("no room for a table of designs", OPTIMIZE, "results/optimization.csv", NO_ROOM, "File too large"),
-        ("no room for rows of a sweep", SWEEP, "results/sweep.csv", NO_ROOM, "sweep.csv: File too large"),
+        ("no room for rows of a sweep", SWEEP, "results/sweep.csv", NO_ROOM, "File too large"),
     ];
     for (place, (name, arguments, begun, happens, words)) in faults.into_iter().enumerate() {
         each_time(name, |time| {
