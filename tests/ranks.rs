@@ -450,7 +450,7 @@ fn all_ranks_end_where_one_fails_at_work() {
             // what was finished before can be read
             let tables = [begun, "results/histories.csv"].map(|file| fs::read_to_string(folder.0.join(file)));
             let rows = tables.into_iter().find_map(Result::ok);
-            assert!(begun.is_empty() || rows.is_some(), "{name}: {}", end.said);
+            assert!(begun.is_empty() || happens == NO_ROOM || rows.is_some(), "{name}: {}", end.said);
             let rows = rows.unwrap_or_default();
             let columns: Vec<usize> = rows.lines().skip(1).map(|row| row.split(',').count()).collect();
             assert!(columns.iter().all(|&count| count == columns[0]), "{rows}");
