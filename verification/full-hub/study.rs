@@ -4,8 +4,8 @@
 use crate::verification::memory::{forget_peak, peak_memory};
 use crate::verification::whole_runs::{compare_with_whole_runs, inside};
 use crate::verification::{Form, Report, Study, on_threads};
-use costate::integrators::RunError;
-use costate::scenes::{AnyScene, FileScene, Prepared, Settings};
+use costate::integrators::{DEFAULT_TABLE, RunError};
+use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -36,7 +36,7 @@ impl Study for FullHub {
         &[Form::Short]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let (panels, steps) = if report.is_short() { (4, 3) } else { (48, 12) };
+        let (panels, steps) = if report.is_short() { (4, 3) } else { (48, 6) };
         eprintln!("[1/3] twelve functionals by {panels} thicknesses and two lengths");
         complex_steps(report, &hub(panels, 1)?, steps)?;
         eprintln!("[2/3] the mesh of the source along a direction");
@@ -44,10 +44,13 @@ impl Study for FullHub {
         whole_runs(report, &hub(panels, across)?, steps)?;
         eprintln!("[3/3] times and memory");
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        for threads in [1, 2].into_iter().filter(|&threads| threads <= cores) {
-            on_threads(threads, || times(report, &hub(panels, across)?, threads))?;
+        let most = cores.min(2);
+        let scene = hub(panels, across)?;
+        if most > 1 {
+            on_threads(1, || times(report, &scene, (DEFAULT_TABLE, 1), false))?;
         }
-        Ok(())
+        on_threads(most, || times(report, &scene, (DEFAULT_TABLE, most), true))?;
+        on_threads(most, || times(report, &scene, ("dirk2", most), false))
     }
 }
 
@@ -91,14 +94,11 @@ fn hub(panels: usize, across: usize) -> Result<FileScene, String> {
     FileScene::parse("rotor-hub.toml", &text)
 }
 
-/// The scene in one of its flights, of so many steps or the whole turn, at a design away from bounds.
-fn prepared<'s>(scene: &'s FileScene, steps: Option<usize>, method: Option<&str>) -> Result<Prepared<'s>, String> {
-    let mut settings: Settings = scene.settings();
+/// The scene in so many steps or the whole turn, at a design away from bounds.
+fn prepared<'s>(scene: &'s FileScene, steps: Option<usize>, method: &str) -> Result<Prepared<'s>, String> {
+    let mut settings = scene.settings().with_method(method);
     if let Some(steps) = steps {
         (settings.end, settings.steps) = (settings.end * steps as f64 / settings.steps as f64, steps);
-    }
-    if let Some(method) = method {
-        settings = settings.with_method(method);
     }
     Prepared::with(scene, &inside(scene), Prepared::method_of(&settings).map_err(told)?, settings).map_err(told)
 }
@@ -111,7 +111,7 @@ fn of_the_table(prepared: &Prepared, all: bool) -> Vec<bool> {
 }
 
 fn complex_steps(report: &mut Report, scene: &FileScene, steps: usize) -> Result<(), String> {
-    let prepared = prepared(scene, Some(steps), None)?;
+    let prepared = prepared(scene, Some(steps), DEFAULT_TABLE)?;
     let (analysis, wanted) = (prepared.analysis(), of_the_table(&prepared, true));
     let forward = analysis.forward(&prepared.x).map_err(told)?;
     let adjoint = analysis.adjoint_of(&prepared.x, &forward, &wanted).map_err(told)?;
@@ -131,7 +131,7 @@ fn complex_steps(report: &mut Report, scene: &FileScene, steps: usize) -> Result
 }
 
 fn whole_runs(report: &mut Report, scene: &FileScene, steps: usize) -> Result<(), String> {
-    let prepared = prepared(scene, Some(steps), None)?;
+    let prepared = prepared(scene, Some(steps), DEFAULT_TABLE)?;
     let (analysis, x) = (prepared.analysis(), &prepared.x);
     let forward = analysis.forward(x).map_err(told)?;
     let wanted = of_the_table(&prepared, true);
@@ -140,46 +140,30 @@ fn whole_runs(report: &mut Report, scene: &FileScene, steps: usize) -> Result<()
 }
 
 /// Of a turn.
-fn times(report: &mut Report, scene: &FileScene, threads: usize) -> Result<(), String> {
+fn times(report: &mut Report, scene: &FileScene, (method, threads): (&str, usize), with_all: bool) -> Result<(), String> {
     let steps = report.is_short().then_some(3);
-    let megabytes = || peak_memory().unwrap_or(f64::NAN) / 1e6;
-    for method in [None, Some("dirk2")] {
-        let prepared = prepared(scene, steps, method)?;
-        let (analysis, x) = (prepared.analysis(), &prepared.x);
-        let named = |what: &str| {
-            let of = method.map_or_else(|| prepared.method.table.name.clone(), String::from);
-            format!("times/{of}/{threads} thread{}/{what}", if threads == 1 { "" } else { "s" })
-        };
-        report.inform(named("unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
-        forget_peak();
+    let prepared = prepared(scene, steps, method)?;
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let name = |what: &str| format!("times/{method}/{threads} thread{}/{what}", if threads == 1 { "" } else { "s" });
+    report.inform(name("unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
+    forget_peak();
+    let clock = Instant::now();
+    let forward = analysis.forward(x).map_err(told)?;
+    report.inform(name("simulation [s]"), clock.elapsed().as_secs_f64());
+    let gradients = |all: bool| -> Result<f64, String> {
         let clock = Instant::now();
-        let forward = analysis.forward(x).map_err(told)?;
-        let simulation = clock.elapsed().as_secs_f64();
-        report.inform(named("simulation [s]"), simulation);
-        let mut before = 0.0;
-        for (all, what) in [(false, "gradients of mass, compliance and KS [s]"), (true, "gradients of all twelve [s]")] {
-            // on one thread once is enough
-            if all && threads == 1 {
-                continue;
-            }
-            let clock = Instant::now();
-            analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
-            let seconds = clock.elapsed().as_secs_f64();
-            report.inform(named(what), seconds);
-            if all {
-                report.inform(
-                    named("each further functional, share of the first gradients"),
-                    (seconds - before) / (9.0 * before),
-                );
-            } else {
-                report.inform(named("memory of both [MB]"), megabytes());
-            }
-            before = seconds;
-        }
-        report.inform(
-            named("KS of the von Mises stress by the yield stress"),
-            forward.values[prepared.functional("stress").map_err(told)?],
-        );
+        analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
+        Ok(clock.elapsed().as_secs_f64())
+    };
+    let first = gradients(false)?;
+    report.inform(name("gradients of mass, compliance and KS [s]"), first);
+    report.inform(name("memory of both [MB]"), peak_memory().unwrap_or(f64::NAN) / 1e6);
+    if with_all {
+        let all = gradients(true)?;
+        report.inform(name("gradients of all twelve [s]"), all);
+        report.inform(name("each further functional, share of the first gradients"), (all / first - 1.0) / 9.0);
     }
+    let stress = prepared.functional(OWN[1]).map_err(told)?;
+    report.inform(name("KS of the von Mises stress by the yield stress"), forward.values[stress]);
     Ok(())
 }
