@@ -33,7 +33,7 @@ impl Study for FullHub {
         "rotor hub with blades of 48 panels: twelve functionals by 50 variables, times and memory of simulation and gradients"
     }
     fn forms(&self) -> &'static [Form] {
-        &[Form::Short]
+        &[Form::Short, Form::Long]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         let (panels, steps) = if report.is_short() { (4, 3) } else { (48, 6) };
@@ -45,11 +45,11 @@ impl Study for FullHub {
         eprintln!("[3/3] times and memory");
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let most = cores.min(2);
-        let scene = hub(panels, across)?;
+        let (scene, with_all) = (hub(panels, across)?, report.is_long());
         if most > 1 {
             on_threads(1, || times(report, &scene, (DEFAULT_TABLE, 1), false))?;
         }
-        on_threads(most, || times(report, &scene, (DEFAULT_TABLE, most), true))?;
+        on_threads(most, || times(report, &scene, (DEFAULT_TABLE, most), with_all))?;
         on_threads(most, || times(report, &scene, ("dirk2", most), false))
     }
 }
