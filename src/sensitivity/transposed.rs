@@ -328,8 +328,9 @@ impl<'m> TransposedSolver<'m> {
         let dofs = self.system.model.dofs;
         // shares of the last corrections; zero where nothing is left to correct, so that each has the numbers that it has alone
         let mut left = vec![1.0; asked.len()];
+        // of parameters nothing is asked here
+        let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
         loop {
-            let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
             self.add_products(record, p, asked, &mut aside);
             self.add_inside_nodes(&record.equations, asked, bars);
             let Equations { residual, constraint, .. } = record.equations;
@@ -337,12 +338,10 @@ impl<'m> TransposedSolver<'m> {
             let mut rest: Vec<SolutionBar> = bars.to_vec();
             for (place, &k) in asked.iter().enumerate() {
                 rest[k].mu.fill(0.0);
-                for (parts, shift) in [(elements, residual), (constraints, constraint)] {
-                    let own = &parts[place * 3 * dofs..(place + 1) * 3 * dofs];
-                    for (part, factor) in own.chunks_exact(dofs).zip([shift.gamma, shift.beta, shift.alpha]) {
-                        add(&mut rest[k].x, factor, part);
-                    }
-                }
+                // nothing but coordinates moves
+                let q = (3 * place + 2) * dofs..(3 * place + 3) * dofs;
+                add(&mut rest[k].x, residual.alpha, &elements[q.clone()]);
+                add(&mut rest[k].x, constraint.alpha, &constraints[q]);
             }
             let known = self.sweep.adjoints[..asked.len()].to_vec();
             self.solve(asked, &rest).map_err(|singular| self.singular_at(singular, record.t))?;
