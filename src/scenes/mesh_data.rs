@@ -1,5 +1,6 @@
 //! A mesh of faces as a file gives it: numbers, and what the file calls things.
 
+use std::collections::HashMap;
 use std::fmt;
 
 /// Where something stands in a file.
@@ -79,12 +80,81 @@ impl MeshData {
             reverse(&mut self.faces[face]);
         }
     }
+
+    /// Turns faces round so that all that hang together have their normals on one side: that of most of those among them that lead, or of most
+    /// of all where none of them leads; [`notes`](MeshData::notes) say how many. Faces hang together by edges that have no third face; those
+    /// of a band that is twisted in itself, which has one side only, stay as they are.
+    pub fn orient(&mut self, leading: impl IntoIterator<Item = usize>) {
+        let mut leads = vec![false; self.faces.len()];
+        leading.into_iter().for_each(|face| leads[face] = true);
+        let beside = self.beside();
+        let mut sides: Vec<Option<bool>> = vec![None; self.faces.len()];
+        let mut turned = Vec::new();
+        for first in 0..self.faces.len() {
+            if sides[first].is_some() {
+                continue;
+            }
+            sides[first] = Some(true);
+            let mut all = vec![(first, true)];
+            let mut has_sides = true;
+            let mut next = 0;
+            while let Some(&(face, side)) = all.get(next) {
+                next += 1;
+                for &(other, agrees) in &beside[face] {
+                    let own = side == agrees;
+                    match sides[other] {
+                        None => {
+                            sides[other] = Some(own);
+                            all.push((other, own));
+                        }
+                        Some(known) => has_sides &= known == own,
+                    }
+                }
+            }
+            let any_leads = all.iter().any(|(face, _)| leads[*face]);
+            let votes =
+                |wanted: bool| all.iter().filter(|(face, side)| *side == wanted && (leads[*face] || !any_leads)).count();
+            let side = votes(true) >= votes(false);
+            turned.extend(all.into_iter().filter(|own| has_sides && own.1 != side).map(|own| own.0));
+        }
+        if !turned.is_empty() {
+            let (count, of) = (turned.len(), self.faces.len());
+            self.notes.push(format!(
+                "turned round, so that normals point to one side where faces are joined: {count} of {of} faces"
+            ));
+        }
+        self.reverse(turned);
+    }
+    /// The faces that hang together with each, and whether their normals are on its side.
+    fn beside(&self) -> Vec<Vec<(usize, bool)>> {
+        let mut edges: HashMap<[usize; 2], Vec<(usize, bool)>> = HashMap::new();
+        for (number, face) in self.faces.iter().enumerate() {
+            let corners = corners(face);
+            for k in 0..corners {
+                let (from, to) = (face[k], face[(k + 1) % corners]);
+                edges.entry([from.min(to), from.max(to)]).or_default().push((number, from < to));
+            }
+        }
+        let mut beside = vec![Vec::new(); self.faces.len()];
+        for own in edges.into_values() {
+            if let [(first, forward), (second, other)] = own[..] {
+                beside[first].push((second, forward != other));
+                beside[second].push((first, forward != other));
+            }
+        }
+        beside
+    }
+}
+
+/// How many corners a face has, at most as many as points.
+fn corners(face: &[usize]) -> usize {
+    face.len().min(if matches!(face.len(), 3 | 6) { 3 } else { 4 })
 }
 
 /// Turns a face round: its corners, and the middles of its edges.
 pub(super) fn reverse(face: &mut [usize]) {
-    let corners = if matches!(face.len(), 3 | 6) { 3 } else { 4 };
     // what has another number of points is refused where it is to become a face
+    let corners = corners(face);
     if let Some(own) = face.get_mut(1..corners) {
         own.reverse();
     }

@@ -19,7 +19,7 @@ fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(path(name)).unwrap()
 }
 
-const SORTS: [&str; 5] = ["quads4", "quads8", "quads9", "triangles3", "triangles6"];
+const SORTS: [&str; 7] = ["quads4", "quads8", "quads9", "quads16", "triangles3", "triangles6", "triangles15"];
 
 /// All files here.
 fn all_files() -> Vec<String> {
@@ -126,7 +126,7 @@ fn solids_are_left_out_beside_faces_and_quadrilaterals_fit_to_raised_triangles()
         assert!((all - 2.5).abs() < 1e-14, "{name}: {all}");
         let notes = data.notes.join("\n");
         for part in [
-            "left out: points (1), lines of 2 nodes (1), pyramids of 5 nodes (1), tetrahedra of 4 nodes (1)",
+            "left out: points (1), lines of 2 nodes (1), tetrahedra of 4 nodes (1), pyramids of 5 nodes (1)",
             "triangles of 3 nodes raised to 6 (3), and quadrilaterals of 4 nodes beside them to 9 (1): nodes 11 to 21 are",
             "nodes that belong to no face: 3 of 21",
         ] {
@@ -141,19 +141,152 @@ fn solids_are_left_out_beside_faces_and_quadrilaterals_fit_to_raised_triangles()
 }
 
 /// Area that chords or arcs of eight parts leave of a square of side 2 around a circle of radius 1/2: an eighth of the circle is a chord, or a
-/// parabola through its middle, under which lie two thirds of the rectangle on the chord.
-fn area(is_curved: bool) -> f64 {
+/// parabola through its middle, under which lie two thirds of the rectangle on the chord. The middle is one of the circle, or of the cubic
+/// curve through four points of it.
+fn area(sort: &str) -> f64 {
     let (radius, half) = (0.5, PI / 8.0);
     let triangles = 8.0 * 0.5 * radius * radius * (2.0 * half).sin();
-    let segments = 8.0 * 2.0 / 3.0 * (2.0 * radius * half.sin()) * (radius * (1.0 - half.cos()));
-    4.0 - triangles - if is_curved { segments } else { 0.0 }
+    let middle = match sort {
+        "quads4" | "triangles3" => half.cos(),
+        "quads16" => (9.0 * (half / 3.0).cos() - half.cos()) / 8.0,
+        _ => 1.0,
+    };
+    4.0 - triangles - 8.0 * 2.0 / 3.0 * (2.0 * radius * half.sin()) * (radius * (middle - half.cos()))
+}
+
+#[test]
+fn faces_of_higher_order_are_lowered_to_second() {
+    let near = |data: &MeshData, point: usize, place: [f64; 3]| {
+        let apart = (0..3).map(|k| (data.points[point][k] - place[k]).abs()).fold(0.0, f64::max);
+        // Gmsh's points on curves are exact to about 1e-12
+        assert!(apart < 1e-11, "{:?} instead of {place:?}", data.points[point]);
+    };
+    // of an even number of parts: the nodes that stand in the middles of edges
+    let own = read("triangles15.msh");
+    assert!(own.faces.iter().all(|face| face.len() == 6));
+    assert_eq!(own.points.len(), own.point_numbers.iter().max().copied().unwrap());
+    let hole = own.node_set("hole").unwrap();
+    hole.iter().for_each(|&point| {
+        let [x, y, _] = own.points[point];
+        assert!((x.hypot(y) - 0.5).abs() < 1e-11, "{x} {y}");
+    });
+    assert_eq!(hole.len(), 16);
+    assert!(
+        own.notes[0].starts_with(&format!("triangles of 15 nodes lowered to second order ({})", own.faces.len())),
+        "{:?}",
+        own.notes
+    );
+    // of an odd one: new nodes, in common with the neighbours and curves
+    let own = read("quads16.msh");
+    assert!(own.faces.iter().all(|face| face.len() == 9));
+    let (faces, corners) = (own.faces.len(), read("quads4.msh").points.len());
+    let edges = faces + corners;
+    let used = own.used().into_iter().filter(|used| *used).count();
+    assert_eq!(used, corners + edges + faces);
+    assert_eq!(own.node_set("hole").unwrap().len(), 16);
+    let straight: Vec<usize> = own.node_set("left edge").unwrap();
+    assert_eq!(straight.len(), 5);
+    straight.iter().zip([1.0, 0.5, 0.0, -0.5, -1.0]).for_each(|(&point, y)| near(&own, point, [-1.0, y, 0.0]));
+    assert!(
+        own.notes.iter().any(|note| note.contains("quadrilaterals of 16 nodes lowered to second order")),
+        "{:?}",
+        own.notes
+    );
+}
+
+/// A square of a polynomial of third degree in both directions keeps its middles, exactly, and the order of its nodes is that of Gmsh.
+#[test]
+fn middles_of_a_quadrilateral_are_those_of_its_own_surface() {
+    // corners, edges, and an inner quadrilateral of first order
+    let places = [
+        [0, 0],
+        [3, 0],
+        [3, 3],
+        [0, 3],
+        [1, 0],
+        [2, 0],
+        [3, 1],
+        [3, 2],
+        [2, 3],
+        [1, 3],
+        [0, 2],
+        [0, 1],
+        [1, 1],
+        [2, 1],
+        [2, 2],
+        [1, 2],
+    ];
+    let height = |x: f64, y: f64| x * x * x - 2.0 * x * y * y + 0.3 * y * y * y * x * x;
+    let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n16\n");
+    for (number, [i, j]) in places.into_iter().enumerate() {
+        let (x, y) = (f64::from(i) / 3.0, f64::from(j) / 3.0);
+        text += &format!("{} {x:e} {y:e} {:e}\n", number + 1, height(x, y));
+    }
+    text += "$EndNodes\n$Elements\n1\n1 36 2 1 1 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16\n$EndElements\n";
+    let data = parse_gmsh("square.msh", text.as_bytes()).unwrap();
+    let wanted =
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5], [0.5, 0.5]];
+    for (&point, [x, y]) in data.faces[0].iter().zip(wanted) {
+        let own = data.points[point];
+        let apart =
+            [own[0] - x, own[1] - y, own[2] - height(x, y)].into_iter().fold(0.0, |most: f64, off| most.max(off.abs()));
+        assert!(apart < 1e-15, "{own:?} instead of {x}, {y}, {}", height(x, y));
+    }
+    assert!(
+        data.notes[0].ends_with("lowered to second order (1): nodes 17 to 21 are the middles of edges and faces"),
+        "{:?}",
+        data.notes
+    );
+}
+
+#[test]
+fn faces_that_hang_together_are_turned_to_one_side() {
+    let straight = read("quads9.msh");
+    let sides = |data: &MeshData| -> Vec<bool> {
+        (0..data.faces.len()).map(|face| data.faces[face] == straight.faces[face]).collect()
+    };
+    // most decide
+    let mut own = straight.clone();
+    own.reverse([1, 4]);
+    own.orient([]);
+    assert!(sides(&own).into_iter().all(|same| same));
+    assert!(
+        own.notes[0].starts_with("turned round") && own.notes[0].ends_with(&format!("2 of {} faces", own.faces.len())),
+        "{:?}",
+        own.notes
+    );
+    // or those that lead
+    let mut own = straight.clone();
+    own.reverse([1, 4]);
+    own.orient([1, 4]);
+    assert!(!sides(&own).into_iter().any(|same| same));
+    // nothing to do, nothing said
+    let mut own = straight.clone();
+    own.orient([3]);
+    assert_eq!(own, straight);
+    // a third face at an edge, and a band that is twisted in itself, stay
+    let branch = MeshData {
+        points: vec![[0.0; 3]; 5],
+        faces: vec![vec![0, 1, 2], vec![0, 1, 3], vec![0, 1, 4]],
+        ..MeshData::default()
+    };
+    let twisted = MeshData {
+        points: vec![[0.0; 3]; 6],
+        faces: vec![vec![0, 1, 3, 2], vec![2, 3, 5, 4], vec![4, 5, 0, 1]],
+        ..MeshData::default()
+    };
+    for own in [branch, twisted] {
+        let mut turned = own.clone();
+        turned.orient([]);
+        assert_eq!(turned, own);
+    }
 }
 
 #[test]
 fn areas_are_those_of_the_edges() {
     for sort in SORTS {
         let data = read(&format!("{sort}.msh"));
-        let expected = area(!matches!(sort, "quads4" | "triangles3"));
+        let expected = area(sort);
         let [right, all] = areas(&data, data.group("right half").unwrap());
         let [left, _] = areas(&data, data.group("left half").unwrap());
         // Gmsh's points on curves are exact to about 1e-12
@@ -275,10 +408,10 @@ const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
     ("", "$Elements\n2 2 3 8", "$Elements\n2 3 3 8", ":35", &["announces 3 elements", "have 2"]),
     ("", "2 9 3 1\n8 30", "2 9 1 1\n8 30", ":33", &["surface 9", "lines of 2 nodes cannot be a part of it"]),
     ("", "2 9 3 1\n8", "2 9 4 1\n8", ":33", &["surface 9", "tetrahedra of 4 nodes cannot be a part of it"]),
-    ("", "2 9 3 1\n8", "2 9 21 1\n8", ":33", &["third order or higher", "Mesh.ElementOrder = 2"]),
-    ("", "2 9 3 1\n8", "2 9 36 1\n8", ":33", &["quadrilaterals of third order", "Mesh.ElementOrder = 2"]),
+    ("", "2 9 3 1\n8 30 10 1 2 ", "2 9 21 1\n8 30 10 1 2 ", ":35", &["$EndElements where the number of a node"]),
+    ("", "2 9 3 1\n8", "2 9 32 1\n8", ":33", &["solids of third order", "Mesh.SecondOrderIncomplete = 0"]),
     ("", "2 9 3 1\n8", "2 9 34 1\n8", ":33", &["elements of type 34"]),
-    ("", "1 4 1 1\n3", "1 4 26 1\n3", ":31", &["curve 4", "\"side\"", "lines of third order", "Mesh.ElementOrder = 2"]),
+    ("", "1 4 1 1\n3", "1 4 21 1\n3", ":31", &["curve 4", "\"side\"", "triangles of 10 nodes cannot be a part of it"]),
     ("", "2 9 3 1\n8 30 10 1 2", "2 9 3 0", "", &["2 elements", "have 1"]),
     (
         "",
@@ -301,8 +434,8 @@ const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
     ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 2 2000 1 1 2 5 3", ":29", &["2000 tags are announced"]),
     ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 2 2 1 1 2 5 77", ":29", &["element 5 names node 77"]),
     ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "6 2 2 1 1 2 5 3", ":30", &["element 6 is there twice"]),
-    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 21 2 1 1 2 5 3", ":29", &["triangles of third order", "ElementOrder = 2"]),
-    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 29 2 1 1 2 5 3", ":29", &["solids of third order", "ElementOrder = 2"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 21 2 1 1 2 5 3", ":33", &["$EndElements where the number of a node"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 79 2 1 1 2 5 3", ":29", &["solids of third order", "ElementOrder = 2"]),
     (
         "mixed-2.2.msh",
         "9 3 0 0\n10 3 1 0",

@@ -157,7 +157,7 @@ fn times(report: &mut Report, scene: &FileScene, (method, threads): (&str, usize
     };
     let first = gradients(false)?;
     report.inform(name("gradients of mass, compliance and KS [s]"), first);
-    report.inform(name("memory of both [MB]"), peak_memory().unwrap_or(f64::NAN) / 1e6);
+    report.inform(name("most memory of the process [MB]"), peak_memory().unwrap_or(f64::NAN) / 1e6);
     if with_all {
         let all = gradients(true)?;
         report.inform(name("gradients of all twelve [s]"), all);

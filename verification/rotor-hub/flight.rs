@@ -7,7 +7,7 @@ use crate::verification::Report;
 use crate::verification::optimized::{by_iteration, optimize_from, seconds};
 use costate::cli::{Chart, Series, Style};
 use costate::functionals::Sample;
-use costate::optimize::{GradientBy, Optimized};
+use costate::optimize::{GradientBy, Optimization, Optimized};
 use costate::prelude::DesignVariable;
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::path::PathBuf;
@@ -115,6 +115,7 @@ pub fn optimum(report: &mut Report) -> Result<(), String> {
 
 fn optimum_of(report: &mut Report, panels: usize) -> Result<(), String> {
     let scene = extended(&format!("panels {panels}"), &format!("define.along = {panels}\n"))?;
+    let problem = Optimization::of(&scene).map_err(told)?.problem;
     let mut masses = Vec::new();
     let (mut thicknesses, mut courses) = (Vec::new(), Vec::new());
     for start in [0.02, 0.015] {
@@ -128,8 +129,24 @@ fn optimum_of(report: &mut Report, panels: usize) -> Result<(), String> {
         report.inform(name("simulations and gradients [s]"), seconds(&optimized.history));
         report.compare(name("ended at an optimum"), f64::from(optimized.ended.reason.is_optimum()), 1.0, 0.0);
         report.at_most(name("largest violation of a limit"), best.violation, VIOLATION);
+        let conditions = optimized.ended.conditions.as_ref().ok_or("no conditions of optimality")?;
+        report.at_most(
+            name("slope of the Lagrangian where no bound holds it, scaled"),
+            conditions.stationarity,
+            conditions.tolerance,
+        );
+        let (limits, rows) = conditions.multipliers.split_at(problem.constraints.len());
+        for (limit, multiplier) in problem.constraints.iter().zip(limits) {
+            let place = optimized.history.functionals.iter().position(|own| own.0 == limit.functional).ok_or("no stress")?;
+            report.inform(name(&format!("{} by the yield stress", limit.functional)), best.functionals[place]);
+            report.inform(name(&format!("{}, multiplier of its limit, scaled", limit.functional)), *multiplier);
+        }
+        report.inform(
+            name("active limits of the change from panel to panel"),
+            rows.iter().filter(|own| **own != 0.0).count() as f64,
+        );
         for (own, variable) in best.design.iter().zip(scene.variables()).filter(|own| own.1.name.starts_with("thickness")) {
-            if start == 0.02 && panels == 12 {
+            if start == 0.02 {
                 report.inform(name(&format!("{} [mm]", variable.name)), 1e3 * own);
             }
         }

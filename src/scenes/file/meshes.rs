@@ -49,9 +49,10 @@ impl Reader {
         Some(data)
     }
 
-    /// The mesh with the groups of the key `reverse` turned round.
+    /// The mesh with the groups of the key `reverse` turned round, and with what hangs together on their side: faces that are given one by one
+    /// must be on one side as they are.
     fn turned_round(&mut self, raw: &Raw, data: Arc<MeshData>) -> Option<Arc<MeshData>> {
-        let Some(list) = raw.get("reverse").and_then(Raw::list) else { return Some(data) };
+        let list = raw.get("reverse").and_then(Raw::list).unwrap_or_default();
         let mut turned: Vec<usize> = Vec::new();
         for own in list {
             let name = own.text()?;
@@ -63,7 +64,10 @@ impl Reader {
         turned.sort_unstable();
         turned.dedup();
         let mut data = (*data).clone();
-        data.reverse(turned);
+        data.reverse(turned.iter().copied());
+        if !data.file.is_empty() {
+            data.orient(turned);
+        }
         Some(Arc::new(data))
     }
 

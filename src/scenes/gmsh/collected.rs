@@ -2,6 +2,7 @@
 
 use super::input::{Found, Wrong};
 use super::kinds::Kind;
+use super::lowered::Lowered;
 use super::raised::raise;
 use crate::scenes::mesh_data::{FilePlace, MeshData, reverse};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -27,7 +28,10 @@ pub(super) struct Collected {
     /// Points of the elements of physical curves and points, by dimension and number of these.
     sets: BTreeMap<(i32, u32), Vec<Vec<usize>>>,
     /// Elements that nothing is made of.
-    left_out: BTreeMap<(i32, &'static str), usize>,
+    left_out: BTreeMap<Kind, usize>,
+    /// Faces of third order and higher.
+    lowered_faces: BTreeMap<Kind, usize>,
+    lowered: Lowered,
     mesh: MeshData,
 }
 
@@ -48,10 +52,13 @@ impl Collected {
     pub fn add_element(&mut self, element: Element, groups: &[i32], is_turned: bool) -> Found<Option<usize>> {
         let dimension = element.kind.dimension;
         if dimension == 3 || (dimension < 2 && groups.is_empty()) {
-            *self.left_out.entry((dimension, element.kind.words)).or_default() += 1;
+            *self.left_out.entry(element.kind).or_default() += 1;
             return Ok(None);
         }
         let mut points = self.points_of(&element)?;
+        if element.kind.order > 2 {
+            points = self.lowered.lower(element.kind, &points, &mut self.mesh.points);
+        }
         if dimension < 2 {
             for group in groups {
                 self.sets.entry((dimension, group.unsigned_abs())).or_default().push(points.clone());
@@ -61,9 +68,12 @@ impl Collected {
         if is_turned {
             reverse(&mut points);
         }
-        let Element { number, place, .. } = element;
+        let Element { number, place, kind, .. } = element;
         if !self.face_numbers.insert(number) {
             return Err(Wrong { place: Some(place), what: format!("element {number} is there twice") });
+        }
+        if kind.order > 2 {
+            *self.lowered_faces.entry(kind).or_default() += 1;
         }
         let face = self.mesh.faces.len();
         self.mesh.faces.push(points);
@@ -96,7 +106,7 @@ impl Collected {
     /// The mesh, with notes of what became of the file.
     pub fn finish(mut self) -> Found<MeshData> {
         let of_file = |what: String| Wrong { place: None, what };
-        let counts = self.left_out.iter().map(|((_, words), count)| format!("{words} ({count})"));
+        let counts = self.left_out.iter().map(|(kind, count)| format!("{} ({count})", kind.words()));
         let left_out = counts.collect::<Vec<_>>().join(", ");
         if self.mesh.faces.is_empty() {
             return Err(of_file(without_faces(&left_out)));
@@ -106,8 +116,7 @@ impl Collected {
             let why = "shells are made of surfaces, node sets of physical curves and points";
             notes.push(format!("left out: {left_out}; {why}"));
         }
-        let lines = self.sets.values_mut().flatten();
-        notes.extend(raise(&mut self.mesh, lines).map_err(of_file)?);
+        notes.extend(self.make_second_order().map_err(of_file)?);
         let unused = self.mesh.used().iter().filter(|used| !**used).count();
         if unused > 0 {
             notes.push(format!("nodes that belong to no face: {unused} of {}", self.mesh.points.len()));
@@ -119,6 +128,29 @@ impl Collected {
         self.mesh.node_sets = self.named(sets.into_iter().map(|(key, elements)| (key, in_order(elements))))?;
         self.mesh.notes = notes;
         Ok(self.mesh)
+    }
+
+    /// Makes all faces what shells have, and numbers the points that are new. Says what was changed.
+    fn make_second_order(&mut self) -> Result<Option<String>, String> {
+        let lowered =
+            self.lowered_faces.iter().map(|(kind, count)| format!("{} lowered to second order ({count})", kind.words()));
+        let mut changes: Vec<String> = lowered.collect();
+        changes.extend(raise(&mut self.mesh, self.sets.values_mut().flatten()));
+        if changes.is_empty() {
+            return Ok(None);
+        }
+        let numbers = &mut self.mesh.point_numbers;
+        let added = self.mesh.points.len() - numbers.len();
+        let largest = numbers.iter().max().copied().unwrap_or(0);
+        let none_left = || format!("the number of node {largest} leaves none for nodes in the middles of edges");
+        let last = largest.checked_add(added.max(1)).ok_or_else(none_left)?;
+        numbers.extend(largest + 1..=largest + added);
+        let new = if added == 0 {
+            String::new()
+        } else {
+            format!(": nodes {} to {last} are the middles of edges and faces", largest + 1)
+        };
+        Ok(Some(format!("{}{new}", changes.join(", "))))
     }
 
     /// Groups with their names, which must differ.

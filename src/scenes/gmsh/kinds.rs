@@ -1,55 +1,97 @@
 /// A kind of elements of Gmsh.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Kind {
     pub dimension: i32,
+    /// Ends of a line.
+    pub corners: usize,
+    /// Parts into which nodes divide an edge.
+    pub order: usize,
     pub nodes: usize,
-    pub words: &'static str,
+    name: &'static str,
 }
 
-/// What makes elements of second order.
-const SECOND_ORDER: &str = "Mesh.ElementOrder = 2 makes quadrilaterals of nine nodes and triangles of six";
+impl Kind {
+    /// Its name in messages.
+    pub fn words(self) -> String {
+        if self.dimension == 0 { self.name.into() } else { format!("{} of {} nodes", self.name, self.nodes) }
+    }
+    /// It has nodes inside, not on its edges alone.
+    pub fn is_complete(self) -> bool {
+        self.nodes > self.corners * self.order
+    }
+}
 
 /// Kinds by their numbers in the file that are read: faces, lines and points that become node sets, and solids that are left out.
 ///
 /// Source: Gmsh reference manual, "MSH file format", list of element types; those of higher order from Gmsh's `GmshDefines.h`.
 pub(super) fn kind(number: i32) -> Option<Kind> {
-    let (dimension, nodes, words) = match number {
-        15 => (0, 1, "points"),
-        1 => (1, 2, "lines of 2 nodes"),
-        8 => (1, 3, "lines of 3 nodes"),
-        2 => (2, 3, "triangles of 3 nodes"),
-        9 => (2, 6, "triangles of 6 nodes"),
-        3 => (2, 4, "quadrilaterals of 4 nodes"),
-        16 => (2, 8, "quadrilaterals of 8 nodes"),
-        10 => (2, 9, "quadrilaterals of 9 nodes"),
-        4 => (3, 4, "tetrahedra of 4 nodes"),
-        11 => (3, 10, "tetrahedra of 10 nodes"),
-        5 => (3, 8, "hexahedra of 8 nodes"),
-        17 => (3, 20, "hexahedra of 20 nodes"),
-        12 => (3, 27, "hexahedra of 27 nodes"),
-        6 => (3, 6, "prisms of 6 nodes"),
-        18 => (3, 15, "prisms of 15 nodes"),
-        13 => (3, 18, "prisms of 18 nodes"),
-        7 => (3, 5, "pyramids of 5 nodes"),
-        19 => (3, 13, "pyramids of 13 nodes"),
-        14 => (3, 14, "pyramids of 14 nodes"),
-        _ => return None,
+    let of = |dimension, corners, order: i32, nodes: fn(usize) -> usize, name| {
+        let order = order as usize;
+        Some(Kind { dimension, corners, order, nodes: nodes(order), name })
     };
-    Some(Kind { dimension, nodes, words })
+    let line = |order| of(1, 2, order, |p| p + 1, "lines");
+    let triangle = |order| of(2, 3, order, |p| (p + 1) * (p + 2) / 2, "triangles");
+    let triangle_of_edges = |order| of(2, 3, order, |p| 3 * p, "triangles");
+    let quadrilateral = |order| of(2, 4, order, |p| (p + 1) * (p + 1), "quadrilaterals");
+    let quadrilateral_of_edges = |order| of(2, 4, order, |p| 4 * p, "quadrilaterals");
+    let tetrahedron = |order| of(3, 4, order, |p| (p + 1) * (p + 2) * (p + 3) / 6, "tetrahedra");
+    let hexahedron = |order| of(3, 8, order, |p| (p + 1) * (p + 1) * (p + 1), "hexahedra");
+    let prism = |order| of(3, 6, order, |p| (p + 1) * (p + 1) * (p + 2) / 2, "prisms");
+    let pyramid = |order| of(3, 5, order, |p| (p + 1) * (p + 2) * (2 * p + 3) / 6, "pyramids");
+    match number {
+        15 => of(0, 1, 1, |_| 1, "points"),
+        1 => line(1),
+        8 => line(2),
+        26..=28 => line(number - 23),
+        62..=66 => line(number - 56),
+        2 => triangle(1),
+        9 => triangle(2),
+        21 => triangle(3),
+        23 => triangle(4),
+        25 => triangle(5),
+        42..=46 => triangle(number - 36),
+        20 => triangle_of_edges(3),
+        22 => triangle_of_edges(4),
+        24 => triangle_of_edges(5),
+        52..=56 => triangle_of_edges(number - 46),
+        3 => quadrilateral(1),
+        10 => quadrilateral(2),
+        36..=38 => quadrilateral(number - 33),
+        47..=51 => quadrilateral(number - 41),
+        16 => quadrilateral_of_edges(2),
+        39..=41 => quadrilateral_of_edges(number - 36),
+        57..=61 => quadrilateral_of_edges(number - 51),
+        4 => tetrahedron(1),
+        11 => tetrahedron(2),
+        29..=31 => tetrahedron(number - 26),
+        71..=75 => tetrahedron(number - 65),
+        5 => hexahedron(1),
+        12 => hexahedron(2),
+        92..=98 => hexahedron(number - 89),
+        17 => of(3, 8, 2, |_| 20, "hexahedra"),
+        6 => prism(1),
+        13 => prism(2),
+        90 | 91 => prism(number - 87),
+        106..=110 => prism(number - 101),
+        18 => of(3, 6, 2, |_| 15, "prisms"),
+        7 => pyramid(1),
+        14 => pyramid(2),
+        118..=124 => pyramid(number - 115),
+        19 => of(3, 5, 2, |_| 13, "pyramids"),
+        _ => None,
+    }
 }
 
 /// Why kinds of another number are not read, and what to do.
 pub(super) fn refused(number: i32) -> String {
-    let words = match number {
-        20..=25 | 42..=46 | 52..=56 => "triangles of third order or higher",
-        36..=41 | 47..=51 | 57..=61 => "quadrilaterals of third order or higher",
-        26..=28 | 62..=66 => "lines of third order or higher",
-        29..=33 | 71..=83 | 90..=140 => "solids of third order or higher",
-        _ => {
-            return format!(
-                "elements of type {number} are not known: lines, triangles and quadrilaterals of first and second order are read"
-            );
+    match number {
+        32 | 33 | 79..=83 | 99..=105 | 111..=117 | 125..=131 => {
+            "solids of third order or higher without nodes inside are not known: Mesh.ElementOrder = 2, or \
+             Mesh.SecondOrderIncomplete = 0"
+                .into()
         }
-    };
-    format!("no element is made of {words}; {SECOND_ORDER}")
+        _ => {
+            format!("elements of type {number} are not known: points, lines, triangles, quadrilaterals and solids are read")
+        }
+    }
 }

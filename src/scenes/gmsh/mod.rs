@@ -3,6 +3,7 @@
 mod collected;
 mod input;
 mod kinds;
+mod lowered;
 mod raised;
 mod version2;
 mod version4;
@@ -25,7 +26,8 @@ const ANEW: &str = "versions 2.0 to 2.2, 4.0 and 4.1 are read: gmsh OLD.msh -sav
 /// Reads the surfaces of a file of Gmsh, versions 2 and 4, text or binary, whose numbers and names are kept.
 ///
 /// Quadrilaterals of 4, 8 and 9 nodes and triangles of 6 become faces. Triangles of 3 are raised to 6 by nodes in the middles of their edges,
-/// and quadrilaterals of 4 in the same file to 9; these nodes have the numbers that follow the largest of the file. Physical surfaces become
+/// and quadrilaterals of 4 in the same file to 9; faces of third order and higher are lowered to second, through the middles of their edges
+/// (and of quadrilaterals), where there may be no node of the file. New nodes have the numbers that follow the largest of the file. Physical surfaces become
 /// groups of faces, physical curves and points node sets, those of curves in the order along the curve; one without a name is called as in
 /// `"surface 7"`, `"curve 3"` or `"point 1"`. In files of version 4 a surface that is in a physical group with a minus sign has its faces
 /// turned round, as Gmsh does where it writes version 2. Solids, and lines and points without a physical group, are left out, which
@@ -33,8 +35,8 @@ const ANEW: &str = "versions 2.0 to 2.2, 4.0 and 4.1 are read: gmsh OLD.msh -sav
 /// (`Mesh.SaveParametric`) are passed over, as are sections that say nothing of the mesh, such as views.
 ///
 /// # Errors
-/// A file that cannot be read, is cut off or contradicts itself; other versions; partitioned meshes; elements of third order or higher; a
-/// mesh without faces. All say where (line of a text, byte of a binary file), what, and what to do.
+/// A file that cannot be read, is cut off or contradicts itself; other versions; partitioned meshes; elements of unknown kinds; a mesh without
+/// faces. All say where (line of a text, byte of a binary file), what, and what to do.
 ///
 /// Source: Gmsh reference manual, section "MSH file format".
 pub fn read_gmsh(path: &Path) -> Result<MeshData, String> {

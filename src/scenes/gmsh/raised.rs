@@ -10,21 +10,13 @@ struct Middles {
 
 /// Raises triangles of three points to six, and quadrilaterals of four points beside them, whose edges would not fit, to nine.
 ///
-/// Faces, and lines of node sets, share the middles of their edges, with faces of second order, too. The new points have the numbers that
-/// follow the largest of the file. Returns a note if anything was raised.
-///
-/// # Errors
-/// Numbers that leave no room for those of the new points.
-pub(super) fn raise<'l>(
-    mesh: &mut MeshData,
-    lines: impl Iterator<Item = &'l mut Vec<usize>>,
-) -> Result<Option<String>, String> {
+/// Faces, and lines of node sets, share the middles of their edges, with faces of second order, too. Says what was raised.
+pub(super) fn raise<'l>(mesh: &mut MeshData, lines: impl Iterator<Item = &'l mut Vec<usize>>) -> Option<String> {
     let count = |corners: usize| mesh.faces.iter().filter(|face| face.len() == corners).count();
     let [triangles, quadrilaterals] = [3, 4].map(count);
     if triangles == 0 {
-        return Ok(None);
+        return None;
     }
-    let before = mesh.points.len();
     let mut middles = Middles::of(mesh);
     for face in &mut mesh.faces {
         let corners = face.len();
@@ -45,17 +37,11 @@ pub(super) fn raise<'l>(
             line.push(middle);
         }
     }
-    let largest = mesh.point_numbers.iter().max().copied().unwrap_or(0);
-    let added = mesh.points.len() - before;
-    let none_left = || format!("the number of node {largest} leaves none for nodes in the middles of edges");
-    let last = largest.checked_add(added.max(1)).ok_or_else(none_left)?;
-    mesh.point_numbers.extend(largest + 1..=largest + added);
     let words = match quadrilaterals {
         0 => String::new(),
         count => format!(", and quadrilaterals of 4 nodes beside them to 9 ({count})"),
     };
-    let nodes = format!("nodes {} to {last} are the middles of edges and faces", largest + 1);
-    Ok(Some(format!("triangles of 3 nodes raised to 6 ({triangles}){words}: {nodes}")))
+    Some(format!("triangles of 3 nodes raised to 6 ({triangles}){words}"))
 }
 
 impl Middles {

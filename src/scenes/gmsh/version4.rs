@@ -164,7 +164,7 @@ impl Reader<'_> {
     fn kind(&self, number: i32, entity: (i32, i32), block: FilePlace) -> Found<Kind> {
         let what = match kind(number) {
             Some(kind) if kind.dimension == entity.0 => return Ok(kind),
-            Some(kind) => format!("{} cannot be a part of it", kind.words),
+            Some(kind) => format!("{} cannot be a part of it", kind.words()),
             None => refused(number),
         };
         Err(Wrong { place: Some(block), what: format!("{}: {what}", self.called(entity)) })
