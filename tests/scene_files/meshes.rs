@@ -253,3 +253,30 @@ fn a_drive_that_stops_shakes_a_metal_sheet_with_an_exact_gradient() {
         assert!(largest < 1e-10, "{largest:.1e}");
     }
 }
+
+/// A plate under a pressure on its right half, with groups turned round.
+fn pressed(reverse: &str) -> FileScene {
+    let text = format!(
+        "version = 1\n[settings]\nend = 0.01\nsteps = 4\n[variable]\nh = {{ initial = 0.02, bounds = [0.01, 0.1], unit = \"m\" }}\n\
+         [material.steel]\nyoung = 2e11\npoisson = 0.3\ndensity = 7800\n\
+         [[mesh]]\nname = \"plate\"\ntype = \"gmsh\"\nfile = \"tests/gmsh/quads4.msh\"\nmaterial = \"steel\"\nthickness = \"h\"\n\
+         clamped = [\"left edge\"]\nreverse = [{reverse}]\n[[pressure]]\nname = \"press\"\nshell = \"plate.right half\"\nsize = 1e4\n\
+         [[functional]]\nname = \"corner\"\ntype = \"position\"\non = \"plate.corner[0]\"\ndirection = [0, 0, 1]\nover = \"terminal\"\n"
+    );
+    FileScene::parse("pressed.toml", &text).unwrap()
+}
+
+#[test]
+fn what_hangs_together_with_a_group_is_turned_round_with_it() {
+    let all = ["", "\"left half\", \"right half\"", "\"left half\"", "\"right half\""].map(|reverse| {
+        let scene = pressed(reverse);
+        let turned = scene.notes().iter().filter(|note| note.contains("turned round")).count();
+        (values_and_gradients(&scene).0[0], turned)
+    });
+    let [(straight, none), (both, still_none), left, right] = all;
+    assert!(straight.abs() > 1e-6 && none == 0 && still_none == 0, "{all:?}");
+    assert_near("both groups turned round", both, -straight, straight.abs());
+    for (own, turned) in [left, right] {
+        assert!(own == both && turned == 1, "{all:?}");
+    }
+}

@@ -125,12 +125,6 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("clamped = [\"left edge\"]", "reverse = [\"all\"]", "reverse", &["group of faces \"all\"", "right half"]),
     (
         "clamped = [\"left edge\"]",
-        "reverse = [\"left half\"]",
-        "[[mesh]]",
-        &["element 13 (tests/gmsh/quads4.msh:130)", "element 21 (", "from point 5 to point 9", "reverse one of them"],
-    ),
-    (
-        "clamped = [\"left edge\"]",
         "nodes = [{ at = \"left edge\", node = \"strip[1]\" }]",
         "at = ",
         &["3 nodes, and one is wanted"],

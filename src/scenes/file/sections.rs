@@ -559,7 +559,7 @@ const FIRST_SECTIONS: &[Section] = &[
                  \"norm([x, y, 0]) > 0.5 and z < 1\" that holds at the mean of their corners, in coordinates before scale; none"),
             may("node_sets", Selections, "node sets by name, beside those of the file: numbers of the nodes, or a condition such as \"abs(x) < 1e-6\", in \
                  coordinates before scale; none"),
-            may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side; none"),
+            may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side, with what hangs together with them; none"),
             may("crease", Fixed("rad", Positive), "faces at a larger angle meet in an edge, which keeps its angle; 45 deg"),
             may("scale", Number("-", Positive), "by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1"),
             may("orientation", Table(&ORIENTATION), "turn of the points about the origin, after scale; none"),
