@@ -186,3 +186,51 @@ fn what_is_wrong_with_several_numbers_is_told() {
         assert!(told.contains(part), "{to}: {told}");
     }
 }
+
+/// Points whose places and masses are definitions by a loop, which know each other and other definitions.
+const DEFINED: &str = r#"version = 1
+settings = { end = 1, steps = 2 }
+
+[variable]
+a = { initial = 0.5, bounds = [0, 1], unit = "m" }
+
+[define]
+size = 3
+"mass{k}" = { for = { k = { from = 1, to = "size" } }, value = "{k} * norm(place{k})" }
+"place{k}" = { for = { k = { from = 1, to = "size" } }, value = ["{k} * a", 0, 0] }
+
+[[point]]
+name = "p{k}"
+for = { k = { from = 1, to = "size" } }
+position = "place{k}"
+mass = "mass{k}"
+
+[[functional]]
+name = "mass"
+type = "mass"
+over = "initial"
+"#;
+
+#[test]
+fn definitions_are_repeated_by_loops() {
+    let scene = FileScene::parse("defined.toml", DEFINED).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).unwrap();
+    // 1 a + 2 (2 a) + 3 (3 a)
+    assert!((forward.values[0] - 7.0).abs() < 1e-14, "{:?}", forward.values);
+    let rows = analysis.adjoint(&prepared.x, &forward).unwrap().rows;
+    assert!((rows[0][0] - 14.0).abs() < 1e-13, "{rows:?}");
+    for (what, by, why) in [
+        ("size = 3\n", "size = 3\nmass2 = 1\n", "the name \"mass2\" is taken by another definition"),
+        ("value = \"{k} * norm", "val = \"{k} * norm", "or { for = .., value = .. }"),
+        ("to = \"size\" } }, value = \"{k} * norm", "to = 0 } }, value = \"{k} * norm", "goes from 1 to 0"),
+        ("\"{k} * norm(place{k})\"", "\"{k} * norm(place{j})\"", "{j}"),
+        ("\"{k} * norm(place{k})\"", "\"{k} * norm(place{k + 3})\"", "place4"),
+        ("\"mass{k}\" =", "\"mass{k}\" = 2\n\"other{k}\" =", "\"mass{k}\""),
+    ] {
+        assert!(DEFINED.contains(what), "{what}");
+        let told = refusal(&DEFINED.replacen(what, by, 1));
+        assert!(told.contains(why), "{what} by {by}: {told}");
+    }
+}

@@ -404,14 +404,34 @@ impl Reader {
         }
     }
 
+    /// Definitions one by one: `"corner{k}" = { for = { k = [0, 1] }, value = .. }` stands for two.
+    fn defined(&mut self, entry: &Entry) -> Vec<Entry> {
+        let is_loop = entry
+            .value
+            .entries()
+            .is_some_and(|own| own.len() == 2 && ["for", "value"].iter().all(|key| own.iter().any(|own| own.key == *key)));
+        if !is_loop {
+            return vec![entry.clone()];
+        }
+        let all = repeated_named(entry, &self.wholes).unwrap_or_else(|mistake| {
+            self.mistakes.push(mistake);
+            Vec::new()
+        });
+        let value = |own: Entry| own.value.get("value").cloned().map(|value| Entry { value, ..own });
+        all.into_iter().filter_map(value).collect()
+    }
+
     /// Definitions in an order in which each depends on earlier ones only.
     fn define(&mut self, entries: &[Entry]) -> Vec<(usize, String, Expression)> {
+        let entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
-            let is_variable = self.by_name.contains_key(&(entry.key.clone(), "variable"));
-            if is_variable || entries[..place].iter().any(|other| other.key == entry.key) {
-                self.wrong(entry.at, format!("the name \"{}\" is taken by a design variable", entry.key));
-            }
+            let by = match self.by_name.contains_key(&(entry.key.clone(), "variable")) {
+                true => "a design variable",
+                false if entries[..place].iter().any(|other| other.key == entry.key) => "another definition",
+                false => continue,
+            };
+            self.wrong(entry.at, format!("the name \"{}\" is taken by {by}", entry.key));
         }
         let places: HashMap<&str, usize> = entries.iter().enumerate().map(|(place, own)| (&*own.key, place)).collect();
         let needs: Vec<Vec<usize>> = entries
@@ -435,7 +455,7 @@ impl Reader {
             let what = format!("{key} of [define]");
             let formula = match &value.value {
                 RawValue::List(_) | RawValue::Text(..) | RawValue::Number { .. } => self.number_or_vector(value, &what),
-                _ => self.not(value, &what, "a number, a formula or a vector"),
+                _ => self.not(value, &what, "a number, a formula, a vector, or { for = .., value = .. }"),
             };
             // what is wrong is told once, not by all that use it
             let formula = formula.unwrap_or_else(|| match &value.value {

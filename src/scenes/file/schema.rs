@@ -16,8 +16,12 @@ pub fn schema(parts: &OwnParts) -> Value {
         let into = if key.name == EXTENDS { &mut changes } else { &mut properties };
         into.insert(key.name.into(), of_key(key));
     }
-    properties
-        .insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity()}));
+    let repeated = json!({
+        "type": "object", "properties": {"for": part("for"), "value": quantity()}, "required": ["for", "value"],
+        "additionalProperties": false,
+    });
+    let defined = any_of(&[quantity(), repeated]);
+    properties.insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": defined}));
     for section in SECTIONS {
         let own = table(&section.forms, section.shape != Shape::Once, parts);
         let mut own = match section.shape {

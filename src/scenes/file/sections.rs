@@ -860,7 +860,8 @@ const MORE_SECTIONS: &[Section] = &[
 /// Keys for which no section is: `define`.
 pub(super) const DEFINE: (&str, &str) = (
     "define",
-    "Named numbers and vectors: `NAME = 2`, `NAME = \"0.5 * length\"`, `NAME = [0, \"length\", 0]`, in any order. Formulas use them by name.",
+    "Named numbers and vectors: `NAME = 2`, `NAME = \"0.5 * length\"`, `NAME = [0, \"length\", 0]`, in any order. Formulas use them by name. \
+     `\"corner{k}\" = { for = { k = [0, 1, 2] }, value = \"platform * out{k}\" }` stands for three.",
 );
 
 /// A loop in the entries of lists and of sections with names.
