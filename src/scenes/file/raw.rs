@@ -419,3 +419,50 @@ fn change_or_add(list: &mut Vec<Raw>, own: &Raw, path: &str) -> Result<(), Mista
 fn name_of(own: &Raw) -> &str {
     own.get("name").and_then(Raw::text).unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values in a tree: what a file says one by one.
+    fn values(raw: &Raw) -> usize {
+        match &raw.value {
+            RawValue::List(list) if list.iter().any(|own| own.entries().is_some()) => list.iter().map(values).sum(),
+            RawValue::Table(entries) => entries.iter().map(|own| values(&own.value)).sum(),
+            _ => 1,
+        }
+    }
+
+    /// The same with loops written out.
+    fn values_without_loops(root: &Raw) -> usize {
+        let wholes = Wholes::of(root);
+        let of_named =
+            |entry: &Entry| -> usize { repeated_named(entry, &wholes).unwrap().iter().map(|own| values(&own.value)).sum() };
+        let of_section = |own: &Entry| -> usize {
+            match &own.value.value {
+                RawValue::List(list) if list.iter().any(|own| own.entries().is_some()) => {
+                    let all = list.iter().flat_map(|entry| repeated_entries(entry, &wholes).unwrap());
+                    all.map(|entry| values(&entry)).sum()
+                }
+                RawValue::Table(entries) if own.key != "settings" => entries.iter().map(of_named).sum(),
+                _ => values(&own.value),
+            }
+        };
+        root.entries().unwrap_or_default().iter().map(of_section).sum()
+    }
+
+    #[test]
+    fn loops_shorten_scenes_of_like_parts() {
+        for (name, text, at_most) in [
+            ("delta-robot", include_str!("../../../examples/scenes/delta-robot.toml"), 0.5),
+            ("chain-separate", include_str!("../../../examples/scenes/chain-separate.toml"), 0.5),
+            ("rotor-hub", include_str!("../../../examples/scenes/rotor-hub.toml"), 0.7),
+            ("rotor", include_str!("../../../examples/scenes/rotor.toml"), 0.7),
+        ] {
+            let root = Raw::parse(text).unwrap();
+            let (said, without) = (values(&root), values_without_loops(&root));
+            println!("{name}: {said} values, {without} with loops written out");
+            assert!(said as f64 <= at_most * without as f64, "{name}: {said} of {without}");
+        }
+    }
+}
