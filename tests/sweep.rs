@@ -431,3 +431,64 @@ fn wrong_input_is_refused_with_what_is_allowed() {
     let said = text(&folder.run(2, &["sweep", "many.toml", "--samples", "4", "--sampling", "sobol"]).stderr);
     assert!(said.contains("at most 2^32 points in 21 dimensions") && said.contains("latin-hypercube"), "{said}");
 }
+
+/// A damped oscillator on a slide, and two numbers of its mode.
+const OSCILLATOR: &str = r#"version = 1
+settings = { end = 0.1, steps = 5 }
+variable.c = { initial = 8, bounds = [0.1, 100], unit = "N s/m" }
+variable.k = { initial = 200, bounds = [1, 1000], unit = "N/m" }
+body = [{ name = "mass", mass = 2, inertia = [1, 1, 1] }]
+joint = [{ name = "slide", type = "prismatic", between = ["ground", "mass"], axis = [1, 0, 0] }]
+mode = [
+    { name = "omega", number = 1, damped = true },
+    { name = "growth", number = 1, measure = "growth", damped = true },
+]
+[[spring]]
+name = "spring"
+type = "slide"
+between = ["ground", "mass"]
+axis = [1, 0, 0]
+stiffness = "k"
+damping = "c"
+"#;
+
+#[test]
+fn modes_are_measured_by_runs_gradients_and_sweeps() {
+    let folder = Folder::new("modes");
+    folder.write("oscillator.toml", OSCILLATOR);
+    // omega^2 = k / m - growth^2, growth = -c / 2m
+    let exact = |c: f64, k: f64| {
+        let omega = (k / 2.0 - (c / 4.0).powi(2)).sqrt();
+        ([omega, -c / 4.0], [[-c / (16.0 * omega), 1.0 / (4.0 * omega)], [-0.25, 0.0]])
+    };
+    let near =
+        |own: f64, expected: f64| assert!((own - expected).abs() < 1e-12 * expected.abs().max(1.0), "{own} {expected}");
+    let (wanted, slopes) = exact(8.0, 200.0);
+    let ran = folder.run(0, &["run", "oscillator.toml", "--json", "--out", "ran"]);
+    values(&ran).into_iter().zip(wanted).for_each(|(own, expected)| near(own, expected));
+    assert_eq!(json(&ran)["modes"][1]["unit"], "1/s");
+    assert!(folder.read("ran/report.html").contains("growth"));
+    let differentiated = folder.run(0, &["gradient", "oscillator.toml", "--json", "--out", "differentiated"]);
+    let modes = &json(&differentiated)["modes"];
+    for (place, row) in slopes.iter().enumerate() {
+        for (name, expected) in ["c", "k"].iter().zip(row) {
+            near(modes[place]["gradient"][name].as_f64().expect("a number"), *expected);
+        }
+    }
+    let page = folder.read("differentiated/report.html");
+    assert!(page.contains("Gradient of omega [rad/s / unit of the variable]") && page.contains("What changes growth"));
+    folder.run(0, &["sweep", "oscillator.toml", "--vary", "c=4,8", "--vary", "k=100:200:2", "--gradient", "--out", "swept"]);
+    let (names, rows) = table(&folder.read("swept/sweep.csv"));
+    assert_eq!(names[3..6].join(";"), "functional omega [rad/s];functional growth [1/s];d omega / d c [rad/s / (N s/m)]");
+    for row in rows {
+        let numbers: Vec<f64> = row[1..9].iter().map(|word| number(word)).collect();
+        let (values, slopes) = exact(numbers[0], numbers[1]);
+        let expected = values.into_iter().chain(slopes.into_iter().flatten());
+        numbers[2..].iter().zip(expected).for_each(|(&own, expected)| near(own, expected));
+    }
+    // a name that a functional has
+    let functional = "[[functional]]\nname = \"omega\"\ntype = \"mass\"\nover = \"initial\"\n";
+    folder.write("taken.toml", &format!("{OSCILLATOR}{functional}"));
+    let told = folder.run(2, &["check", "taken.toml"]);
+    assert!(text(&told.stderr).contains("the name \"omega\" is taken: there is a mode with this name"));
+}

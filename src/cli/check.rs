@@ -5,7 +5,7 @@ use super::options::{located, named};
 use crate::integrators::RunError;
 use crate::optimize::Optimization;
 use crate::scenes::file::OwnParts;
-use crate::scenes::{AnyScene, Prepared, Scenario};
+use crate::scenes::{AnyScene, Prepared, Scenario, check_modes};
 use clap::Args;
 use serde_json::json;
 
@@ -39,6 +39,7 @@ fn check(options: &CheckOptions, name: &str, scene: &dyn AnyScene) -> Result<(),
     // whatever keeps it from starting is a mistake of the scene
     let told = |error: RunError| Failure::input(located(scene, &options.scene, error.into()).message);
     let prepared = Prepared::new(scene).map_err(told)?;
+    check_modes(&scene.modes(), prepared.functionals()).map_err(told)?;
     let model = prepared.model();
     let parts = [
         (prepared.variables.len(), "design variable"),

@@ -4,6 +4,7 @@ use super::console::{brief, json_number, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::interrupt::set_last_words;
+use super::measured_modes::MeasuredModes;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
@@ -157,7 +158,10 @@ fn run_one(
         Ok(gradient)
     });
     let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
-    let check = options.check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
+    // values are there already, and are printed with the functionals
+    simulation.modes = MeasuredModes::of(&prepared, true).inspect_err(|_| simulation.say_files())?;
+    let (forward, check) = (&simulation.forward, options.check);
+    let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
         (0..prepared.functionals().len())
             .for_each(|row| say_gradient(&prepared, (row, forward.values[row]), &adjoint, None));
         simulation.say_files();
@@ -167,6 +171,7 @@ fn run_one(
     for row in 0..prepared.functionals().len() {
         say_gradient(&prepared, (row, forward.values[row]), &adjoint, check.as_ref());
     }
+    simulation.modes.say(&prepared);
     say_work(&work(&simulation, &adjoint, check.as_ref()));
     let ratio = adjoint.seconds / simulation.seconds;
     say(format_args!("adjoint time / forward time: {}", number(ratio)));
@@ -181,6 +186,7 @@ fn run_one(
     }
     if let Some(page) = &mut page {
         parts.colour(&prepared, &by_parameters, page);
+        simulation.modes.show(&prepared, page);
         page.gradient(&prepared, &rows_of((&prepared, &forward.values), &adjoint, check.as_ref(), &behind));
     }
     let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind);

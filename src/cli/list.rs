@@ -94,10 +94,15 @@ fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     for functional in prepared.functionals() {
         table.row([functional.name.as_str().into(), functional.value_unit().into()]);
     }
+    let modes = scene.modes();
+    for mode in &modes {
+        table.row([mode.name.as_str().into(), mode.unit().into()]);
+    }
     say(format_args!("\n{table}"));
     let mut own = object(scene);
     let functionals = prepared.functionals().iter();
     own["functionals"] = functionals.map(|own| json!({"name": own.name, "unit": own.value_unit()})).collect();
+    own["modes"] = modes.iter().map(|own| json!({"name": own.name, "unit": own.unit()})).collect();
     say_json(json, &own);
     Ok(())
 }

@@ -50,6 +50,7 @@ mod interrupt;
 mod kept_moments;
 mod list;
 mod manual;
+mod measured_modes;
 mod measured_moments;
 mod meshes;
 mod mode_gradients;

@@ -54,6 +54,7 @@ fn run_one(
     let mut simulation = simulate(&prepared, options)?;
     let page = options.reports().then(|| {
         let mut page = Page::by_command(scene, "simulation").with_simulation(&prepared, &simulation.shown(&prepared));
+        simulation.modes.show(&prepared, &mut page);
         page.design(&prepared.variables, &prepared.x);
         page
     });
@@ -68,6 +69,7 @@ fn run_one(
 pub fn report(simulation: &Simulation, prepared: &Prepared) {
     if simulation.stopped.is_none() {
         simulation.say_functionals(prepared);
+        simulation.modes.say(prepared);
         simulation.say_resolution(prepared);
     } else {
         let done = simulation.forward.history.steps();

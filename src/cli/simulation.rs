@@ -2,6 +2,7 @@ use super::console::{count, json_number, say, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
+use super::measured_modes::MeasuredModes;
 use super::measured_moments::EnergyCourse;
 use super::options::SceneOptions;
 use super::report::{Page, Shown};
@@ -53,6 +54,8 @@ pub struct Simulation {
     pub charts: Vec<Chart>,
     /// The moments that pictures show.
     pub moments: Vec<Snapshot>,
+    /// What is measured of modes.
+    pub modes: MeasuredModes,
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
@@ -88,6 +91,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let folder = options.folder(prepared.scene);
     check_folder(&folder)?;
     announce(prepared)?;
+    let modes = MeasuredModes::of(prepared, false)?;
     let guard = Guard::new();
     let marks = if prepared.control.is_some() { MARKS } else { prepared.grid.steps() as f64 };
     let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];
@@ -133,6 +137,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         folder,
         charts,
         moments,
+        modes,
     })
 }
 
@@ -403,6 +408,7 @@ impl Simulation {
         object.insert("end_s".into(), json_number(prepared.grid.times[prepared.grid.steps()]));
         object.insert("design".into(), design.collect::<Map<_, _>>().into());
         object.insert("functionals".into(), functionals.into());
+        object.extend(self.modes.json(prepared).map(|modes| ("modes".into(), modes)));
         let [joints, of_functionals] = prepared.undetermined();
         if !joints.is_empty() {
             object.insert("not_determined".into(), json!({"joints": joints, "functionals": of_functionals}));

@@ -3,7 +3,7 @@ use crate::design::DesignVariable;
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
 use crate::integrators::{Method, RunError};
-use crate::scenes::{AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings};
+use crate::scenes::{AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes};
 
 /// Where gradients come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,11 +145,13 @@ impl<'s> Optimization<'s> {
                 unit: own.value_unit(),
                 aggregate: own.over.aggregate().map(|own| own.kind),
             }));
-            all.extend(problem.modes.iter().map(|own| CaseFunctional {
+            let modes = case.scene.modes();
+            check_modes(&modes, &mechanism.functionals)?;
+            all.extend(modes.into_iter().map(|own| CaseFunctional {
                 case: place,
-                name: own.name.clone(),
                 full: case.full_name(&own.name),
                 unit: own.unit().into(),
+                name: own.name,
                 aggregate: None,
             }));
         }

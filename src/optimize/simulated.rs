@@ -35,7 +35,7 @@ struct Kept<'s> {
     prepared: Prepared<'s>,
     /// None where nothing but modes is measured.
     forward: Option<Forward>,
-    modes: Vec<&'s ModeMeasure>,
+    modes: Vec<ModeMeasure>,
 }
 
 /// What all ranks know of it.
@@ -109,7 +109,7 @@ impl<'o> Optimization<'o> {
         prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
         prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));
         prepared.keep = self.keep.clone();
-        let modes: Vec<&ModeMeasure> = self.problem.modes.iter().filter(|mode| known(&mode.name).is_some()).collect();
+        let modes = scene.modes().into_iter().filter(|mode| known(&mode.name).is_some()).collect::<Vec<_>>();
         let names = prepared.functionals().iter().map(|own| &own.name).chain(modes.iter().map(|mode| &mode.name));
         let places = names.filter_map(|name| known(name)).collect();
         let mut found = Found { values: Vec::new(), extremes: Vec::new(), places, counters: Counters::default() };
@@ -189,7 +189,8 @@ impl Kept<'_> {
             None => Vec::new(),
         };
         let wanted = self.modes.iter().zip(of_modes).filter(|(_, place)| how.wanted[**place]);
-        let mut found = self.prepared.measured_modes_by_design(&wanted.map(|own| *own.0).collect::<Vec<_>>())?.into_iter();
+        let wanted: Vec<ModeMeasure> = wanted.map(|own| own.0.clone()).collect();
+        let mut found = self.prepared.measured_modes_by_design(&wanted)?.into_iter();
         let zeros = || vec![0.0; self.prepared.x.len()];
         rows.extend(of_modes.iter().map(|&place| how.wanted[place].then(|| found.next()).flatten().unwrap_or_else(zeros)));
         Ok(rows)

@@ -91,7 +91,7 @@ impl Prepared<'_> {
     ///
     /// # Errors
     /// As for [`Prepared::complex_modes_with_state`]; fewer modes than that.
-    pub(crate) fn measured_modes(&self, measures: &[&ModeMeasure]) -> Result<Vec<f64>, RunError> {
+    pub(crate) fn measured_modes(&self, measures: &[ModeMeasure]) -> Result<Vec<f64>, RunError> {
         let value = |modes: &[Vibrating], measure: &ModeMeasure| {
             let mode = &modes[measure.number - 1].0;
             if measure.growth { mode.growth } else { mode.frequency }
@@ -107,7 +107,7 @@ impl Prepared<'_> {
     ///
     /// # Errors
     /// As for [`Prepared::modes_with_gradients`].
-    pub(crate) fn measured_modes_by_design(&self, measures: &[&ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
+    pub(crate) fn measured_modes_by_design(&self, measures: &[ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
         let row = |modes: &[Vibrating], measure: &ModeMeasure| {
             let own = &modes[measure.number - 1].0;
             let equal = |(mode, _): &&Vibrating| is_same(mode, own);
@@ -125,7 +125,7 @@ impl Prepared<'_> {
     /// What is made of the modes that measures are of, found by a count.
     fn measured<T>(
         &self,
-        measures: &[&ModeMeasure],
+        measures: &[ModeMeasure],
         make: &dyn Fn(&[Vibrating], &ModeMeasure) -> T,
         find: &dyn Fn(usize, bool) -> Result<DifferentiatedModes, RunError>,
     ) -> Result<Vec<T>, RunError> {

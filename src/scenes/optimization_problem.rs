@@ -61,35 +61,6 @@ pub struct FunctionalConstraint {
     pub scale: Option<f64>,
 }
 
-/// A number of a mode of small vibrations, about the start of a scene or its equilibrium, that the objective and limits may name as they do
-/// functionals.
-///
-/// The mode is the one that has this number at each design: where two cross, a limit has a kink. Of several modes with one value the gradient
-/// is that of their mean.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ModeMeasure {
-    /// What it is called.
-    pub name: String,
-    /// Which mode, from 1: as `costate modes` lists them, without rigid motions and those that do not vibrate.
-    pub number: usize,
-    /// Its growth [1/s] instead of its omega [rad/s].
-    pub growth: bool,
-    /// With dampers, states of first order and what else depends on velocities; about a steady turn that is always so.
-    pub damped: bool,
-}
-
-impl ModeMeasure {
-    /// omega \[rad/s\] of a mode without damping.
-    pub fn frequency(name: &str, number: usize) -> Self {
-        ModeMeasure { name: name.into(), number, growth: false, damped: false }
-    }
-
-    /// Its unit.
-    pub(crate) fn unit(&self) -> &'static str {
-        if self.growth { "1/s" } else { "rad/s" }
-    }
-}
-
 /// A weighted sum of design variables that must keep a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearConstraint {
@@ -120,8 +91,6 @@ pub struct OptimizationProblem {
     pub scale: Option<f64>,
     /// Limits of functionals.
     pub constraints: Vec<FunctionalConstraint>,
-    /// Numbers of modes that the objective and limits may name.
-    pub modes: Vec<ModeMeasure>,
     /// Limits of sums of design variables.
     pub linear: Vec<LinearConstraint>,
     /// Names of the variables that may change; without it all.
@@ -132,8 +101,8 @@ pub struct OptimizationProblem {
 
 impl OptimizationProblem {
     fn new(sense: Sense, objective: Vec<(String, f64)>) -> Self {
-        let (constraints, modes, linear) = (Vec::new(), Vec::new(), Vec::new());
-        OptimizationProblem { sense, objective, scale: None, constraints, modes, linear, varying: None, screening: None }
+        let (constraints, linear) = (Vec::new(), Vec::new());
+        OptimizationProblem { sense, objective, scale: None, constraints, linear, varying: None, screening: None }
     }
 
     /// A functional is to become small.
@@ -171,13 +140,6 @@ impl OptimizationProblem {
         self
     }
 
-    /// The objective and limits may name a number of a mode.
-    #[must_use]
-    pub fn measuring(mut self, mode: ModeMeasure) -> Self {
-        self.modes.push(mode);
-        self
-    }
-
     /// A weighted sum of design variables must keep a limit.
     #[must_use]
     pub fn linear(mut self, name: &str, coefficients: &[(&str, f64)], limit: Limit) -> Self {
@@ -205,7 +167,7 @@ impl OptimizationProblem {
         self
     }
 
-    /// Checks names and numbers against what the scene has; modes are among its functionals.
+    /// Checks names and numbers against what the scene has; numbers of modes are among its functionals.
     ///
     /// # Errors
     /// The first name that does not exist, with the list of those that do, or the first number that makes no sense.
@@ -238,14 +200,6 @@ impl OptimizationProblem {
         }
         if let Some(margin) = self.screening.filter(|margin| !(*margin > 0.0)) {
             return Err(format!("the margin of screening is {margin}; it must be above 0"));
-        }
-        for ModeMeasure { name, number, .. } in &self.modes {
-            if *number == 0 {
-                return Err(format!("\"{name}\" is of mode 0; modes count from 1"));
-            }
-            if functionals.iter().filter(|own| *own == name).count() > 1 {
-                return Err(format!("\"{name}\" is the name of a mode and of something else that is measured"));
-            }
         }
         for constraint in &self.linear {
             let place = format!("the linear constraint \"{}\"", constraint.name);

@@ -1,3 +1,4 @@
+use super::ModeMeasure;
 use super::builder::MechanismBuilder;
 use super::optimization_problem::OptimizationProblem;
 use crate::design::DesignVariable;
@@ -119,6 +120,10 @@ pub trait Scene {
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
         None
     }
+    /// Numbers of modes of small vibrations that are measured beside its functionals.
+    fn modes(&self) -> Vec<ModeMeasure> {
+        Vec::new()
+    }
     /// What its runs write, where the command line does not say otherwise.
     fn output(&self) -> Output {
         Output::default()
@@ -178,6 +183,8 @@ pub trait AnyScene: Sync {
     fn settings(&self) -> Settings;
     /// What is to be optimized.
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
+    /// Numbers of modes that are measured.
+    fn modes(&self) -> Vec<ModeMeasure>;
     /// What its runs write.
     fn output(&self) -> Output;
     /// What reading it left out or made of its files, in words.
@@ -223,6 +230,9 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
         Scene::optimization_problem(self)
+    }
+    fn modes(&self) -> Vec<ModeMeasure> {
+        Scene::modes(self)
     }
     fn output(&self) -> Output {
         Scene::output(self)

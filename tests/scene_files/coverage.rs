@@ -24,9 +24,8 @@ const FILES: &[(&str, &str)] = &[
 ];
 
 /// What tables at these keys are called among the definitions of the schema: they are the same wherever they stand.
-const TABLES: [(&str, &str); 19] = [
+const TABLES: [(&str, &str); 18] = [
     ("arc", "arc"),
-    ("mode", "mode"),
     ("constraint", "constraint"),
     ("linear", "linear"),
     ("plies", "plies"),

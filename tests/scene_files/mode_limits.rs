@@ -26,18 +26,18 @@ between = ["ground", "mass"]
 axis = [1, 0, 0]
 stiffness = 200
 damping = "c"
-[optimization]
-maximize = "omega"
-{limit}
-[[optimization.mode]]
+[[mode]]
 name = "omega"
 number = 1
 damped = true
-[[optimization.mode]]
+[[mode]]
 name = "growth"
 number = 1
 measure = "growth"
 damped = true
+[optimization]
+maximize = "omega"
+{limit}
 "#
     )
 }
@@ -66,10 +66,10 @@ section.bar = {{ type = "rectangle", width = "h", height = "h", material = "stee
 material.steel = {{ density = 7800, young = 210e9, poisson = 0.3 }}
 beam = [{{ name = "bar", from = [0, 0, 0], to = [1, 0, 0], elements = 8, section = "bar", second_axis = [0, 0, 1], clamped = "start" }}]
 functional = [{{ name = "weight", type = "mass", of = "bar", over = "initial" }}]
+mode = [{{ name = "bending", number = {more} }}]
 [optimization]
 minimize = "weight"
 constraint = [{{ functional = "bending", at_least = 100 }}]
-mode = [{{ name = "bending", number = {more} }}]
 "#
     )
 }
@@ -99,7 +99,7 @@ fn a_mode_that_is_not_there_is_told() {
     for (wrong, message) in [
         (
             slider("").replace("name = \"growth\"", "name = \"omega\""),
-            "\"omega\" is the name of a mode and of something else",
+            "the name \"omega\" is taken: there is a mode with this name",
         ),
         (slider("").replace("maximize = \"omega\"", "maximize = \"omegas\""), "omegas"),
     ] {

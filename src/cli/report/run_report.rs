@@ -2,6 +2,7 @@
 
 use super::{GradientRows, Page, Shown};
 use crate::cli::history_charts::charts;
+use crate::cli::measured_modes::MeasuredModes;
 use crate::cli::measured_moments::MeasuredMoments;
 use crate::cli::part_sensitivities::PartSensitivities;
 use crate::cli::simulation::energy_in_words;
@@ -48,6 +49,7 @@ impl RunReport<'_> {
         };
         let what = if self.with_gradient { "simulation and gradient" } else { "simulation" };
         let mut page = Page::new(prepared.scene, what).with_simulation(prepared, &shown);
+        MeasuredModes::of(prepared, self.with_gradient)?.show(prepared, &mut page);
         if self.with_gradient {
             self.add_gradient(&mut page)?;
         } else {

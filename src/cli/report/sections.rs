@@ -149,32 +149,41 @@ impl Page {
         }
     }
 
+    /// Derivatives of something with a name, a unit and a value.
+    pub fn gradient_of(
+        &mut self,
+        (name, unit, value): (&str, &str, f64),
+        prepared: &Prepared,
+        derivatives: &[f64],
+        check: Option<(&str, [&[f64]; 2])>,
+    ) {
+        let mut columns = vec!["variable", "value", "unit", "adjoint"];
+        columns.extend(check.iter().flat_map(|(way, _)| [*way, "difference"]));
+        let row = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| -> Vec<Value> {
+            let mut row = vec![json!(variable.name), json_number(x), json!(variable.unit)];
+            row.push(json!(long_number(derivatives[i]).trim()));
+            if let Some((_, [other, differences])) = check {
+                row.push(json!(long_number(other[i]).trim()));
+                row.push(json!(brief(differences[i])));
+            }
+            row
+        };
+        let rows = prepared.variables.iter().zip(&prepared.x).enumerate().map(row).collect();
+        self.table(&format!("Gradient of {name} [{unit} / unit of the variable]"), &columns, rows);
+        let bar = |((variable, &x), &derivative): ((&DesignVariable, &f64), &f64)| {
+            (variable.name.clone(), relative_effect(x, derivative, value).unwrap_or(f64::NAN))
+        };
+        let bars: Vec<_> = prepared.variables.iter().zip(&prepared.x).zip(derivatives).map(bar).collect();
+        let label = "relative change by a relative change of a variable, x / f df/dx; none of a variable that is 0";
+        self.bars(&format!("What changes {name}"), label, &bars);
+    }
+
     /// Derivatives of the functionals by the variables.
     pub fn gradient(&mut self, prepared: &Prepared, gradient: &GradientRows) {
         for (k, functional) in prepared.functionals().iter().enumerate() {
-            let mut columns = vec!["variable", "value", "unit", "adjoint"];
-            if let Some((way, _)) = gradient.check {
-                columns.extend([way, "difference"]);
-            }
-            let row = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| -> Vec<Value> {
-                let mut row = vec![json!(variable.name), json_number(x), json!(variable.unit)];
-                row.push(json!(long_number(gradient.adjoint[k][i]).trim()));
-                if let Some((_, [other, differences])) = gradient.check {
-                    row.push(json!(long_number(other[k][i]).trim()));
-                    row.push(json!(brief(differences[k][i])));
-                }
-                row
-            };
-            let rows = prepared.variables.iter().zip(&prepared.x).enumerate().map(row).collect();
-            let heading = format!("Gradient of {} [{} / unit of the variable]", functional.name, functional.value_unit());
-            self.table(&heading, &columns, rows);
-            let bar = |(i, (variable, &x)): (usize, (&'_ DesignVariable, &f64))| {
-                let relative = relative_effect(x, gradient.adjoint[k][i], gradient.values[k]);
-                (variable.name.clone(), relative.unwrap_or(f64::NAN))
-            };
-            let bars: Vec<_> = prepared.variables.iter().zip(&prepared.x).enumerate().map(bar).collect();
-            let label = "relative change of the functional by a relative change of a variable, x / f df/dx; none of a variable that is 0";
-            self.bars(&format!("What changes {}", functional.name), label, &bars);
+            let check = gradient.check.map(|(way, [other, differences])| (way, [&other[k][..], &differences[k][..]]));
+            let of = (functional.name.as_str(), functional.value_unit(), gradient.values[k]);
+            self.gradient_of((of.0, &of.1, of.2), prepared, &gradient.adjoint[k], check);
         }
         if !gradient.verdict.is_empty() {
             self.fact("gradient", gradient.verdict.clone());

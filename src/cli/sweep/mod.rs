@@ -10,6 +10,7 @@ use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
+use super::measured_modes::MeasuredModes;
 use super::options::SceneOptions;
 use super::results::check_folder;
 use super::simulation::{crossings_in_words, steps_in_words, warnings, with_hint};
@@ -19,7 +20,7 @@ use crate::history::{Keep, Watch};
 use crate::integrators::{Method, StepRecord};
 use crate::io::{Progress, write_file};
 use crate::optimize::runs_at_once::{owners, run_at_once};
-use crate::scenes::{AnyScene, Prepared, Settings};
+use crate::scenes::{AnyScene, Prepared, Settings, check_modes};
 use clap::Args;
 use rows::{Outcome, Outcomes, Rows, row};
 use std::path::Path;
@@ -85,7 +86,7 @@ struct Sweep<'s> {
     method: Method,
     settings: Settings,
     variation: Variation,
-    /// Names and units of the functionals.
+    /// Names and units of the functionals, then of modes.
     functionals: Vec<(String, String)>,
     threads: usize,
 }
@@ -149,7 +150,10 @@ impl<'s> Sweep<'s> {
         options.scene.design(scene)?;
         let variation = Variation::of(options, &variables, &options.scene.set_places(&variables))?;
         let base = options.scene.prepare(scene)?;
-        let functionals = base.functionals().iter().map(|own| (own.name.clone(), own.value_unit())).collect();
+        let own = base.functionals().iter().map(|own| (own.name.clone(), own.value_unit().to_string()));
+        let modes = scene.modes();
+        check_modes(&modes, base.functionals())?;
+        let functionals = own.chain(modes.iter().map(|mode| (mode.name.clone(), mode.unit().into()))).collect();
         let threads = options.threads.unwrap_or_else(rayon::current_num_threads);
         Ok(Sweep { options, scene, base, method, settings, variation, functionals, threads })
     }
@@ -225,22 +229,26 @@ impl<'s> Sweep<'s> {
             // there are as many runs at once as threads
             prepared.keep = if self.options.gradient { Keep::shared_by(self.threads) } else { Keep::Nothing };
             let names = prepared.functionals().iter().map(|own| &own.name);
-            if !names.eq(self.functionals.iter().map(|own| &own.0)) {
+            let count = names.len();
+            if self.functionals.len() < count || !names.eq(self.functionals[..count].iter().map(|own| &own.0)) {
                 return Err(Failure::input("the scene has other functionals at this design"));
             }
             let mut watch = Watch(|_: &StepRecord<f64>| !guard.requested());
             let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut watch)?;
             let checked = stopped.map_or_else(|| prepared.analysis().check_values(&forward), Err);
             checked.map_err(|error| with_hint(error, &prepared))?;
+            let modes = MeasuredModes::of(&prepared, self.options.gradient)?;
+            let values = || forward.values.iter().chain(&modes.values).copied();
             match statement(&prepared, &forward) {
                 Some(Statement::Warning(message)) if self.options.scene.requires_stability() => Err(Failure::run(message)),
                 _ if self.options.gradient => {
-                    let rows = prepared.analysis().adjoint(&prepared.x, &forward)?.rows;
+                    let of_modes = modes.rows.iter().flatten().cloned();
+                    let rows = prepared.analysis().adjoint(&prepared.x, &forward)?.rows.into_iter().chain(of_modes);
                     let own = |row: Vec<f64>| self.variation.axes.iter().map(move |axis| row[axis.place]);
                     let told = [warnings(&prepared, &forward), crossings_in_words(&forward.crossings)].concat();
-                    Ok((forward.values.iter().copied().chain(rows.into_iter().flat_map(own)).collect(), told))
+                    Ok((values().chain(rows.flat_map(own)).collect(), told))
                 }
-                _ => Ok((forward.values.clone(), warnings(&prepared, &forward))),
+                _ => Ok((values().collect(), warnings(&prepared, &forward))),
             }
         };
         let run = run();

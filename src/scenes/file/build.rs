@@ -60,6 +60,11 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
         "damper" => of_part(item, named(DAMPERS, fields.form), |part| element(known, part, item, m)),
         "element" => formula_parts::element(known, name, fields, m),
         "functional" => functional(known, item, m),
+        "mode" => {
+            // of the whole: the file has measured it
+            ["number", "measure", "damped"].iter().for_each(|key| _ = fields.get(key));
+            Ok(Made::Nothing)
+        }
         load => of_part(item, named(LOADS, load), |part| element(known, part, item, m)),
     }
 }

@@ -1,7 +1,7 @@
 use super::build::build;
 use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
-use super::known::{Known, Made, count, fixed, fixed_list, flag, kept, list, text, texts};
+use super::known::{Known, Made, fixed, fixed_list, flag, kept, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
@@ -451,14 +451,7 @@ fn problem(
             functionals.push(other.clone());
         }
     }
-    let modes = fields.tables("mode").map(|(_, own)| ModeMeasure {
-        name: text(own, "name").unwrap_or_default().to_string(),
-        number: count(own, "number"),
-        growth: text(own, "measure") == Some("growth"),
-        damped: flag(own, "damped", false),
-    });
-    let modes: Vec<ModeMeasure> = modes.collect();
-    functionals.extend(modes.iter().map(|mode| mode.name.clone()));
+    functionals.extend(contents.modes().map(|mode| mode.name));
     let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
     let (sense, key, objective) = objective(fields, mistakes)?;
     let check = |kind: &str, at: usize, name: &str, known: &[String], mistakes: &mut Vec<Mistake>| {
@@ -491,7 +484,7 @@ fn problem(
     });
     let linear = linear.collect();
     let (scale, screening) = (fixed(fields, "scale"), fixed(fields, "screening"));
-    let problem = OptimizationProblem { sense, objective, scale, constraints, modes, linear, varying, screening };
+    let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
     // the rest, such as an objective of weights that are zero
     if mistakes.is_empty()
         && let Err(why) = problem.check(variables, &functionals.iter().map(String::as_str).collect::<Vec<_>>())
@@ -548,6 +541,9 @@ impl AnyScene for FileScene {
     }
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
         self.problem.clone()
+    }
+    fn modes(&self) -> Vec<ModeMeasure> {
+        self.contents.modes().collect()
     }
     fn output(&self) -> Output {
         self.output.clone()

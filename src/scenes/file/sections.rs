@@ -152,21 +152,6 @@ const LINEAR: Forms = one_form![
     may("equal", Fixed("", Any), "value of the sum"),
 ];
 
-const MODE: Forms = one_form![
-    need("name", Text, "what objective and limits call it"),
-    need(
-        "number",
-        Count(1, 200),
-        "which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate"
-    ),
-    may("measure", Choice(&["frequency", "growth"]), "its omega in rad/s, or its growth in 1/s; frequency"),
-    may(
-        "damped",
-        Flag,
-        "with dampers, states of first order and what else depends on velocities, as about a steady turn always; false"
-    ),
-];
-
 const LIMIT: Forms = one_form![
     need("functional", Text, "name of a functional, or of a mode"),
     may("at_most", Fixed("unit", Any), "largest value"),
@@ -766,6 +751,25 @@ const MORE_SECTIONS: &[Section] = &[
         forms: Forms { common: &[NAME, OVER], forms: &FUNCTIONAL_FORMS, own: Some(Kind::Functional) },
     },
     Section {
+        name: "mode",
+        shape: Shape::Listed,
+        doc: "A number of a mode of small vibrations about the start or the equilibrium, measured by runs, gradients, sweeps and optimizations.",
+        forms: one_form![
+            need("name", Text, "what results, objective and limits call it"),
+            need(
+                "number",
+                Count(1, 200),
+                "which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate"
+            ),
+            may("measure", Choice(&["frequency", "growth"]), "its omega in rad/s, or its growth in 1/s; frequency"),
+            may(
+                "damped",
+                Flag,
+                "with dampers, states of first order and what else depends on velocities, as about a steady turn always; false"
+            ),
+        ],
+    },
+    Section {
         name: "settings",
         shape: Shape::Once,
         doc: "How a run is made where the command line does not say otherwise.",
@@ -845,11 +849,6 @@ const MORE_SECTIONS: &[Section] = &[
                 "screening",
                 Fixed("-", Positive),
                 "limits kept by more than this share need no gradient; every limit has one"
-            ),
-            may(
-                "mode",
-                Tables(&MODE),
-                "modes of small vibrations about the start or the equilibrium, whose frequencies or growths are measured"
             ),
             may("constraint", Tables(&LIMIT), "limits of functionals and modes"),
             may("linear", Tables(&LINEAR), "limits of sums of design variables"),

@@ -1,0 +1,97 @@
+//! Numbers of modes that a scene measures beside its functionals, as commands print and show them.
+
+use super::console::{json_number, say};
+use super::gradient::relative_effect;
+use super::report::Page;
+use super::simulation::long_number;
+use crate::integrators::RunError;
+use crate::io::{Cell, Table};
+use crate::scenes::{ModeMeasure, Prepared, check_modes};
+use serde_json::{Map, Value, json};
+
+/// They are of the start or the equilibrium, and known before a run.
+pub struct MeasuredModes {
+    pub measures: Vec<ModeMeasure>,
+    pub values: Vec<f64>,
+    /// Derivatives by all design variables, if these are asked for.
+    pub rows: Option<Vec<Vec<f64>>>,
+}
+
+impl MeasuredModes {
+    /// Those of a prepared scene, with their derivatives or without.
+    ///
+    /// # Errors
+    /// Wrong names or numbers, and what keeps modes or derivatives from being found.
+    pub fn of(prepared: &Prepared, is_differentiated: bool) -> Result<Self, RunError> {
+        let measures = prepared.scene.modes();
+        check_modes(&measures, prepared.functionals())?;
+        let values = prepared.measured_modes(&measures)?;
+        let rows = is_differentiated.then(|| prepared.measured_modes_by_design(&measures)).transpose()?;
+        Ok(MeasuredModes { measures, values, rows })
+    }
+
+    fn all(&self) -> impl Iterator<Item = (&ModeMeasure, f64, Option<&[f64]>)> {
+        let row = |place: usize| self.rows.as_ref().map(|rows| &rows[place][..]);
+        self.measures.iter().zip(&self.values).enumerate().map(move |(place, (own, &value))| (own, value, row(place)))
+    }
+
+    /// Prints values, and derivatives where they are there.
+    pub fn say(&self, prepared: &Prepared) {
+        if self.measures.is_empty() {
+            return;
+        }
+        let mut table = Table::new(&["mode", "value", "unit"]);
+        for (own, value, _) in self.all() {
+            table.row([own.name.as_str().into(), long_number(value).into(), own.unit().into()]);
+        }
+        say(format_args!("{table}\n"));
+        for (own, value, row) in self.all() {
+            let Some(row) = row else { continue };
+            let mut table = Table::new(&["variable", "value", "unit", "adjoint", "relative"]);
+            for ((variable, &x), &derivative) in prepared.variables.iter().zip(&prepared.x).zip(row) {
+                let relative = relative_effect(x, derivative, value).map_or("-".into(), Cell::from);
+                let derivative = long_number(derivative).into();
+                table.row([variable.name.as_str().into(), x.into(), variable.unit.into(), derivative, relative]);
+            }
+            say(format_args!(
+                "gradient of {} [{} / unit of the variable], relative: x / f df/dx\n{table}\n",
+                own.name,
+                own.unit()
+            ));
+        }
+    }
+
+    /// The same for a page.
+    pub fn show(&self, prepared: &Prepared, page: &mut Page) {
+        if self.measures.is_empty() {
+            return;
+        }
+        let row = |(own, value, _): (&ModeMeasure, f64, _)| {
+            vec![json!(own.name), json!(long_number(value).trim()), json!(own.unit())]
+        };
+        page.table("Modes", &["mode", "value", "unit"], self.all().map(row).collect());
+        for (own, value, row) in self.all() {
+            if let Some(row) = row {
+                page.gradient_of((&own.name, own.unit(), value), prepared, row, None);
+            }
+        }
+    }
+
+    /// The same as JSON; nothing where nothing is measured.
+    pub fn json(&self, prepared: &Prepared) -> Option<Value> {
+        let named = |row: Vec<f64>| -> Value {
+            let pairs = prepared.variables.iter().zip(row);
+            pairs.map(|(variable, value)| (variable.name.clone(), json_number(value))).collect::<Map<_, _>>().into()
+        };
+        let object = |(own, value, row): (&ModeMeasure, f64, Option<&[f64]>)| {
+            let mut object = json!({"name": own.name, "value": json_number(value), "unit": own.unit()});
+            if let Some(row) = row {
+                let relative = |(&x, &derivative)| relative_effect(x, derivative, value).unwrap_or(f64::NAN);
+                object["relative_sensitivity"] = named(prepared.x.iter().zip(row).map(relative).collect());
+                object["gradient"] = named(row.to_vec());
+            }
+            object
+        };
+        (!self.measures.is_empty()).then(|| self.all().map(object).collect())
+    }
+}
