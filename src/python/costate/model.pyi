@@ -433,6 +433,22 @@ class Model:
     @property
     def functional(self) -> _Functional:
         """A number that a run gives, with its gradient."""
+    def mode(
+        self,
+        name: str,
+        /,
+        *,
+        number: int | str,
+        measure: Literal['frequency', 'growth'] | None = None,
+        damped: bool | None = None,
+    ) -> str:
+        """A number of a mode of small vibrations about the start or the equilibrium, measured by runs, gradients, sweeps and optimizations.
+
+        * ``name`` (text): what results, objective and limits call it
+        * ``number`` (whole number): which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate
+        * ``measure`` ("frequency" or "growth", optional): its omega in rad/s, or its growth in 1/s; frequency
+        * ``damped`` (True or False, optional): with dampers, states of first order and what else depends on velocities, as about a steady turn always; false
+        """
     def settings(
         self,
         *,
@@ -491,7 +507,6 @@ class Model:
         varying: Sequence[str] | None = None,
         scale: Scalar | None = None,
         screening: Scalar | None = None,
-        mode: Sequence[Table] | None = None,
         constraint: Sequence[Table] | None = None,
         linear: Sequence[Table] | None = None,
     ) -> str:
@@ -504,7 +519,6 @@ class Model:
         * ``varying`` (list of text, optional): names of the design variables that may change, as they are listed; all
         * ``scale`` (number or formula, optional): size of the objective that is of the order of 1; its size at the start [unit]
         * ``screening`` (number or formula, optional): limits kept by more than this share need no gradient; every limit has one [-]
-        * ``mode`` (list of table mode with name, number, measure, damped, for, optional): modes of small vibrations about the start or the equilibrium, whose frequencies or growths are measured
         * ``constraint`` (list of table constraint with functional, at_most, at_least, equal, scale, for, optional): limits of functionals and modes
         * ``linear`` (list of table linear with name, coefficients, at_most, at_least, equal, for, optional): limits of sums of design variables
         """
@@ -853,7 +867,7 @@ class _Mesh:
         * ``nodes`` (list of table nodes with at, node, for, optional): nodes that are there already; none
         * ``groups`` (table, optional): groups of faces by name, beside those of the file: numbers of the faces, or a condition such as "norm([x, y, 0]) > 0.5 and z < 1" that holds at the mean of their corners, in coordinates before scale; none
         * ``node_sets`` (table, optional): node sets by name, beside those of the file: numbers of the nodes, or a condition such as "abs(x) < 1e-6", in coordinates before scale; none
-        * ``reverse`` (list of text, optional): groups of faces that are turned round, so that their normals point to the other side; none
+        * ``reverse`` (list of text, optional): groups of faces that are turned round, so that their normals point to the other side, with what hangs together with them; none
         * ``crease`` (number or formula, optional): faces at a larger angle meet in an edge, which keeps its angle; 45 deg [rad]
         * ``scale`` (number or formula, optional): by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1 [-]
         * ``orientation`` (table orientation of type angle, x_axis, euler_parameters, optional): turn of the points about the origin, after scale; none
@@ -901,7 +915,7 @@ class _Mesh:
         * ``nodes`` (list of table nodes with at, node, for, optional): nodes that are there already; none
         * ``groups`` (table, optional): groups of faces by name, beside those of the file: numbers of the faces, or a condition such as "norm([x, y, 0]) > 0.5 and z < 1" that holds at the mean of their corners, in coordinates before scale; none
         * ``node_sets`` (table, optional): node sets by name, beside those of the file: numbers of the nodes, or a condition such as "abs(x) < 1e-6", in coordinates before scale; none
-        * ``reverse`` (list of text, optional): groups of faces that are turned round, so that their normals point to the other side; none
+        * ``reverse`` (list of text, optional): groups of faces that are turned round, so that their normals point to the other side, with what hangs together with them; none
         * ``crease`` (number or formula, optional): faces at a larger angle meet in an edge, which keeps its angle; 45 deg [rad]
         * ``scale`` (number or formula, optional): by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1 [-]
         * ``orientation`` (table orientation of type angle, x_axis, euler_parameters, optional): turn of the points about the origin, after scale; none
