@@ -401,7 +401,8 @@ impl<S: Scalar> FreeMesh<S> {
                 let [first, second] = [first, second].map(face_name);
                 all.push(format!(
                     "{first} and {second} run along their edge from point {from} to point {to} in the same direction, so that their normals point \
-                     to different sides: reverse one of them, or the group that it belongs to"
+                     to different sides: reverse one of them, or the group that it belongs to; a band that is twisted in itself has one side only, and \
+                     must be cut"
                 ));
             }
         }

@@ -29,8 +29,8 @@ pub(super) struct Collected {
     sets: BTreeMap<(i32, u32), Vec<Vec<usize>>>,
     /// Elements that nothing is made of.
     left_out: BTreeMap<Kind, usize>,
-    /// Faces of third order and higher.
-    lowered_faces: BTreeMap<Kind, usize>,
+    /// Elements of third order and higher.
+    lowered_kinds: BTreeMap<Kind, usize>,
     lowered: Lowered,
     mesh: MeshData,
 }
@@ -57,6 +57,7 @@ impl Collected {
         }
         let mut points = self.points_of(&element)?;
         if element.kind.order > 2 {
+            *self.lowered_kinds.entry(element.kind).or_default() += 1;
             points = self.lowered.lower(element.kind, &points, &mut self.mesh.points);
         }
         if dimension < 2 {
@@ -68,12 +69,9 @@ impl Collected {
         if is_turned {
             reverse(&mut points);
         }
-        let Element { number, place, kind, .. } = element;
+        let Element { number, place, .. } = element;
         if !self.face_numbers.insert(number) {
             return Err(Wrong { place: Some(place), what: format!("element {number} is there twice") });
-        }
-        if kind.order > 2 {
-            *self.lowered_faces.entry(kind).or_default() += 1;
         }
         let face = self.mesh.faces.len();
         self.mesh.faces.push(points);
@@ -133,7 +131,7 @@ impl Collected {
     /// Makes all faces what shells have, and numbers the points that are new. Says what was changed.
     fn make_second_order(&mut self) -> Result<Option<String>, String> {
         let lowered =
-            self.lowered_faces.iter().map(|(kind, count)| format!("{} lowered to second order ({count})", kind.words()));
+            self.lowered_kinds.iter().map(|(kind, count)| format!("{} lowered to second order ({count})", kind.words()));
         let mut changes: Vec<String> = lowered.collect();
         changes.extend(raise(&mut self.mesh, self.sets.values_mut().flatten()));
         if changes.is_empty() {
