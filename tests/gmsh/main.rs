@@ -229,6 +229,13 @@ fn middles_of_a_quadrilateral_are_those_of_its_own_surface() {
         text += &format!("{} {x:e} {y:e} {:e}\n", number + 1, height(x, y));
     }
     text += "$EndNodes\n$Elements\n1\n1 36 2 1 1 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16\n$EndElements\n";
+    // beside a face of first order, a curve of third has its middle all the same
+    let face = "1\n1 36 2 1 1 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16\n";
+    assert!(text.contains(face));
+    let curve = text.replace(face, "2\n1 3 2 1 1 1 2 3 4\n2 26 2 5 5 1 2 5 6\n");
+    let data = parse_gmsh("curve.msh", curve.as_bytes()).unwrap();
+    assert_eq!((data.points.len(), data.point_numbers.len()), (17, 17));
+    assert_eq!(data.node_set("curve 5").unwrap(), [0, 16, 1]);
     let data = parse_gmsh("square.msh", text.as_bytes()).unwrap();
     let wanted =
         [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5], [0.5, 0.5]];
