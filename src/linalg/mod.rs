@@ -7,7 +7,7 @@ mod column_groups;
 mod dense;
 mod eigen;
 pub(crate) mod factorization;
-mod multifrontal;
+pub(crate) mod multifrontal;
 pub(crate) mod own_unknowns;
 pub(crate) mod owners;
 mod rank;

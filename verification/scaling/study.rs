@@ -2,7 +2,7 @@
 
 use crate::verification::phases::{Effort, Phases, USUAL};
 use crate::verification::{Form, Report, Study};
-use costate::internals::{of_all_ranks, traffic};
+use costate::internals::{OnRanks, of_all_ranks, traffic};
 use costate::scenes::built_in::{PlatePendulum, Thicknesses};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -150,7 +150,19 @@ impl Measured {
                 }
                 continue;
             }
+            let full = if name.starts_with(MODEL) { format!("{}/{name}", subject.name) } else { full };
             report.inform(&full, value);
+            let predicted = base.and_then(|base| base.0.get(&predicted_on(layout.ranks)));
+            if let (Some(of_base), Some(predicted), "factorization [s]", 1) = (of_base, predicted, &name[..], layout.threads)
+                && !subject.is_for_each
+            {
+                report.compare(
+                    format!("{full}, speed by the one that the model predicts"),
+                    of_base / value / predicted,
+                    1.0,
+                    MODEL_ERROR,
+                );
+            }
             if let (Some(of_base), true) = (of_base, name.ends_with("[s]") && name != ON_PROCESSORS) {
                 let what = if subject.is_for_each { "share of its speed alone" } else { "times as fast" };
                 report.inform(format!("{full}, {what}"), of_base / value);
@@ -162,6 +174,14 @@ impl Measured {
 /// Names of figures that are told apart.
 const RESULT: &str = "result";
 const ON_PROCESSORS: &str = "time on processors, all ranks [s]";
+/// What a model says of more ranks, and by how much it may be wrong.
+const MODEL: &str = "model of ranks with a thread each";
+const MODEL_ERROR: f64 = 0.15;
+
+/// Name of the speed of ranks by the model.
+fn predicted_on(ranks: usize) -> String {
+    format!("{MODEL}/{ranks} ranks/factorization, times as fast")
+}
 
 impl Subject {
     /// What this process measures, together with those that were started with it.
@@ -184,6 +204,15 @@ impl Subject {
         report.inform("second functional by the first", own.adjoint[1] / own.adjoint[0] - 1.0);
         for (place, &value) in own.results.iter().enumerate() {
             report.inform(format!("{RESULT} {place}"), value);
+        }
+        let (predicted, bound) = &own.predicted;
+        if of_all_ranks(&[]).len() * rayon::current_num_threads() == 1 {
+            for OnRanks { ranks, speed, sent } in predicted {
+                report.inform(predicted_on(*ranks), *speed);
+                report.inform(format!("{MODEL}/{ranks} ranks/sent by the one that sends most [MB]"), 8e-6 * sent);
+            }
+            report
+                .inform(format!("{MODEL}/any number of ranks with one for each front/factorization, times as fast"), *bound);
         }
         let memory = own.memory.unwrap_or(f64::NAN);
         let of_rank = [on_processor, after.waited - before.waited, after.sent - before.sent, memory];

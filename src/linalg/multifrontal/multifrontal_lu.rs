@@ -131,7 +131,7 @@ impl MultifrontalLu {
 }
 
 /// Roles of unknowns: those without a diagonal entry are multipliers too.
-fn roles(pattern: &SparsePattern, multipliers: &[usize]) -> Vec<Role> {
+pub(super) fn roles(pattern: &SparsePattern, multipliers: &[usize]) -> Vec<Role> {
     let role = |unknown: usize| {
         if pattern.position(unknown, unknown).is_some() { Role::Primal } else { Role::Multiplier }
     };

@@ -38,7 +38,7 @@ pub struct Stretches {
 }
 
 /// Time of a front \[ns\], as measured on one core of 2023 where fronts are large: calls, assembly of the entries, arithmetic.
-fn front_time(front: &Front) -> f64 {
+pub fn front_time(front: &Front) -> f64 {
     const FRONT: f64 = 1000.0;
     const ENTRY: f64 = 0.43;
     const FLOP: f64 = 0.0101;
