@@ -4,7 +4,6 @@ use super::console::{brief, json_number, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::interrupt::set_last_words;
-use super::measured_modes::MeasuredModes;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
@@ -158,8 +157,10 @@ fn run_one(
         Ok(gradient)
     });
     let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
-    // values are there already, and are printed with the functionals
-    simulation.modes = MeasuredModes::of(&prepared, true).inspect_err(|_| simulation.say_files())?;
+    if let Err(error) = simulation.modes.differentiate(&prepared) {
+        simulation.say_files();
+        return Err(error.into());
+    }
     let (forward, check) = (&simulation.forward, options.check);
     let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
         (0..prepared.functionals().len())

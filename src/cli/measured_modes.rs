@@ -18,16 +18,24 @@ pub struct MeasuredModes {
 }
 
 impl MeasuredModes {
-    /// Those of a prepared scene, with their derivatives or without.
+    /// Those of a prepared scene.
     ///
     /// # Errors
-    /// Wrong names or numbers, and what keeps modes or derivatives from being found.
-    pub fn of(prepared: &Prepared, is_differentiated: bool) -> Result<Self, RunError> {
+    /// Wrong names or numbers, and what keeps modes from being found.
+    pub fn of(prepared: &Prepared) -> Result<Self, RunError> {
         let measures = prepared.scene.modes();
         check_modes(&measures, prepared.functionals())?;
         let values = prepared.measured_modes(&measures)?;
-        let rows = is_differentiated.then(|| prepared.measured_modes_by_design(&measures)).transpose()?;
-        Ok(MeasuredModes { measures, values, rows })
+        Ok(MeasuredModes { measures, values, rows: None })
+    }
+
+    /// Adds derivatives.
+    ///
+    /// # Errors
+    /// What keeps them from being found.
+    pub fn differentiate(&mut self, prepared: &Prepared) -> Result<(), RunError> {
+        self.rows = Some(prepared.measured_modes_by_design(&self.measures)?);
+        Ok(())
     }
 
     fn all(&self) -> impl Iterator<Item = (&ModeMeasure, f64, Option<&[f64]>)> {

@@ -91,7 +91,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let folder = options.folder(prepared.scene);
     check_folder(&folder)?;
     announce(prepared)?;
-    let modes = MeasuredModes::of(prepared, false)?;
+    let modes = MeasuredModes::of(prepared)?;
     let guard = Guard::new();
     let marks = if prepared.control.is_some() { MARKS } else { prepared.grid.steps() as f64 };
     let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];

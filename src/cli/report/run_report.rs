@@ -49,7 +49,11 @@ impl RunReport<'_> {
         };
         let what = if self.with_gradient { "simulation and gradient" } else { "simulation" };
         let mut page = Page::new(prepared.scene, what).with_simulation(prepared, &shown);
-        MeasuredModes::of(prepared, self.with_gradient)?.show(prepared, &mut page);
+        let mut modes = MeasuredModes::of(prepared)?;
+        if self.with_gradient {
+            modes.differentiate(prepared)?;
+        }
+        modes.show(prepared, &mut page);
         if self.with_gradient {
             self.add_gradient(&mut page)?;
         } else {

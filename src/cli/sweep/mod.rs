@@ -237,18 +237,19 @@ impl<'s> Sweep<'s> {
             let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut watch)?;
             let checked = stopped.map_or_else(|| prepared.analysis().check_values(&forward), Err);
             checked.map_err(|error| with_hint(error, &prepared))?;
-            let modes = MeasuredModes::of(&prepared, self.options.gradient)?;
-            let values = || forward.values.iter().chain(&modes.values).copied();
+            let mut modes = MeasuredModes::of(&prepared)?;
+            let values: Vec<f64> = forward.values.iter().chain(&modes.values).copied().collect();
             match statement(&prepared, &forward) {
                 Some(Statement::Warning(message)) if self.options.scene.requires_stability() => Err(Failure::run(message)),
                 _ if self.options.gradient => {
+                    modes.differentiate(&prepared)?;
                     let of_modes = modes.rows.iter().flatten().cloned();
                     let rows = prepared.analysis().adjoint(&prepared.x, &forward)?.rows.into_iter().chain(of_modes);
                     let own = |row: Vec<f64>| self.variation.axes.iter().map(move |axis| row[axis.place]);
                     let told = [warnings(&prepared, &forward), crossings_in_words(&forward.crossings)].concat();
-                    Ok((values().chain(rows.flat_map(own)).collect(), told))
+                    Ok((values.into_iter().chain(rows.flat_map(own)).collect(), told))
                 }
-                _ => Ok((values().collect(), warnings(&prepared, &forward))),
+                _ => Ok((values, warnings(&prepared, &forward))),
             }
         };
         let run = run();
