@@ -1,10 +1,10 @@
 //! What the scenarios of a scene gave, side by side.
 
-use super::console::{json_number, say, say_json};
+use super::console::{json_number, long_number, say, say_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::report::Page;
-use super::simulation::{Simulation, long_number};
+use super::simulation::Simulation;
 use crate::io::{Cell, Chart, Series, Table, write_file};
 use crate::scenes::{AnyScene, Prepared};
 use serde_json::{Value, json};

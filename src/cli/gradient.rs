@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{brief, json_number, say, say_json, warn};
+use super::console::{brief, json_number, long_number, relative_effect, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::interrupt::set_last_words;
@@ -9,7 +9,7 @@ use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
 use super::report::{GradientRows, Page};
 use super::run::report;
-use super::simulation::{Simulation, Work, long_number, say_work, simulate};
+use super::simulation::{Simulation, Work, say_work, simulate};
 use crate::design::DesignVariable;
 use crate::history::Keep;
 use crate::integrators::{Counters, RunError};
@@ -443,11 +443,6 @@ fn relative_differences(design: (&[DesignVariable], &[f64]), value: f64, [adjoin
         if apart == 0.0 { 0.0 } else { apart / c.abs().max(SMALL * largest / size(i)) }
     };
     adjoint.iter().zip(complex_step).enumerate().map(difference).collect()
-}
-
-/// Relative change of a functional by a relative change of a variable, (x / f) df/dx; none where x or f is zero.
-pub fn relative_effect(x: f64, derivative: f64, value: f64) -> Option<f64> {
-    (x != 0.0 && value != 0.0).then_some(x * derivative / value)
 }
 
 fn say_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {

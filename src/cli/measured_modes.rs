@@ -1,9 +1,7 @@
 //! Numbers of modes that a scene measures beside its functionals, as commands print and show them.
 
-use super::console::{json_number, say};
-use super::gradient::relative_effect;
+use super::console::{json_number, long_number, relative_effect, say};
 use super::report::Page;
-use super::simulation::long_number;
 use crate::integrators::RunError;
 use crate::io::{Cell, Table};
 use crate::scenes::{ModeMeasure, Prepared, check_modes};

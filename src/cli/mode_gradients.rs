@@ -1,8 +1,7 @@
 //! `costate modes --gradients`: derivatives of frequencies and growth by the design variables.
 
-use super::console::{json_number, say};
+use super::console::{json_number, relative_effect, say};
 use super::failure::Failure;
-use super::gradient::relative_effect;
 use super::report::Page;
 use crate::design::DesignVariable;
 use crate::io::{Cell, Table, number, write_csv};

@@ -1,12 +1,12 @@
 use super::CommandLine;
 use super::campbell::Branches;
-use super::console::{count, json_number, say, say_json, warn};
+use super::console::{count, json_number, long_number, say, say_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, mode_picture, motion};
 use super::rates::Rates;
 use super::report::{Clip, Page};
-use super::simulation::{crossings_in_words, long_number, names};
+use super::simulation::{crossings_in_words, names};
 use super::snapshot::Snapshot;
 use super::still::StillOptions;
 use crate::integrators::{Mode, RunError};

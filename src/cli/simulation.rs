@@ -1,4 +1,4 @@
-use super::console::{count, json_number, say, seconds, warn};
+use super::console::{count, json_number, long_number, say, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
@@ -205,21 +205,6 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
     };
     let message = failure.message.replace("a smaller step", &format!("a smaller step ({option})"));
     Failure { message, ..failure }
-}
-
-/// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`; zero as 0.
-pub fn long_number(value: f64) -> String {
-    if value == 0.0 {
-        return format!("{:>19}", 0);
-    }
-    let text = format!("{value:.12e}");
-    match text.split_once('e') {
-        Some((digits, exponent)) => {
-            let (sign, size) = exponent.strip_prefix('-').map_or(('+', exponent), |size| ('-', size));
-            format!("{digits:>15}e{sign}{size:0>2}")
-        }
-        None => format!("{text:>19}"),
-    }
 }
 
 /// A value with its time and place.

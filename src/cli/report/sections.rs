@@ -1,12 +1,10 @@
 //! What commands have in common to say on a page.
 
 use super::{Clip, Page};
-use crate::cli::console::{brief, json_number};
+use crate::cli::console::{brief, json_number, long_number, relative_effect};
 use crate::cli::energy_balance::EnergyBalance;
-use crate::cli::gradient::relative_effect;
 use crate::cli::measured_moments::EnergyCourse;
 use crate::cli::motions::motion;
-use crate::cli::simulation::long_number;
 use crate::cli::snapshot::Snapshot;
 use crate::cli::stability::{Statement, statement};
 use crate::design::DesignVariable;

@@ -1,7 +1,6 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
-use super::known::{count, flag, text};
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
@@ -11,7 +10,7 @@ use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
 use crate::elements::entries::{Form, Forms, Range, named};
 use crate::elements::forces::LOADS;
 use crate::scenes::unknown;
-use crate::scenes::{MeshData, ModeMeasure, TriangleSurface};
+use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -230,16 +229,6 @@ impl Contents {
     /// Names of the functionals.
     pub fn functionals(&self) -> impl Iterator<Item = &str> {
         self.items.iter().filter(|item| item.section == "functional").map(|item| item.name.as_str())
-    }
-
-    /// Numbers of modes.
-    pub fn modes(&self) -> impl Iterator<Item = ModeMeasure> {
-        self.items.iter().filter(|item| item.section == "mode").map(|Item { name, fields, .. }| ModeMeasure {
-            name: name.clone(),
-            number: count(fields, "number"),
-            growth: text(fields, "measure") == Some("growth"),
-            damped: flag(fields, "damped", false),
-        })
     }
 }
 

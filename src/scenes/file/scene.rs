@@ -1,7 +1,7 @@
 use super::build::build;
 use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
-use super::known::{Known, Made, fixed, fixed_list, flag, kept, list, text, texts};
+use super::known::{Known, Made, count, fixed, fixed_list, flag, kept, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
@@ -439,6 +439,16 @@ fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'s
     }
 }
 
+/// Numbers of modes.
+fn modes(contents: &Contents) -> impl Iterator<Item = ModeMeasure> {
+    contents.items.iter().filter(|item| item.section == "mode").map(|Item { name, fields, .. }| ModeMeasure {
+        name: name.clone(),
+        number: count(fields, "number"),
+        growth: text(fields, "measure") == Some("growth"),
+        damped: flag(fields, "damped", false),
+    })
+}
+
 fn problem(
     contents: &Contents,
     (variables, others): (&[DesignVariable], &[String]),
@@ -451,7 +461,7 @@ fn problem(
             functionals.push(other.clone());
         }
     }
-    functionals.extend(contents.modes().map(|mode| mode.name));
+    functionals.extend(modes(contents).map(|mode| mode.name));
     let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
     let (sense, key, objective) = objective(fields, mistakes)?;
     let check = |kind: &str, at: usize, name: &str, known: &[String], mistakes: &mut Vec<Mistake>| {
@@ -543,7 +553,7 @@ impl AnyScene for FileScene {
         self.problem.clone()
     }
     fn modes(&self) -> Vec<ModeMeasure> {
-        self.contents.modes().collect()
+        modes(&self.contents).collect()
     }
     fn output(&self) -> Output {
         self.output.clone()
