@@ -78,7 +78,7 @@ impl MeasuredModes {
         page.table("Modes", &["mode", "value", "unit"], self.all().map(row).collect());
         for (own, value, row) in self.all() {
             if let Some(row) = row {
-                page.gradient_of((&own.name, own.unit(), value), prepared, row, None);
+                page.influences((&own.name, own.unit(), value), prepared, row, None);
             }
         }
     }

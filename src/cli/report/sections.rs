@@ -147,8 +147,8 @@ impl Page {
         }
     }
 
-    /// Derivatives of something with a name, a unit and a value.
-    pub fn gradient_of(
+    /// What changes something with a name, a unit and a value: its derivatives.
+    pub fn influences(
         &mut self,
         (name, unit, value): (&str, &str, f64),
         prepared: &Prepared,
@@ -181,7 +181,7 @@ impl Page {
         for (k, functional) in prepared.functionals().iter().enumerate() {
             let check = gradient.check.map(|(way, [other, differences])| (way, [&other[k][..], &differences[k][..]]));
             let of = (functional.name.as_str(), functional.value_unit(), gradient.values[k]);
-            self.gradient_of((of.0, &of.1, of.2), prepared, &gradient.adjoint[k], check);
+            self.influences((of.0, &of.1, of.2), prepared, &gradient.adjoint[k], check);
         }
         if !gradient.verdict.is_empty() {
             self.fact("gradient", gradient.verdict.clone());
