@@ -4,9 +4,7 @@ use super::Clock;
 use super::memory::{forget_peak, memory_of_now, peak_memory};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, table_by_name};
-use costate::internals::{
-    Factorization, Jacobian, OnRanks, Residual, StageSystem, Systems, TransposedSolution, of_all_ranks, predicted,
-};
+use costate::internals::{Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution, of_all_ranks};
 use costate::linalg::Backend;
 use costate::scenes::{AnyScene, Prepared, Settings};
 use std::time::Instant;
@@ -19,9 +17,6 @@ pub struct Effort {
     pub repeats: usize,
     pub steps: usize,
 }
-
-/// Numbers of ranks of which a model says how they would factor.
-const PREDICTED: [usize; 7] = [2, 4, 8, 16, 24, 64, 256];
 
 /// That of a record.
 pub const USUAL: Effort = Effort { repeats: 7, steps: 3 };
@@ -45,8 +40,6 @@ pub struct Phases {
     pub results: Vec<f64>,
     /// Elements that this rank evaluates for its part of a matrix, where ranks share it.
     pub own_elements: Option<usize>,
-    /// What a model says of factorizations on more ranks, and the bound of any number of them.
-    pub predicted: (Vec<OnRanks>, f64),
 }
 
 /// A scene with so many steps and its first functionals.
@@ -87,10 +80,7 @@ fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
 impl Phases {
     /// Of a scene with two functionals.
     pub fn measure(scene: &dyn AnyScene, effort: Effort) -> Result<Self, RunError> {
-        let one = prepare(scene, 1, 1)?;
-        let (unknowns, of_a_system, own_elements) = systems(&one, effort.repeats)?;
-        let predicted = predicted(&Systems::new(one.problem().model, &one.method, &[]).stage.pattern, &PREDICTED);
-        drop(one);
+        let (unknowns, of_a_system, own_elements) = systems(&prepare(scene, 1, 1)?, effort.repeats)?;
         let before = memory_of_now();
         forget_peak();
         let first = Run::of(&prepare(scene, 1, 2)?)?;
@@ -102,18 +92,7 @@ impl Phases {
         }
         let ([step, one, two, iterations, factorizations], results) = (numbers, first.results);
         let adjoint = [one, two];
-        Ok(Phases {
-            unknowns,
-            of_a_system,
-            step,
-            adjoint,
-            iterations,
-            factorizations,
-            memory,
-            results,
-            own_elements,
-            predicted,
-        })
+        Ok(Phases { unknowns, of_a_system, step, adjoint, iterations, factorizations, memory, results, own_elements })
     }
 }
 

@@ -1,8 +1,8 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
-use crate::verification::phases::{Effort, Phases, USUAL};
+use crate::verification::phases::{Effort, Phases, USUAL, prepare};
 use crate::verification::{Form, Report, Study};
-use costate::internals::{OnRanks, of_all_ranks, traffic};
+use costate::internals::{OnRanks, Systems, of_all_ranks, predicted, traffic};
 use costate::scenes::built_in::{PlatePendulum, Thicknesses};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -177,6 +177,8 @@ const ON_PROCESSORS: &str = "time on processors, all ranks [s]";
 /// What a model says of more ranks, and by how much it may be wrong.
 const MODEL: &str = "model of ranks with a thread each";
 const MODEL_ERROR: f64 = 0.15;
+/// Numbers of ranks of which it is asked.
+const PREDICTED: [usize; 7] = [2, 4, 8, 16, 24, 64, 256];
 
 /// Name of the speed of ranks by the model.
 fn predicted_on(ranks: usize) -> String {
@@ -205,14 +207,16 @@ impl Subject {
         for (place, &value) in own.results.iter().enumerate() {
             report.inform(format!("{RESULT} {place}"), value);
         }
-        let (predicted, bound) = &own.predicted;
-        if of_all_ranks(&[]).len() * rayon::current_num_threads() == 1 {
-            for OnRanks { ranks, speed, sent } in predicted {
-                report.inform(predicted_on(*ranks), *speed);
+        if threads == 1 {
+            let one = prepare(&plate, 1, 1).map_err(|error| error.to_string())?;
+            let systems = Systems::new(one.problem().model, &one.method, &[]);
+            let (all, bound) = predicted(&systems.stage.pattern, &PREDICTED);
+            for OnRanks { ranks, speed, sent } in all {
+                report.inform(predicted_on(ranks), speed);
                 report.inform(format!("{MODEL}/{ranks} ranks/sent by the one that sends most [MB]"), 8e-6 * sent);
             }
             report
-                .inform(format!("{MODEL}/any number of ranks with one for each front/factorization, times as fast"), *bound);
+                .inform(format!("{MODEL}/any number of ranks with one for each front/factorization, times as fast"), bound);
         }
         let memory = own.memory.unwrap_or(f64::NAN);
         let of_rank = [on_processor, after.waited - before.waited, after.sent - before.sent, memory];
