@@ -10,7 +10,7 @@ use crate::verification::{Form, Report, Study};
 use costate::functionals::Sample;
 use costate::integrators::RunError;
 use costate::scalar::Quaternion;
-use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
+use costate::scenes::{AnyScene, FileScene, Prepared, Scenario, Settings};
 use series::blade_frequencies;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -32,6 +32,11 @@ const FREQUENCY: f64 = 1e-3;
 const SOUTHWELL: f64 = 0.03;
 /// Turns over which joints are watched.
 const TURNS: usize = 10;
+
+/// What the energy balance of rigid blades leaves, as a share of the works.
+const BALANCE: f64 = 1e-6;
+/// By what the balance of elastic blades falls at least where steps are halved: a method of third order.
+const HALVED: f64 = 0.125;
 
 /// Growth and rate of ground resonance against figures of ten digits.
 const RESONANCE: f64 = 1e-8;
@@ -60,9 +65,16 @@ impl Study for RotorHub {
         ground_resonance(report)?;
         swash_plate(report)?;
         flights(report)?;
+        steps_and_meshes(report)?;
         flight::air_loads(report)?;
         if report.is_short() { Ok(()) } else { flight::optimum(report) }
     }
+}
+
+/// Share of the controls after some turns: along 10 s^3 - 15 s^4 + 6 s^5 within the first one.
+fn controls(turns: f64) -> f64 {
+    let s = turns.clamp(0.0, 1.0);
+    s * s * s * (10.0 + s * (-15.0 + 6.0 * s))
 }
 
 fn told(error: RunError) -> String {
@@ -99,7 +111,7 @@ fn rod_tip(young: f64, density: f64, omega: f64, [root, tip]: [f64; 2]) -> f64 {
 }
 
 fn blade_extension(report: &mut Report) -> Result<(), String> {
-    eprintln!("[1/7] extension of a blade");
+    eprintln!("[1/8] extension of a blade");
     let (root, tip) = (0.44, 2.0);
     let expected = rod_tip(70e9, 2500.0, 109.12, [root, tip]) - tip;
     report.inform("blade/extension of a rod [mm]", 1e3 * expected);
@@ -147,7 +159,7 @@ fn beam(rate: f64) -> String {
 }
 
 fn turning_beam(report: &mut Report) -> Result<(), String> {
-    eprintln!("[2/7] frequencies of a turning beam");
+    eprintln!("[2/8] frequencies of a turning beam");
     let mut first = Vec::new();
     for rate in [0.0, 2.0, 4.0, 6.0, 8.0, 10.0] {
         let scene = FileScene::parse("beam.toml", &beam(rate))?;
@@ -179,7 +191,7 @@ fn turning_beam(report: &mut Report) -> Result<(), String> {
 const HAMMOND: [f64; 2] = [0.8361868786, 19.9367071];
 
 fn ground_resonance(report: &mut Report) -> Result<(), String> {
-    eprintln!("[3/7] ground resonance");
+    eprintln!("[3/8] ground resonance");
     let scene = FileScene::parse("ground-resonance.toml", GROUND_RESONANCE)?;
     let prepared = Prepared::new(&scene).map_err(told)?;
     let found = prepared.periodic_modes(2).map_err(told)?;
@@ -213,11 +225,49 @@ fn rigid_hub(lifts: [f64; 3], turns: usize) -> Result<String, String> {
         .replace("    \"blade 0\", \"blade 1\", \"blade 2\", \"blade 3\",\n", "")
         .replace("end = \"2 * pi / omega\"", &format!("end = \"{turns} * 2 * pi / omega\""))
         .replace("steps = 360", &format!("steps = {}", 360 * turns))
-        + "[[functional]]\nname = \"height\"\ntype = \"position\"\non = \"horn 0\"\ndirection = [0, 0, 1]\nover = \"terminal\"\n")
+        + ENERGIES)
+}
+
+/// Energies, and works of what is in none.
+const ENERGIES: &str = r#"
+[[functional]]
+name = "energy at the start"
+type = "energy"
+over = "initial"
+[[functional]]
+name = "energy at the end"
+type = "energy"
+over = "terminal"
+[[functional]]
+name = "work of loads"
+type = "power"
+over = "integral"
+[[functional]]
+name = "work of the motor"
+type = "joint_power"
+joint = "motor"
+over = "integral"
+[[functional]]
+name = "work of actuator {k}"
+for = { k = [1, 2, 3] }
+type = "joint_power"
+joint = "actuator {k}"
+over = "integral"
+"#;
+
+/// What the energies leave of the works, as a share of these \[J\].
+fn left_of_works(prepared: &Prepared, values: &[f64]) -> f64 {
+    let named = |word: &str| {
+        let all = prepared.functionals().iter().zip(values);
+        all.filter(|own| own.0.name.starts_with(word)).map(|own| *own.1).collect::<Vec<f64>>()
+    };
+    let works = named("work of");
+    let change = named("energy at the end")[0] - named("energy at the start")[0];
+    (change - works.iter().sum::<f64>()).abs() / works.iter().map(|own| own.abs()).sum::<f64>()
 }
 
 fn swash_plate(report: &mut Report) -> Result<(), String> {
-    eprintln!("[4/7] swash plate and pitch links");
+    eprintln!("[4/8] swash plate and pitch links");
     for (flight, lifts) in FLIGHTS {
         let turns = if flight == "collective" && !report.is_short() { TURNS } else { 1 };
         let scene = FileScene::parse("rigid-hub.toml", &rigid_hub(lifts, turns)?)?;
@@ -233,9 +283,7 @@ fn swash_plate(report: &mut Report) -> Result<(), String> {
         let see = |sample: &Sample<f64>| {
             let axes = |dofs: &std::ops::Range<usize>| Quaternion::from_slice(&sample.at.q[dofs.clone()][3..]).columns();
             let azimuth = axes(&hub)[0][1].atan2(axes(&hub)[0][0]);
-            // along 10 s^3 - 15 s^4 + 6 s^5 within the first turn
-            let s = (sample.t * 109.12 / std::f64::consts::TAU).min(1.0);
-            let share = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+            let share = controls(sample.t * 109.12 / TAU);
             for (k, horn) in horns.iter().enumerate() {
                 let own = axes(horn)[1][2].asin();
                 let expected = pitch(lifts.map(|lift| lift * share), azimuth, k);
@@ -252,12 +300,14 @@ fn swash_plate(report: &mut Report) -> Result<(), String> {
         report.inform(format!("swash plate/{flight}/largest pitch [rad]"), largest);
         report.at_most(format!("swash plate/{flight}/pitch of four blades against geometry [rad]"), off, PITCH);
         report.at_most(format!("swash plate/{flight}/largest gap of a joint over {turns} turns [m]"), gap, GAP);
+        let left = left_of_works(&prepared, &forward.values);
+        report.at_most(format!("swash plate/{flight}/energy less the works of drives, share of these"), left, BALANCE);
     }
     Ok(())
 }
 
 fn flights(report: &mut Report) -> Result<(), String> {
-    eprintln!("[5/7] three flights of the hub with blades");
+    eprintln!("[5/8] three flights of the hub with blades");
     let scene = FileScene::parse("rotor-hub.toml", HUB)?;
     let short = report.is_short();
     for Scenario { name, scene } in scene.scenarios().into_iter().take(if short { 1 } else { 3 }) {
@@ -281,6 +331,47 @@ fn flights(report: &mut Report) -> Result<(), String> {
         }
         report.inform(format!("{name}/largest stress by the yield stress"), forward.values[0]);
         compare_with_whole_runs(report, &name, &prepared, (&forward, &gradient), |_| true).map_err(told)?;
+    }
+    Ok(())
+}
+
+/// The stress and the energy balance over steps and meshes.
+fn steps_and_meshes(report: &mut Report) -> Result<(), String> {
+    eprintln!("[6/8] steps and meshes");
+    let run = |along: usize, scenario: &str, method: &str, steps: usize| -> Result<[f64; 2], String> {
+        let text = HUB.replace("along = 12 ", &format!("along = {along} ")) + ENERGIES;
+        let scene = FileScene::parse("rotor-hub.toml", &text)?;
+        let scenarios = scene.scenarios();
+        let scene = scenarios.iter().find(|own| own.name == scenario).ok_or("no scenario")?.scene;
+        let settings = Settings { steps, method: Some(method.into()), ..scene.settings() };
+        let method = Prepared::method_of(&settings).map_err(told)?;
+        let prepared = Prepared::with(scene, &inside(scene), method, settings).map_err(told)?;
+        let values = prepared.analysis().values(&prepared.x).map_err(told)?;
+        Ok([values[0], left_of_works(&prepared, &values)])
+    };
+    let finest = if report.is_short() { 180 } else { 720 };
+    let (mut courses, mut before) = (Vec::new(), None);
+    for steps in [90, 180, 360, 720].into_iter().take_while(|steps| *steps <= finest) {
+        let [stress, left] = run(12, "longitudinal", "esdirk4", steps)?;
+        let name = |what: &str| format!("steps/esdirk4, {steps} a turn/{what}");
+        report.inform(name("largest stress by the yield stress"), stress);
+        report.inform(name("energy less works, share of these"), left);
+        if let Some(before) = before.replace(left) {
+            report.at_most(name("by what is left with half as many"), left / before, HALVED);
+        }
+        courses.push(stress);
+    }
+    let best = courses[courses.len() - 1];
+    for steps in [360, 720, 1440].into_iter().take(if report.is_short() { 0 } else { 3 }) {
+        let [stress, left] = run(12, "longitudinal", "dirk2", steps)?;
+        let name = |what: &str| format!("steps/dirk2, {steps} a turn/{what}");
+        report.inform(name("largest stress by that of the finest"), stress / best);
+        report.inform(name("energy less works, share of these"), left);
+    }
+    for along in [12, 24, 48].into_iter().take(if report.is_short() { 0 } else { 3 }) {
+        let [stress, left] = run(along, "longitudinal", "esdirk4", 360)?;
+        report.inform(format!("meshes/{along} x 1/largest stress by the yield stress"), stress);
+        report.inform(format!("meshes/{along} x 1/energy less works, share of these"), left);
     }
     Ok(())
 }
