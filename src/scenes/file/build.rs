@@ -6,10 +6,10 @@ use super::build_members::{beam, cable, group, laminate, section, shell, shells_
 use super::build_meshes::mesh;
 use super::build_parts::{element, given, joint, made_of, rolling};
 
+use super::fields::{Fields, Item, Value};
 use super::formula_parts;
 use super::known::{Builder, Found, Known, Made, count, fixed, list, text};
 use super::mistake::Mistake;
-use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
 use crate::elements::entries::{Part, named};
 use crate::elements::flexible::{MATERIAL_KEYS, Material};

@@ -1,10 +1,10 @@
 //! Functionals of a file.
 
 use super::build_parts::{made_of, measure, values};
+use super::fields::{Fields, Item};
 use super::formula_parts;
 use super::known::{Builder, Found, Known, Made, fixed, over, text};
 use super::mistake::Mistake;
-use super::reader::{Fields, Item};
 use super::sections::SECTION_COMPONENTS;
 use crate::functionals::load::JOINT_LOADS;
 use crate::functionals::quantities::{CableMeasure, SectionMeasure};

@@ -2,9 +2,9 @@
 
 use super::build_parts::{given, made_of};
 use super::expression::SHARE_PLACE;
+use super::fields::{Fields, Item, NodePlace, Value};
 use super::known::{Builder, Found, Known, Made, count, counts, fixed, flag, list, text, texts};
 use super::mistake::Mistake;
-use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::NodeId;
 use crate::elements::flexible::{CableSection, Laminate, OfShape, Ply, PlyStrength, SECTION, Section, Shape};
 use crate::functionals::ElementGroup;

@@ -1,10 +1,10 @@
 //! Shells on meshes of a file.
 
 use super::build_members::{laminate_of, shells_named};
+use super::fields::{Fields, Value};
 use super::known::{Builder, Found, Known, Made, fixed, flag, list, text, texts};
-use super::meshes::{names, nodes_of};
+use super::mesh_nodes::{names, nodes_of};
 use super::mistake::Mistake;
-use super::reader::{Fields, Value};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::unknown;
 use crate::scenes::{FreeMesh, MeshData, ShellPart};

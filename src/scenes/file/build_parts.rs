@@ -1,8 +1,8 @@
 //! Joints, drivers, springs, dampers and quantities, by their entries.
 
+use super::fields::{Fields, Item};
 use super::known::{Builder, Found, Known, Made, count, missing, over, text};
 use super::mistake::Mistake;
-use super::reader::{Fields, Item};
 use crate::elements::entries::{Forms, Given, GivenValue, JointPart, Key, SpringPart, Type, Values};
 use crate::elements::joints::ROLLING;
 use crate::functionals::QuantityPart;

@@ -2,12 +2,11 @@
 
 use super::build_parts::rates;
 use super::expression::{Expression, Quantity};
+use super::fields::{Fields, NamedNode, Value};
 use super::formula_of::FormulaOf;
 use super::known::{Builder, Found, Known, Made, fixed_list, kept, list, over, text};
 use super::mistake::Mistake;
-use super::reader::{Fields, NamedNode, Value};
-use super::state_entries::keys_of;
-use super::state_laws::MADE;
+use super::state_entries::{MADE, keys_of};
 use crate::assembly::NodeId;
 use crate::elements::entries::Type;
 use crate::elements::forces::Soft;

@@ -1,10 +1,10 @@
 //! Values of the keys of an entry, in the scalar of the mechanism.
 
 use super::expression::{Quantity, SHARE_PLACE};
+use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
 use super::formula_of::FormulaOf;
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
-use super::reader::{Each, Fields, Item, NodePlace, Per, Value};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;

@@ -1,8 +1,9 @@
 //! Names of other entries, and of their nodes; in which order they are made.
 
+use super::fields::{Item, NodePlace, Value};
 use super::order::ordered;
 use super::raw::Raw;
-use super::reader::{Item, NodePlace, Reader, Value, name_space};
+use super::reader::{Reader, name_space};
 use super::sections::WITH_NODES;
 use crate::scenes::{Edge, unknown};
 

@@ -1,11 +1,12 @@
 use super::build::build;
 use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
+use super::fields::{Each, Fields, Item, Value};
 use super::known::{Known, Made, count, fixed, fixed_list, flag, kept, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
-use super::reader::{Contents, Each, Extent, Fields, Item, Value, Variable, name_space, read};
+use super::reader::{Contents, Extent, Variable, name_space, read};
 use super::scenarios::{take_scenarios, without_problem};
 use super::sections::{WITH_MULTIPLIERS, WITH_NODES};
 use crate::design::DesignVariable;

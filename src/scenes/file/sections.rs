@@ -1,8 +1,10 @@
 //! All sections of a scene file with their keys.
 
 use super::extended::EXTENDS;
+use super::own_parts::{OwnParts, all_forms};
 use super::section::{Section, Shape};
 use super::state_entries::STATE_FORMS;
+use crate::design::repeated;
 use crate::elements::entries::{
     AXIS, BETWEEN, Form, Forms, Key, Kind, ORIENTATION, Range, Type, forms, forms_of, joined, may, names_of, need,
 };
@@ -871,3 +873,26 @@ pub(super) const FOR: Key = may(
      `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts `{i}`, `{i + 1}` and `{side}` are replaced; several names \
      make all pairs; of two numbers that do not follow each other `{ values = [1, 5] }` says that these two are meant",
 );
+
+impl OwnParts {
+    /// Forms of the sections of joints, drivers, springs, dampers and functionals, with the names of these.
+    pub(crate) fn listed(&self) -> Vec<(&'static str, Form)> {
+        let sections = ["joint", "driver", "spring", "damper", "functional"];
+        let own = SECTIONS.iter().filter(|own| sections.contains(&own.name));
+        own.flat_map(|own| all_forms(&own.forms, self).into_iter().map(|form| (own.name, form))).collect()
+    }
+
+    /// Two parts of a section have different names.
+    ///
+    /// # Errors
+    /// A name that a part of one's own and another have.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        for section in SECTIONS {
+            let forms = all_forms(&section.forms, self);
+            if let Some(name) = repeated(forms.iter().map(|form| form.name)) {
+                return Err(format!("two parts of the section [[{}]] are named \"{name}\"", section.name));
+            }
+        }
+        Ok(())
+    }
+}
