@@ -127,6 +127,8 @@ impl Fields {
 /// An entry of a section.
 #[derive(Clone, Debug)]
 pub(super) struct Item {
+    /// Its place among all entries.
+    pub place: usize,
     pub section: &'static str,
     pub name: String,
     pub fields: Fields,

@@ -2,10 +2,6 @@
 #![doc = include_str!("format.md")]
 #![doc = include_str!("reference.md")]
 
-mod build;
-mod build_functionals;
-mod build_members;
-mod build_meshes;
 mod build_parts;
 mod columns;
 mod condition;
@@ -16,6 +12,8 @@ mod formula_names;
 mod formula_of;
 mod formula_parts;
 mod formula_text;
+mod functionals;
+mod keys;
 mod known;
 mod mesh_groups;
 mod mesh_nodes;
@@ -23,6 +21,7 @@ mod meshes;
 mod mistake;
 mod order;
 mod own_parts;
+mod parts;
 mod raw;
 mod reader;
 mod reference;

@@ -2,12 +2,13 @@
 
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::fields::{Each, Fields, Item};
+use super::keys::{MANY, WITH_NODES};
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
 use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
-use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
+use super::sections::{DEFINE, SECTIONS, TOP};
 use crate::elements::entries::{Form, Forms, named};
 use crate::elements::forces::LOADS;
 use crate::scenes::MeshData;
@@ -178,7 +179,7 @@ impl Reader {
             }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             let mesh = self.meshes.get(&place).cloned();
-            items.push(Item { section: section.name, name, fields, mesh });
+            items.push(Item { place, section: section.name, name, fields, mesh });
         }
         let variables = variables
             .into_iter()

@@ -1,0 +1,21 @@
+//! Dampers.
+
+use crate::elements::entries::{Forms, forms_of, named};
+use crate::elements::forces::DAMPERS;
+use crate::scalar::Scalar;
+use crate::scenes::file::build_parts::{element, of_part};
+use crate::scenes::file::fields::Item;
+use crate::scenes::file::keys::NAME;
+use crate::scenes::file::known::{Builder, Found, Known, Made};
+use crate::scenes::file::section::{Section, Shape};
+
+pub(super) const SECTION: Section = Section {
+    name: "damper",
+    shape: Shape::Listed,
+    doc: "A damper.",
+    forms: Forms { common: &[NAME], forms: &forms_of::<{ DAMPERS.len() }, _>(DAMPERS), own: None },
+};
+
+pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    of_part(item, named(DAMPERS, item.fields.form), |part| element(known, part, item, m))
+}

@@ -1,0 +1,33 @@
+//! Points.
+
+use crate::elements::entries::Range::Positive;
+use crate::elements::entries::Type::{Number, Vector};
+use crate::elements::entries::{may, need};
+use crate::scalar::{Scalar, Vector3};
+use crate::scenes::file::fields::Item;
+use crate::scenes::file::keys::{NAME, one_form};
+use crate::scenes::file::known::{Builder, Found, Known, Made};
+use crate::scenes::file::section::{Section, Shape};
+
+pub(super) const SECTION: Section = Section {
+    name: "point",
+    shape: Shape::Listed,
+    doc: "A point without rotation.",
+    forms: one_form![
+        NAME,
+        need("position", Vector("m"), "place"),
+        may("velocity", Vector("m/s"), "velocity; 0"),
+        may("mass", Number("kg", Positive), "mass; none"),
+    ],
+};
+
+pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let node = m.point(name, known.vector(fields, "position")?);
+    if fields.get("velocity").is_some() {
+        m.set_velocity(node, known.vector(fields, "velocity")?, Vector3::zeros());
+    }
+    if fields.get("mass").is_some() {
+        m.point_mass(name, node, known.number(fields, "mass")?);
+    }
+    Ok(Made::Node(node))
+}
