@@ -5,6 +5,7 @@
 mod build_parts;
 mod columns;
 mod condition;
+mod describing;
 mod expression;
 mod extended;
 mod fields;

@@ -2,14 +2,9 @@
 
 use super::measurand::{AT_SHARE, GROUP, Measurand};
 use super::over::over;
-use crate::elements::entries::Type::{Choice, Number, Numbers};
-use crate::elements::entries::{Form, Key, Range, Type, need};
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::Scalar;
 use crate::scenes::BeamMember;
-use crate::scenes::file::fields::{Fields, Item};
-use crate::scenes::file::known::{Builder, Found, Known, Made, fixed, text};
-use crate::scenes::file::mistake::Mistake;
+use crate::scenes::file::describing::*;
 
 const OF_BEAM: Key = need("beam", Type::Item(&["beam"]), "name of a beam");
 const COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];

@@ -2,15 +2,10 @@
 
 use super::measurand::{AT_SHARE, Measurand};
 use super::over::over;
-use crate::elements::entries::Type::Number;
-use crate::elements::entries::{Form, Key, Range, Type, may, need};
 use crate::functionals::quantities::CableMeasure;
 use crate::functionals::{AggregateKind, Over, Times};
-use crate::scalar::Scalar;
 use crate::scenes::CableMember;
-use crate::scenes::file::fields::{Fields, Item};
-use crate::scenes::file::known::{Builder, Found, Known, Made, fixed};
-use crate::scenes::file::mistake::Mistake;
+use crate::scenes::file::describing::*;
 
 const OF_CABLE: Key = need("cable", Type::Item(&["cable"]), "name of a cable");
 const YOUNG: Key = need("young", Number("N/m2", Range::Positive), "Young's modulus");

@@ -2,10 +2,7 @@
 
 use super::measurand::{GROUP, Measurand};
 use super::over::over;
-use crate::elements::entries::Form;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::known::{Builder, Found, Known};
+use crate::scenes::file::describing::*;
 
 pub(super) struct Energy;
 

@@ -2,13 +2,10 @@
 
 use super::measurand::Measurand;
 use super::over::over;
-use crate::elements::entries::{Form, Type, may, need};
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, Reading};
-use crate::scenes::file::known::{Builder, Found, Known, kept, text};
 
 /// What is measured by a formula, with its unit.
 struct FormulaQuantity(Formulas, &'static str);

@@ -2,15 +2,12 @@
 
 use super::measurand::Measurand;
 use super::over::over;
-use crate::elements::entries::Type::{Choice, Node, Vector};
-use crate::elements::entries::{Form, Given, Key, ON, PLACE, Type, may, need};
+use crate::elements::entries::{Given, ON, PLACE};
 use crate::elements::forces::load_frame::{FRAME, LoadFrame};
 use crate::functionals::LoadKind;
-use crate::scalar::{Scalar, Vector3};
 use crate::scenes::file::build_parts::{made_of, values};
-use crate::scenes::file::fields::Item;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::WITH_MULTIPLIERS;
-use crate::scenes::file::known::{Builder, Found, Known};
 
 /// The joint whose reactions are measured.
 pub(super) const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");

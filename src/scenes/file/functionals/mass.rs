@@ -2,11 +2,9 @@
 
 use super::measurand::Measurand;
 use super::over::over;
-use crate::elements::entries::{AXIS, Form, Key, Type, may};
-use crate::scalar::{Scalar, Vector3};
-use crate::scenes::file::fields::Item;
+use crate::elements::entries::AXIS;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::WITH_ELEMENTS;
-use crate::scenes::file::known::{Builder, Found, Known};
 
 const OF_SOME: Key = may(
     "of",

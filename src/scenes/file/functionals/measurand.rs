@@ -1,11 +1,7 @@
 //! What a functional of a scene file is described by, and keys that several have.
 
-use crate::elements::entries::Type::{Fixed, Items};
-use crate::elements::entries::{Form, Key, Range, need};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::WITH_ELEMENTS;
-use crate::scenes::file::known::{Builder, Found, Known};
 
 /// What is measured of a joint, elements or everything, all in one place: name, sentence, keys, and what an entry adds.
 pub(super) trait Measurand {

@@ -21,18 +21,8 @@ use super::section::{Section, Shape};
 use crate::elements::entries::{Form, Forms, Kind, forms_of, joined};
 use crate::functionals::quantities::QUANTITIES;
 use crate::scalar::Scalar;
-use beam_section::{FibreStress, SectionForce, SectionForces, SectionStrain};
-use cable_section::{CableCurvature, CableStrain, CableStress, LargestCableStress};
-use energy::{Energy, StrainEnergy};
-use formula::Formula;
-use joint_load::{JointLoad, JointPower};
-use mass::{InertiaMoment, Mass};
 use measurand::Measurand;
 use over::{OVER, over};
-use power::Power;
-use reaction::{Reaction, ReactionNorm};
-use tsai_wu::TsaiWu;
-use von_mises::VonMises;
 
 /// The list of what is measured: its forms, in the order of the reference page, and which of them adds an entry.
 macro_rules! measurands {
@@ -49,26 +39,26 @@ macro_rules! measurands {
 }
 
 measurands![
-    Formula,
-    Reaction,
-    ReactionNorm,
-    JointLoad,
-    JointPower,
-    Energy,
-    Power,
-    Mass,
-    StrainEnergy,
-    InertiaMoment,
-    VonMises,
-    TsaiWu,
-    SectionForce,
-    SectionForces,
-    SectionStrain,
-    FibreStress,
-    CableStrain,
-    CableCurvature,
-    CableStress,
-    LargestCableStress,
+    formula::Formula,
+    reaction::Reaction,
+    reaction::ReactionNorm,
+    joint_load::JointLoad,
+    joint_load::JointPower,
+    energy::Energy,
+    power::Power,
+    mass::Mass,
+    energy::StrainEnergy,
+    mass::InertiaMoment,
+    von_mises::VonMises,
+    tsai_wu::TsaiWu,
+    beam_section::SectionForce,
+    beam_section::SectionForces,
+    beam_section::SectionStrain,
+    beam_section::FibreStress,
+    cable_section::CableStrain,
+    cable_section::CableCurvature,
+    cable_section::CableStress,
+    cable_section::LargestCableStress,
 ];
 
 const ALL_FORMS: [Form; QUANTITIES.len() + FORMS.len()] = joined(&[&forms_of::<{ QUANTITIES.len() }, _>(QUANTITIES), FORMS]);

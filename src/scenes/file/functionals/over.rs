@@ -1,11 +1,7 @@
 //! What a functional makes of the values over time.
 
-use crate::elements::entries::Type::{Choice, Fixed, Flag};
-use crate::elements::entries::{Forms, Key, Range::Positive, Type, may, need};
 use crate::functionals::{Aggregate, AggregateKind, Over, Times};
-use crate::scenes::file::fields::{Fields, Value};
-use crate::scenes::file::keys::one_form;
-use crate::scenes::file::known::{fixed, flag, text};
+use crate::scenes::file::describing::*;
 
 const AGGREGATE: Forms = one_form![
     need(

@@ -2,12 +2,10 @@
 
 use super::measurand::Measurand;
 use super::over::over;
-use crate::elements::entries::{Form, Type, joined, may, names_of};
+use crate::elements::entries::names_of;
 use crate::elements::forces::LOADS;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::WITH_ELEMENTS;
-use crate::scenes::file::known::{Builder, Found, Known};
 
 /// Sections whose entries put energy in or take it out.
 const WITH_POWER: &[&str] = &joined::<&str, { LOADS.len() + WITH_ELEMENTS.len() + 6 }>(&[

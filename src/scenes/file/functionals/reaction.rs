@@ -3,10 +3,7 @@
 use super::joint_load::OF_JOINT;
 use super::measurand::Measurand;
 use super::over::over;
-use crate::elements::entries::{Form, Type, need};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::known::{Builder, Found, Known};
+use crate::scenes::file::describing::*;
 
 pub(super) struct Reaction;
 

@@ -2,18 +2,10 @@
 
 use super::line::{LINE, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
-use crate::elements::entries::Range::Any;
-use crate::elements::entries::Type::{Number, Table, Vector};
-use crate::elements::entries::{Forms, Type, may, need};
 use crate::elements::flexible;
-use crate::scalar::{Scalar, SpatialVector};
 use crate::scenes::BeamLine;
 use crate::scenes::file::build_parts::{given, made_of};
-use crate::scenes::file::fields::{Fields, Item, Value};
-use crate::scenes::file::keys::one_form;
-use crate::scenes::file::known::{Builder, Found, Known, Made, count};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 use std::cell::RefCell;
 
 const ARC: Forms = one_form![

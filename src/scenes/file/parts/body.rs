@@ -1,14 +1,8 @@
 //! Rigid bodies.
 
-use crate::elements::entries::Range::{Any, Positive};
-use crate::elements::entries::Type::{Choice, Number, Numbers, Points, Stl, Table, Tables, Vector};
-use crate::elements::entries::{Forms, Key, ORIENTATION, forms, may, need};
-use crate::scalar::{Quaternion, Scalar, Vector3};
-use crate::scenes::file::fields::{Fields, Item, Value};
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, list, text};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
+use crate::elements::entries::ORIENTATION;
+use crate::scalar::Quaternion;
+use crate::scenes::file::describing::*;
 use crate::scenes::{Solid, SolidShape};
 
 const WALL_OF_ROUND: Key = may("wall", Number("m", Positive), "thickness of the wall of a hollow one; solid");

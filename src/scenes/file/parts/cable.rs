@@ -2,17 +2,10 @@
 
 use super::line::{LINE, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
-use crate::elements::entries::Type::Choice;
-use crate::elements::entries::{Type, may, need};
 use crate::elements::flexible::{self, CableSection};
-use crate::scalar::Scalar;
 use crate::scenes::CableLine;
 use crate::scenes::file::build_parts::{given, made_of};
-use crate::scenes::file::fields::{Fields, Item};
-use crate::scenes::file::keys::one_form;
-use crate::scenes::file::known::{Builder, Found, Known, Made, count, text};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "cable",

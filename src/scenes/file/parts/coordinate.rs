@@ -1,13 +1,6 @@
 //! Numbers that move.
 
-use crate::elements::entries::Range::Any;
-use crate::elements::entries::Type::Number;
-use crate::elements::entries::may;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "coordinate",

@@ -1,13 +1,8 @@
 //! Prescribed motions.
 
-use crate::elements::entries::{Forms, forms_of, named};
 use crate::elements::joints::DRIVERS;
-use crate::scalar::Scalar;
 use crate::scenes::file::build_parts::{joint, of_part};
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::NAME;
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "driver",

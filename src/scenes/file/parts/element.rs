@@ -1,15 +1,9 @@
 //! Parts of one's own, by formulas.
 
-use crate::elements::entries::{Type, may};
 use crate::elements::{Element, NodeKind, Parameter};
-use crate::scalar::Scalar;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::expression::Quantity;
-use crate::scenes::file::fields::{Item, Value};
 use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, Reading};
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
 
 pub(super) const SECTION: Section = Section {
     name: "element",

@@ -1,14 +1,7 @@
 //! Groups of elements of shells.
 
-use crate::elements::entries::Type::Counts;
-use crate::elements::entries::{Type, may, need};
 use crate::functionals::ElementGroup;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, counts};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "group",

@@ -1,13 +1,7 @@
 //! Nodes that are held until the motion begins.
 
-use crate::elements::entries::Type::{Choices, NodeSets};
-use crate::elements::entries::{may, need};
 use crate::elements::joints::Freedom;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::{Item, Value};
-use crate::scenes::file::keys::one_form;
-use crate::scenes::file::known::{Builder, Found, Known, Made, list};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "hold",

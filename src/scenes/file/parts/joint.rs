@@ -1,18 +1,12 @@
 //! Joints.
 
-use crate::elements::entries::Type::SeriesOfNodes;
-use crate::elements::entries::{Form, Forms, Kind, forms_of, joined, need};
+use crate::elements::entries::Kind;
 use crate::elements::forces::Soft;
 use crate::elements::joints::{JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
-use crate::scalar::Scalar;
 use crate::scenes::file::build_parts::{SOFT, joint, located, rates, values};
-use crate::scenes::file::fields::{Item, Value};
+use crate::scenes::file::describing::*;
 use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, Reading};
-use crate::scenes::file::keys::NAME;
-use crate::scenes::file::known::{Builder, Found, Known, Made, list};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
 
 const BY_FORMULA: Form = Form {
     name: "formula",

@@ -1,11 +1,7 @@
 //! Angles of joints as coordinates.
 
 use crate::elements::entries::{AXIS, BETWEEN};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "joint_angle",

@@ -1,14 +1,7 @@
 //! Laminates of shells.
 
-use crate::elements::entries::Range::{Any, AtLeastZero, Positive};
-use crate::elements::entries::Type::{Fixed, Number, Numbers, Tables};
-use crate::elements::entries::{Forms, may, need};
 use crate::elements::flexible::{Laminate, Ply, PlyStrength};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::one_form;
-use crate::scenes::file::known::{Builder, Found, Known, Made, fixed};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 const PLY: Forms = one_form![
     need("thickness", Number("m", Positive), "thickness"),

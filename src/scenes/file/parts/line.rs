@@ -1,13 +1,8 @@
 //! What beams and cables share: a line with its ends in nodes, and a motion at the start.
 
 use crate::assembly::NodeId;
-use crate::elements::entries::Type::{Choices, Count, Node, Table, Text, Vector};
-use crate::elements::entries::{Forms, Key, may, need};
-use crate::scalar::{Scalar, Vector3};
-use crate::scenes::file::fields::{Fields, NodePlace, Value};
-use crate::scenes::file::keys::{MOST, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, texts};
-use crate::scenes::file::mistake::Mistake;
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::MOST;
 
 const MOTION: Forms = one_form![
     may("point", Vector("m"), "point with the velocity; the origin"),

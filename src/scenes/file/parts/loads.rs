@@ -1,13 +1,8 @@
 //! Loads.
 
-use crate::elements::entries::{Forms, named};
 use crate::elements::forces::LOADS;
-use crate::scalar::Scalar;
 use crate::scenes::file::build_parts::{element, of_part};
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::NAME;
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 /// A section for each load of the library.
 pub(super) const SECTIONS: [Section; LOADS.len()] = {

@@ -1,11 +1,8 @@
 //! Materials.
 
 use crate::elements::flexible::{MATERIAL_KEYS, Material};
-use crate::scalar::Scalar;
 use crate::scenes::file::build_parts::{given, made_of};
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section =
     Section { name: "material", shape: Shape::Named, doc: "An isotropic elastic material.", forms: MATERIAL_KEYS };

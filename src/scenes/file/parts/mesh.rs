@@ -1,18 +1,10 @@
 //! Shells on meshes.
 
 use super::shell::{COINCIDENT, shells_named};
-use crate::elements::entries::Range::{AtLeastZero, Positive};
-use crate::elements::entries::Type::{
-    Fixed, Items, Lists, Node, Number, OfMesh, Points, Selections, Table, Tables, Text, Texts, Vector,
-};
-use crate::elements::entries::{Forms, ORIENTATION, Type, forms, may, need};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::file::fields::{Fields, Item, Value};
-use crate::scenes::file::keys::{NAME, SHELLS, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, fixed, flag, list, text, texts};
+use crate::elements::entries::ORIENTATION;
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::SHELLS;
 use crate::scenes::file::mesh_nodes::{names, nodes_of};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
 use crate::scenes::{FreeMesh, MeshData, ShellPart, unknown};
 use std::sync::Arc;
 

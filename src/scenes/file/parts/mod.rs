@@ -61,7 +61,7 @@ parts! {
     BEHIND_LOADS: drawing, functionals, mode;
 }
 
-/// All of them.
+/// All of them, with those of the loads.
 pub(super) const PARTS: &[Section] =
     &joined::<Section, { BEFORE_LOADS.len() + loads::SECTIONS.len() + BEHIND_LOADS.len() }>(&[
         BEFORE_LOADS,

@@ -1,12 +1,6 @@
 //! Modes of vibration as what is measured.
 
-use crate::elements::entries::Type::{Choice, Count, Flag, Text};
-use crate::elements::entries::{may, need};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::one_form;
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "mode",

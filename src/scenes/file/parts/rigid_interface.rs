@@ -1,12 +1,6 @@
 //! Nodes that a body carries along.
 
-use crate::elements::entries::Type::{Node, NodeSets};
-use crate::elements::entries::need;
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "rigid_interface",

@@ -1,12 +1,8 @@
 //! Sections of beams and cables.
 
 use crate::elements::flexible::{self, OfShape};
-use crate::scalar::Scalar;
+use crate::scenes::file::describing::*;
 use crate::scenes::file::expression::SHARE_PLACE;
-use crate::scenes::file::fields::{Fields, Item, Value};
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
 
 pub(super) const SECTION: Section = Section {
     name: "section",

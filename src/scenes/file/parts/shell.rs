@@ -1,14 +1,7 @@
 //! Shells on grids.
 
-use crate::elements::entries::Range::{Any, AtLeastZero, Positive};
-use crate::elements::entries::Type::{Choices, Counts, Flag, Items, Node, Number, Numbers, Strips, Tables, Vector};
-use crate::elements::entries::{Forms, Key, Type, forms, may, need};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::file::fields::{Fields, Item, Value};
-use crate::scenes::file::keys::{NAME, SHELLS, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, counts, flag, list, texts};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::SHELLS;
 use crate::scenes::{Edge, MeshedShell, ShellMesh};
 
 pub(super) const COINCIDENT: Key =

@@ -1,14 +1,7 @@
 //! Closed spheres of shells.
 
-use crate::elements::entries::Range::Positive;
-use crate::elements::entries::Type::{Count, Number, Vector};
-use crate::elements::entries::{may, need};
 use crate::elements::flexible::MATERIAL;
-use crate::scalar::{Scalar, Vector3};
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, count};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "sphere",

@@ -1,14 +1,8 @@
 //! Parts that turn steadily where the motion begins.
 
 use crate::assembly::NodeId;
-use crate::elements::entries::Range::Any;
-use crate::elements::entries::Type::{Items, Number, Vector};
-use crate::elements::entries::{may, need};
-use crate::scalar::{Scalar, Vector3};
-use crate::scenes::file::fields::{Item, Value};
-use crate::scenes::file::keys::{WITH_MASS, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, list};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::WITH_MASS;
 
 pub(super) const SECTION: Section = Section {
     name: "spin",

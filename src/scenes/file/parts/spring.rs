@@ -1,13 +1,9 @@
 //! Springs.
 
-use crate::elements::entries::{Forms, Kind, forms_of};
+use crate::elements::entries::Kind;
 use crate::elements::forces::SPRINGS;
-use crate::scalar::Scalar;
 use crate::scenes::file::build_parts::{element, of_part};
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::NAME;
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     name: "spring",

@@ -1,14 +1,8 @@
 //! States of first order.
 
-use crate::elements::entries::{Forms, Key, Type, may};
 use crate::elements::{Element, NodeKind, Parameter, State};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::{Item, Value};
+use crate::scenes::file::describing::*;
 use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, Reading};
-use crate::scenes::file::keys::NAME;
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
 use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
 
 const STATE_KEYS: [Key; 4] = [

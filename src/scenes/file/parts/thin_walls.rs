@@ -1,15 +1,8 @@
 //! Members of thin walls.
 
-use crate::elements::entries::Range::{Any, Positive};
-use crate::elements::entries::Type::{Count, Counts, Number, OneOrMore, Pairs, Tables, Vector};
-use crate::elements::entries::{Forms, forms, may, need};
 use crate::elements::flexible::MATERIAL;
-use crate::scalar::{Scalar, Vector3};
-use crate::scenes::file::fields::{Fields, Item};
-use crate::scenes::file::keys::{MOST, NAME, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, count, counts, list};
-use crate::scenes::file::mistake::Mistake;
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::MOST;
 use crate::scenes::{Extrusion, Profile};
 
 const WALL: Forms = one_form![

@@ -1,14 +1,8 @@
 //! Nodes that follow faces of shells.
 
 use super::shell::shells_named;
-use crate::elements::entries::Range::AtLeastZero;
-use crate::elements::entries::Type::{Fixed, Items, NodeSets};
-use crate::elements::entries::{may, need};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{NAME, SHELLS, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made, fixed};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::SHELLS;
 
 pub(super) const SECTION: Section = Section {
     name: "tie",

@@ -1,12 +1,7 @@
 //! Design variables.
 
-use crate::elements::entries::Type::{Count, FixedOrMore, Fixeds, Text};
-use crate::elements::entries::{may, need};
-use crate::scalar::Scalar;
-use crate::scenes::file::fields::Item;
-use crate::scenes::file::keys::{MANY, one_form};
-use crate::scenes::file::known::{Builder, Found, Known, Made};
-use crate::scenes::file::section::{Section, Shape};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::MANY;
 
 pub(super) const SECTION: Section = Section {
     name: "variable",
