@@ -1,4 +1,4 @@
-//! What files that describe a section or a functional speak of: keys and their types, what an entry says, and what it becomes.
+//! What files that describe a section or a functional use: keys and their types, what an entry says and becomes.
 
 pub(super) use super::fields::{Fields, Item, NodePlace, Value};
 pub(super) use super::keys::{NAME, one_form};

@@ -1,4 +1,4 @@
-//! Functionals of a file: those of the library's quantities and a user's own, and those that are described here, each in one place.
+//! Functionals of a file: quantities of nodes, by their entries, and those that are described here, each in one place.
 
 mod beam_section;
 mod cable_section;

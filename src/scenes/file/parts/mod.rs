@@ -1,4 +1,4 @@
-//! Sections whose entries are made one by one: each file says what such a section is, its keys, and what becomes of an entry.
+//! Sections whose entries are made one by one: a file says what a section is, its keys, and what becomes of an entry.
 
 mod beam;
 mod body;
@@ -55,8 +55,8 @@ macro_rules! parts {
 parts! {
     /// Sections before those of the loads.
     BEFORE_LOADS:
-    variable, material, section, laminate, body, point, beam, cable, shell, mesh, thin_walls, sphere, group, coordinate, joint_angle, state,
-    joint, rigid_interface, hold, spin, tie, driver, spring, damper, element;
+    variable, material, section, laminate, body, point, beam, cable, shell, mesh, thin_walls, sphere, group, coordinate,
+    joint_angle, state, joint, rigid_interface, hold, spin, tie, driver, spring, damper, element;
     /// Sections behind them.
     BEHIND_LOADS: drawing, functionals, mode;
 }
