@@ -1,6 +1,4 @@
-use crate::elements::entries::Type::{Choice, Item, Node, Vector};
-use crate::elements::entries::{Forms, Given, Key, ON, PLACE, forms, may, need};
-use crate::elements::forces::load_frame::{FRAME, LoadFrame};
+use crate::elements::forces::LoadFrame;
 use crate::elements::{ConstraintPhysics, Frame, NodeKind};
 use crate::program::ArgumentKind::{Coordinate, MeasureParameter, Multiplier, Parameter as OfPart, Time, Velocity};
 use crate::program::{Digest, Formula};
@@ -22,21 +20,6 @@ pub enum LoadKind {
     /// -A^T mu . v, the power with which the joint works on what it holds \[W\]: for all its nodes that of its driver, mu . dg/dt at rest.
     Power,
 }
-
-/// The joint whose reactions are measured.
-pub(crate) const OF_JOINT: Key = need("joint", Item(&["joint", "driver"]), "name of a joint or driver");
-
-/// Keys of functionals of what joints do, by the names that scene files use.
-pub(crate) const JOINT_LOADS: Forms = forms!([]
-"joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
-    OF_JOINT, ON, PLACE, FRAME,
-    need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
-    may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
-]
-"joint_power" "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]" [
-    OF_JOINT,
-    may("on", Node, "one of its nodes, to which the joint hands on so much; all"),
-]);
 
 /// Force F or moment M about a point, with which a joint or driver acts on one of its nodes, from -A^T mu whatever the joint.
 ///
@@ -68,27 +51,6 @@ pub fn joint_force_and_moment<S: Scalar>(on: NodeKind, q: &[S], generalized: &[S
 }
 
 impl JointLoad {
-    /// Which load the keys ask for, in which frame, along a direction and about a point of the world.
-    #[allow(clippy::type_complexity)]
-    pub(crate) fn given<S: Scalar>(given: &mut Given<S>) -> ((LoadKind, LoadFrame), [Vector3<S>; 2]) {
-        let norms = [("force_norm", LoadKind::ForceNorm), ("moment_norm", LoadKind::MomentNorm)];
-        let norm = norms.into_iter().find(|(word, _)| given.says("load", word));
-        let kind = norm.map_or(if given.says("load", "moment") { LoadKind::Moment } else { LoadKind::Force }, |own| own.1);
-        // a point may be named for a force, too, which is the same at all of them
-        let point = given.point("point", 0);
-        let frame = LoadFrame::given(given, LoadFrame::World);
-        if norm.is_some() && given.has("frame") {
-            given.wrong_key("frame", "frame has no effect on the size of a load: leave it out".into());
-        }
-        if norm.is_some() && given.has("direction") {
-            let owner = given.owner();
-            let text = format!("direction of the functional \"{owner}\" has no effect beside its other keys: leave it out");
-            given.wrong_key("direction", text);
-        }
-        let direction = if norm.is_some() { Vector3::zeros() } else { given.vector("direction") };
-        ((kind, frame), [direction, point])
-    }
-
     /// Number of its parameters: a direction and a point.
     pub const PARAMETERS: usize = 6;
 

@@ -1,11 +1,9 @@
-//! Joints, drivers, springs, dampers and quantities, by their entries.
+//! Joints, drivers, springs, dampers and loads, by their entries.
 
-use super::known::{Builder, Found, Known, Made, count, missing, over, text};
+use super::fields::{Fields, Item};
+use super::known::{Builder, Found, Known, Made, count, missing, text};
 use super::mistake::Mistake;
-use super::reader::{Fields, Item};
-use crate::elements::entries::{Forms, Given, GivenValue, JointPart, Key, SpringPart, Type, Values};
-use crate::elements::joints::ROLLING;
-use crate::functionals::QuantityPart;
+use crate::elements::entries::{Forms, Given, GivenValue, JointPart, Key, Part, SpringPart, Type, Values, may};
 use crate::scalar::Scalar;
 use crate::scenes::builder::Wrong;
 
@@ -71,13 +69,27 @@ pub(super) fn given<S: Scalar>(known: &Known<S>, fields: &Fields, forms: &Forms)
 }
 
 /// What was made of an entry, or where in the file what is wrong stands.
-fn located<S: Scalar>(made: Result<Made<S>, Vec<Wrong>>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+pub(super) fn located<S: Scalar>(made: Result<Made<S>, Vec<Wrong>>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
     made.or_else(|wrong| {
         let (keys, others): (Vec<Wrong>, Vec<Wrong>) = wrong.into_iter().partition(|(key, _)| key.is_some());
         m.tell(&item.name, others);
         let at = |key| item.fields.at(key);
         keys.into_iter().find_map(|(key, what)| Some(Err(Mistake::new(at(key?), what)))).unwrap_or(Ok(Made::Nothing))
     })
+}
+
+/// What is made of a part, if there is one for an entry.
+pub(super) fn of_part<L: ?Sized, T>(
+    item: &Item,
+    part: Option<&Part<L>>,
+    make: impl FnOnce(&Part<L>) -> Found<T>,
+) -> Found<T> {
+    part.ok_or_else(|| nothing_builds(item)).and_then(make)
+}
+
+/// An entry of a type that nobody makes.
+pub(super) fn nothing_builds(item: &Item) -> Mistake {
+    Mistake::new(item.fields.at, format!("nothing builds a {} of type {}", item.section, item.fields.form))
 }
 
 /// Makes a joint or driver of its entry.
@@ -108,12 +120,15 @@ pub(super) fn element<S: Scalar>(known: &Known<S>, part: &SpringPart, item: &Ite
     located(made, item, m)
 }
 
-/// Makes a functional of the entry of its quantity.
-pub(super) fn measure<S: Scalar>(known: &Known<S>, part: &QuantityPart, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (nodes, values) = (known.nodes_of_part(&item.fields, m)?, values(known, &item.fields, part.form.keys)?);
-    let made = m.quantity_part(part, &item.name, over(&item.fields), &nodes, values).map(|()| Made::Nothing);
-    located(made, item, m)
-}
+/// What makes springs of a joint.
+pub(super) const SOFT: [Key; 2] = [
+    may(
+        "stiffness",
+        Type::Series("N/m, N m/rad"),
+        "of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid",
+    ),
+    may("damping", Type::Series("N s/m, N m s/rad"), "of a soft joint, of each of its equations; 0"),
+];
 
 /// Stiffnesses and dampings of a soft joint.
 pub(super) fn rates<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Option<[Vec<S>; 2]>> {
@@ -131,15 +146,4 @@ pub(super) fn rates<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Optio
             Ok(Some([stiffness, damping]))
         }
     }
-}
-
-/// Joints that are two constraints: a contact, and what rolls.
-pub(super) fn rolling<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let Item { name, fields, .. } = item;
-    if let Some((at, _)) = fields.get("stiffness").or(fields.get("damping")) {
-        return Err(Mistake::new(at, "what rolls cannot be soft: leave this out"));
-    }
-    let (nodes, values) = (known.different_nodes(fields, m)?, values(known, fields, ROLLING.keys(fields.form))?);
-    let made = m.rolling_part(fields.form, [&format!("contact of {name}"), name], nodes, values);
-    located(made.map(|own| Made::Joint(own[1])), item, m)
 }

@@ -1,6 +1,7 @@
 //! Tables from files: two columns of numbers in a text (CSV).
 
-use super::reader::{Fields, Reader, Value};
+use super::fields::{Fields, Value};
+use super::reader::Reader;
 use std::path::Path;
 use std::sync::Arc;
 

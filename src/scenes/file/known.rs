@@ -1,10 +1,10 @@
 //! Values of the keys of an entry, in the scalar of the mechanism.
 
 use super::expression::{Quantity, SHARE_PLACE};
+use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
 use super::formula_of::FormulaOf;
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
-use super::reader::{Each, Fields, Item, NodePlace, Per, Value};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
@@ -12,7 +12,7 @@ use crate::elements::entries::{FUNCTION, Range, Type};
 use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::{TimeFormula, TimeFunction};
-use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
+use crate::functionals::ElementGroup;
 use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
 use std::cell::Cell;
@@ -248,6 +248,17 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
+    /// All nodes of the key `nodes`.
+    pub fn node_sets(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+        let mut nodes = Vec::new();
+        for (at, value) in list(fields, "nodes") {
+            if let Value::Node(place) = value {
+                nodes.extend(self.nodes_at(at, place, m)?);
+            }
+        }
+        Ok(nodes)
+    }
+
     /// What a spring, damper or load acts on: its nodes, each that a load names, or those of each element of a member, with names.
     pub fn carriers(&self, name: &str, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<(String, Vec<NodeId>)>> {
         let (at, value) = ["between", "on", "beam", "shell"]
@@ -346,6 +357,14 @@ impl<S: Scalar> Known<'_, S> {
         match self.made(fields, "material")? {
             Made::Material(material) => Ok(*material),
             _ => missing(fields, "material"),
+        }
+    }
+
+    /// The laminate that an entry names, with the strengths of its plies.
+    pub fn laminate(&self, fields: &Fields) -> Found<(&Laminate<S>, &[PlyStrength<S>])> {
+        match self.made(fields, "laminate")? {
+            Made::Laminate(laminate, strengths) => Ok((laminate, strengths)),
+            _ => Err(Mistake::new(fields.at, "laminate must name a laminate")),
         }
     }
 
@@ -559,33 +578,6 @@ pub(super) fn text<'f>(fields: &'f Fields, key: &str) -> Option<&'f str> {
 pub(super) fn texts(fields: &Fields, key: &str) -> Vec<String> {
     let own = |(_, value): (usize, &Value)| if let Value::Text(own) = value { Some(own.clone()) } else { None };
     list(fields, key).filter_map(own).collect()
-}
-
-/// What is made over time.
-pub(super) fn over(fields: &Fields) -> Over {
-    let own = match fields.get("over") {
-        Some((_, Value::Fields(own))) => own,
-        Some((_, Value::Text(word))) if word == "initial" => return Over::Initial,
-        Some((_, Value::Text(word))) if word == "integral" => return Over::Integral,
-        _ => return Over::Terminal,
-    };
-    let kind = match text(own, "aggregate") {
-        Some("upper_maximum") => AggregateKind::UpperMaximum,
-        Some("exponential") => AggregateKind::Exponential,
-        Some("squared_exponential") => AggregateKind::SquaredExponential,
-        Some("power") => AggregateKind::Power,
-        Some("squared_power") => AggregateKind::SquaredPower,
-        _ => AggregateKind::SmoothMaximum { normalized: flag(own, "normalized", true) },
-    };
-    let aggregate = Aggregate::new(kind, fixed(own, "sharpness").unwrap_or(f64::NAN));
-    let size = if kind.is_power() { None } else { fixed(own, "size") };
-    let aggregate = size.map_or(aggregate, |size| aggregate.relative_to(size));
-    let aggregate = if flag(own, "continuous", false) { aggregate.continuous() } else { aggregate };
-    aggregate.at(match text(own, "times") {
-        Some("start") => Times::Start,
-        Some("end") => Times::End,
-        _ => Times::Run,
-    })
 }
 
 /// A text that stays for the life of the program: each is kept once.

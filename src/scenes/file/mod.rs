@@ -2,25 +2,27 @@
 #![doc = include_str!("format.md")]
 #![doc = include_str!("reference.md")]
 
-mod build;
-mod build_functionals;
-mod build_members;
-mod build_meshes;
 mod build_parts;
 mod columns;
 mod condition;
+mod describing;
 mod expression;
 mod extended;
+mod fields;
 mod formula_names;
 mod formula_of;
 mod formula_parts;
 mod formula_text;
+mod functionals;
+mod keys;
 mod known;
 mod mesh_groups;
+mod mesh_nodes;
 mod meshes;
 mod mistake;
 mod order;
 mod own_parts;
+mod parts;
 mod raw;
 mod reader;
 mod reference;

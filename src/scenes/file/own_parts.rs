@@ -1,5 +1,3 @@
-use super::sections::SECTIONS;
-use crate::design::repeated;
 use crate::elements::entries::{Entry, Form, Forms, JointPart, Kind, MadeEntry, Part, SpringPart, named};
 use crate::elements::forces::SPRINGS;
 use crate::elements::joints::JOINTS;
@@ -66,27 +64,6 @@ impl OwnParts {
             Kind::Spring => forms(&self.springs),
             Kind::Functional => forms(&self.functionals),
         }
-    }
-
-    /// Forms of the sections of joints, drivers, springs, dampers and functionals, with the names of these.
-    pub(crate) fn listed(&self) -> Vec<(&'static str, Form)> {
-        let sections = ["joint", "driver", "spring", "damper", "functional"];
-        let own = SECTIONS.iter().filter(|own| sections.contains(&own.name));
-        own.flat_map(|own| all_forms(&own.forms, self).into_iter().map(|form| (own.name, form))).collect()
-    }
-
-    /// Two parts of a section have different names.
-    ///
-    /// # Errors
-    /// A name that a part of one's own and another have.
-    pub(crate) fn check(&self) -> Result<(), String> {
-        for section in SECTIONS {
-            let forms = all_forms(&section.forms, self);
-            if let Some(name) = repeated(forms.iter().map(|form| form.name)) {
-                return Err(format!("two parts of the section [[{}]] are named \"{name}\"", section.name));
-            }
-        }
-        Ok(())
     }
 
     pub(super) fn joint_named(&self, name: &str) -> Option<&JointPart> {

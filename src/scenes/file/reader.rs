@@ -1,143 +1,21 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
+use super::fields::{Each, Fields, Item};
+use super::keys::{MANY, WITH_NODES};
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
 use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
-use super::sections::{DEFINE, MANY, SECTIONS, TOP, WITH_NODES};
-use crate::elements::entries::{Form, Forms, Range, named};
+use super::sections::{DEFINE, SECTIONS, TOP};
+use crate::elements::entries::{Form, Forms, named};
 use crate::elements::forces::LOADS;
+use crate::scenes::MeshData;
 use crate::scenes::unknown;
-use crate::scenes::{MeshData, TriangleSurface};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// The numbers of two columns; those of the first one increase.
-pub(super) type Columns = Arc<[Vec<f64>; 2]>;
-
-/// A design variable that has a value for each face, or each point, of some of a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Each {
-    /// The entry of the mesh.
-    pub mesh: usize,
-    pub per: Per,
-    /// Places of the faces or points in the order of the values.
-    pub places: Vec<usize>,
-    /// The same by their numbers in the file.
-    pub numbers: Vec<usize>,
-}
-
-/// What a variable has a value for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Per {
-    Face,
-    Node,
-}
-
-/// What a key was given.
-#[derive(Clone, Debug)]
-pub(super) enum Value {
-    /// A formula of a number or a vector, with the range of its value.
-    Formula(Expression, Range),
-    Fixed(f64),
-    Count(usize),
-    Flag(bool),
-    Text(String),
-    Node(NodePlace),
-    Item(usize),
-    /// A group of the faces of a mesh.
-    Group(usize, String),
-    /// Numbers of a file.
-    Columns(Columns),
-    Surface(Arc<TriangleSurface>),
-    Weights(Vec<(String, f64)>),
-    NamedNodes(Vec<NamedNode>),
-    /// Formulas by names, with their places.
-    Formulas(Vec<(String, usize, Expression)>),
-    Fields(Fields),
-    List(Vec<(usize, Value)>),
-}
-
-/// A node by the name that formulas give it, or a point of it in the world at the start, where one is given.
-#[derive(Clone, Debug)]
-pub(super) struct NamedNode {
-    pub name: String,
-    pub at: usize,
-    pub place: NodePlace,
-    pub point: Option<Expression>,
-}
-
-/// Where a node is to be found: `crank`, `beam.end`, `plate[2, 3]`, `tube.start[0]`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct NodePlace {
-    /// The entry; without it the ground.
-    pub item: Option<usize>,
-    pub edge: Option<&'static str>,
-    pub index: Vec<usize>,
-    /// Of a mesh: its points.
-    pub points: Vec<usize>,
-}
-
-/// The values of a table.
-#[derive(Clone, Debug)]
-pub(super) struct Fields {
-    pub at: usize,
-    /// Its type.
-    pub form: &'static str,
-    pub values: Vec<(&'static str, usize, Value)>,
-    /// Keys that were asked for.
-    read: Arc<Mutex<HashSet<&'static str>>>,
-}
-
-impl Fields {
-    /// A value and its place.
-    pub fn get(&self, key: &str) -> Option<(usize, &Value)> {
-        let (own, at, value) = self.values.iter().find(|own| own.0 == key)?;
-        self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
-        Some((*at, value))
-    }
-    /// Where a key was given its value, or the table stands where it was not.
-    pub fn at(&self, key: &str) -> usize {
-        self.get(key).map_or(self.at, |given| given.0)
-    }
-    /// The tables of a list, with their places.
-    pub fn tables(&self, key: &str) -> impl Iterator<Item = (usize, &Fields)> + use<'_> {
-        let list = match self.get(key) {
-            Some((_, Value::List(list))) => list.as_slice(),
-            _ => &[],
-        };
-        list.iter().filter_map(|(at, own)| if let Value::Fields(own) = own { Some((*at, own)) } else { None })
-    }
-    /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
-    pub fn unread(&self) -> Vec<(&'static str, usize)> {
-        fn inside(value: &Value) -> Vec<(&'static str, usize)> {
-            match value {
-                Value::Fields(own) => own.unread(),
-                Value::List(list) => list.iter().flat_map(|(_, own)| inside(own)).collect(),
-                _ => Vec::new(),
-            }
-        }
-        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let of_key = |(key, at, value): &(&'static str, usize, Value)| match read.contains(key) || *key == "name" {
-            true => inside(value),
-            false => vec![(*key, *at)],
-        };
-        self.values.iter().flat_map(of_key).collect()
-    }
-}
-
-/// An entry of a section.
-#[derive(Clone, Debug)]
-pub(super) struct Item {
-    pub section: &'static str,
-    pub name: String,
-    pub fields: Fields,
-    /// Of an entry that is a mesh.
-    pub mesh: Option<Arc<MeshData>>,
-}
+use std::sync::Arc;
 
 /// A design variable: how formulas call it is its place.
 #[derive(Clone, Debug)]
@@ -301,7 +179,7 @@ impl Reader {
             }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             let mesh = self.meshes.get(&place).cloned();
-            items.push(Item { section: section.name, name, fields, mesh });
+            items.push(Item { place, section: section.name, name, fields, mesh });
         }
         let variables = variables
             .into_iter()
@@ -470,7 +348,7 @@ impl Reader {
 
     /// The values of a table.
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
-        let mut fields = Fields { at: raw.at, form: "", values: Vec::new(), read: Arc::default() };
+        let mut fields = Fields::none(raw.at);
         let Some(entries) = raw.entries().or_else(|| self.not(raw, owner, "a table")) else { return fields };
         let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first().copied() };
         let Some(form) = form else { return fields };

@@ -1,9 +1,10 @@
 //! Names of other entries, and of their nodes; in which order they are made.
 
+use super::fields::{Item, NodePlace, Value};
+use super::keys::WITH_NODES;
 use super::order::ordered;
 use super::raw::Raw;
-use super::reader::{Item, NodePlace, Reader, Value, name_space};
-use super::sections::WITH_NODES;
+use super::reader::{Reader, name_space};
 use crate::scenes::{Edge, unknown};
 
 impl Reader {

@@ -1,13 +1,14 @@
-use super::build::build;
 use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
+use super::fields::{Each, Fields, Item, Value};
+use super::keys::{WITH_MASS, WITH_MULTIPLIERS, WITH_NODES};
 use super::known::{Known, Made, count, fixed, fixed_list, flag, kept, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
+use super::parts::build;
 use super::raw::Raw;
-use super::reader::{Contents, Each, Extent, Fields, Item, Value, Variable, name_space, read};
+use super::reader::{Contents, Extent, Variable, name_space, read};
 use super::scenarios::{take_scenarios, without_problem};
-use super::sections::{WITH_MULTIPLIERS, WITH_NODES};
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
@@ -532,9 +533,6 @@ impl FileScene {
     }
 }
 
-/// Sections whose entries have mass: weight follows them.
-const WITH_MASS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
-
 // not as a `Scene`, which would be compiled anew in each program that has files
 impl AnyScene for FileScene {
     fn name(&self) -> String {
@@ -597,7 +595,7 @@ impl FileScene {
         let last = order.iter().rposition(|&place| WITH_MASS.contains(&items[place].section));
         for (rank, &place) in order.iter().enumerate() {
             let first = m.model.elements.len();
-            let built = build(&known, place, m);
+            let built = build(&known, &items[place], m);
             known.elements[place] = m.model.element_ids().skip(first).collect();
             let of_builder = m.take_mistakes().into_iter().map(|what| Mistake::new(items[place].fields.at, what));
             let before = mistakes.len();

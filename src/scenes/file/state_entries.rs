@@ -2,6 +2,9 @@
 
 use crate::elements::entries::{Form, Key, Range, Type, may, need};
 
+/// Keys under which the fields of an entry have the starts and the rates of its states.
+pub(super) const MADE: [&str; 2] = ["starts of states", "rates of states"];
+
 /// Formulas of a state by its keys, definitions and states.
 #[derive(Default)]
 pub(super) struct Law {

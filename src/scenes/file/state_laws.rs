@@ -1,16 +1,14 @@
 //! What entries of states make of a file: what it would write of their keys, and read as such.
 
 use super::expression::{Expression, Scope};
+use super::fields::{Fields, Value};
 use super::raw::{Entry, Raw};
-use super::reader::{Fields, Reader, Value};
-use super::state_entries::{Law, STATE_ENTRIES, StateEntry};
+use super::reader::Reader;
+use super::state_entries::{Law, MADE, STATE_ENTRIES, StateEntry};
 use crate::elements::entries::Range;
 
 /// Formulas by names, with their places in the file.
 pub(super) type Formulas = Vec<(String, usize, Expression)>;
-
-/// Keys under which the fields of an entry have the starts and the rates of its states.
-pub(super) const MADE: [&str; 2] = ["starts of states", "rates of states"];
 
 /// The entry of states that a table is of, where it is of one.
 fn entry_of(raw: &Raw) -> Option<&'static StateEntry> {

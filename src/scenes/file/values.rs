@@ -1,8 +1,9 @@
 //! Values by what their keys take.
 
 use super::expression::{Expression, OF_LAW, Quantity, TIME, names_in};
+use super::fields::{NamedNode, Value};
 use super::raw::{Entry, Raw, RawValue, repeated_entries};
-use super::reader::{NamedNode, Reader, Value};
+use super::reader::Reader;
 use crate::elements::entries::{Forms, Range, Type};
 use crate::scenes::unknown;
 

@@ -1,14 +1,64 @@
-//! Shells on meshes of a file.
+//! Shells on meshes.
 
-use super::build_members::{laminate_of, shells_named};
-use super::known::{Builder, Found, Known, Made, fixed, flag, list, text, texts};
-use super::meshes::{names, nodes_of};
-use super::mistake::Mistake;
-use super::reader::{Fields, Value};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::unknown;
-use crate::scenes::{FreeMesh, MeshData, ShellPart};
+use super::shell::{COINCIDENT, shells_named};
+use crate::elements::entries::ORIENTATION;
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::SHELLS;
+use crate::scenes::file::mesh_nodes::{names, nodes_of};
+use crate::scenes::{FreeMesh, MeshData, ShellPart, unknown};
 use std::sync::Arc;
+
+const NODE_OF_MESH: Forms = one_form![
+    need("at", Text, "number of the node, as in \"12\", or a node set of one node"),
+    need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
+];
+
+const PART: Forms = one_form![
+    need("of", Texts, "groups of faces"),
+    may("material", Type::Item(&["material"]), "name of a material; that of the mesh"),
+    may("thickness", OfMesh("m", Positive), "thickness; needed but with laminate"),
+    may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
+    may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; that of the mesh"),
+];
+
+pub(super) const SECTION: Section = Section {
+    name: "mesh",
+    shape: Shape::Listed,
+    doc: "A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the \
+          file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group \
+          of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.",
+    forms: forms!([
+        NAME,
+        may("material", Type::Item(&["material"]), "name of a material; needed but with laminate or parts"),
+        may("thickness", OfMesh("m", Positive),
+            "thickness of faces that have no part; may use design variables of faces and nodes; needed with material but with parts"),
+        may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
+        may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
+        may("parts", Tables(&PART), "sections of groups of faces; all faces have one"),
+        may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+        may("clamped", Texts, "node sets, or groups of faces, whose nodes never move; none"),
+        may("joined", Items(SHELLS), "shells, meshes and walls whose nodes it takes over where its outer edges meet them, to a millionth of its diagonal: with each at least one; none"),
+        may("nodes", Tables(&NODE_OF_MESH), "nodes that are there already; none"),
+        may("groups", Selections, "groups of faces by name, beside those of the file: numbers of the faces, or a condition such as \
+             \"norm([x, y, 0]) > 0.5 and z < 1\" that holds at the mean of their corners, in coordinates before scale; none"),
+        may("node_sets", Selections, "node sets by name, beside those of the file: numbers of the nodes, or a condition such as \"abs(x) < 1e-6\", in \
+             coordinates before scale; none"),
+        may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side, with what hangs together with them; none"),
+        may("crease", Fixed("rad", Positive), "faces at a larger angle meet in an edge, which keeps its angle; 45 deg"),
+        may("scale", Number("-", Positive), "by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1"),
+        may("orientation", Table(&ORIENTATION), "turn of the points about the origin, after scale; none"),
+        may("position", Vector("m"), "by which the points are moved, after orientation; 0"),
+        COINCIDENT,
+    ]
+    "gmsh" "from a file of Gmsh, version 2 or 4, text or binary; triangles of three nodes are raised to six" [
+        need("file", Text, "path of the file, from the folder of this file on"),
+    ]
+    "faces" "from points and faces here" [
+        need("points", Points, "points, counted from 0 on"),
+        need("faces", Lists, "points of each face: corners counterclockwise as seen from where the normal points to, then the middles of the edges \
+             from the first corner on, then the middle"),
+    ]),
+};
 
 /// Thickness at the points of each face, those that complete faces of eight points included.
 type Thickness<S> = Vec<Vec<(usize, S)>>;
@@ -54,12 +104,12 @@ fn check(fields: &Fields, data: &MeshData) -> Found<()> {
 /// The thickness that an entry gives to some faces.
 fn thickness<S: Scalar>(
     known: &Known<S>,
-    (place, data): (usize, &MeshData),
+    (item, data): (&Item, &MeshData),
     fields: &Fields,
     faces: &[usize],
 ) -> Found<Thickness<S>> {
     let mut all = vec![Vec::new(); data.faces.len()];
-    let has_each = known.each.iter().any(|own| own.1.mesh == place);
+    let has_each = known.each.iter().any(|own| own.1.mesh == item.place);
     let constant = if has_each { None } else { Some(known.number(fields, "thickness")?) };
     // the middle of a quadrilateral of eight points follows the last of all points
     let mut middles = data.points.len()..;
@@ -74,7 +124,7 @@ fn thickness<S: Scalar>(
         for &point in own {
             let value = match constant {
                 Some(value) => value,
-                None => known.number_at(fields, "thickness", [place, face, point], &called())?,
+                None => known.number_at(fields, "thickness", [item.place, face, point], &called())?,
             };
             all[face].push((point, value));
         }
@@ -156,8 +206,7 @@ fn parts<'f>(name: &str, fields: &'f Fields, data: &MeshData) -> Found<(Vec<&'f 
     Ok((entries, part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect()))
 }
 
-pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {
-    let item = &known.items[place];
+pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
     let (name, fields) = (item.name.as_str(), &item.fields);
     let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
     check(fields, data)?;
@@ -172,7 +221,7 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
             return Err(Mistake::new(at, "a laminate has the thickness of its plies: leave out thickness or laminate"));
         }
         let faces: Vec<usize> = (0..part_of.len()).filter(|&face| part_of[face] == number).collect();
-        tables.push(if is_layered || faces.is_empty() { Vec::new() } else { thickness(known, (place, data), own, &faces)? });
+        tables.push(if is_layered || faces.is_empty() { Vec::new() } else { thickness(known, (item, data), own, &faces)? });
     }
     let at_point = |table: usize, face: usize, point: usize| {
         let own = tables[table].get(face).into_iter().flatten().find(|own| own.0 == point);
@@ -185,7 +234,7 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     for (number, own) in entries.iter().enumerate() {
         let given = |key: &str| if own.get(key).is_some() { own } else { fields };
         sections.push(if own.get("laminate").is_some() {
-            ShellPart::Laminate(laminate_of(known, own)?, known.vector(given("direction"), "direction")?)
+            ShellPart::Laminate(known.laminate(own)?.0, known.vector(given("direction"), "direction")?)
         } else if part_of.contains(&number) {
             ShellPart::Isotropic(known.material(given("material"))?, &*lookups[number])
         } else {

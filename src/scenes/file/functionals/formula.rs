@@ -1,0 +1,50 @@
+//! A functional by a formula of nodes.
+
+use super::measurand::Measurand;
+use super::over::over;
+use crate::elements::{Parameter, State};
+use crate::functionals::Quantity;
+use crate::scenes::file::describing::*;
+use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, Reading};
+
+/// What is measured by a formula, with its unit.
+struct FormulaQuantity(Formulas, &'static str);
+
+impl Quantity for FormulaQuantity {
+    fn dofs(&self) -> usize {
+        self.0.dofs()
+    }
+    fn unit(&self) -> &'static str {
+        self.1
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
+        self.0.number(0, &self.0.arguments([s.v, s.q], t, p), p)
+    }
+}
+
+pub(super) struct Formula;
+
+impl Measurand for Formula {
+    const FORM: Form = Form {
+        name: "formula",
+        doc: "a formula of its nodes and of the time",
+        keys: &[
+            NODES,
+            DEFINITIONS,
+            need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
+            may("unit", Type::Text, "its unit, for tables and charts; -"),
+        ],
+    };
+
+    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
+        let mut reading = Reading::new(known, fields, m)?;
+        reading.take_key(fields, "value", [true, true])?;
+        let Reading { nodes, formulas, p, .. } = reading;
+        let unit = kept(text(fields, "unit").unwrap_or("-"));
+        m.functional(name, over(fields), (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
+        Ok(())
+    }
+}

@@ -1,0 +1,78 @@
+//! What a joint does to what it holds.
+
+use super::measurand::Measurand;
+use super::over::over;
+use crate::elements::entries::{Given, ON, PLACE};
+use crate::elements::forces::load_frame::{FRAME, LoadFrame};
+use crate::functionals::LoadKind;
+use crate::scenes::file::build_parts::{made_of, values};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::WITH_MULTIPLIERS;
+
+/// The joint whose reactions are measured.
+pub(super) const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");
+
+pub(super) struct JointLoad;
+
+/// Which load, in which frame, along a direction and about a point of the world.
+type Load<S> = ((LoadKind, LoadFrame), [Vector3<S>; 2]);
+
+/// The load for which keys ask.
+fn load<S: Scalar>(given: &mut Given<S>) -> Load<S> {
+    let norms = [("force_norm", LoadKind::ForceNorm), ("moment_norm", LoadKind::MomentNorm)];
+    let norm = norms.into_iter().find(|(word, _)| given.says("load", word));
+    let kind = norm.map_or(if given.says("load", "moment") { LoadKind::Moment } else { LoadKind::Force }, |own| own.1);
+    // a point may be named for a force, too, which is the same at all of them
+    let point = given.point("point", 0);
+    let frame = LoadFrame::given(given, LoadFrame::World);
+    if norm.is_some() && given.has("frame") {
+        given.wrong_key("frame", "frame has no effect on the size of a load: leave it out".into());
+    }
+    if norm.is_some() && given.has("direction") {
+        let owner = given.owner();
+        let text = format!("direction of the functional \"{owner}\" has no effect beside its other keys: leave it out");
+        given.wrong_key("direction", text);
+    }
+    let direction = if norm.is_some() { Vector3::zeros() } else { given.vector("direction") };
+    ((kind, frame), [direction, point])
+}
+
+impl Measurand for JointLoad {
+    const FORM: Form = Form {
+        name: "joint_load",
+        doc: "force or moment of a joint on one of its nodes [N, N m]",
+        keys: &[
+            OF_JOINT,
+            ON,
+            PLACE,
+            FRAME,
+            need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
+            may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
+        ],
+    };
+
+    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
+        let (joint, node) = (known.joint(fields)?, known.node(fields, "on", m)?);
+        let given = m.given(name, &[node], values(known, fields, Self::FORM.keys)?);
+        let (load, [direction, point]) = made_of(fields, given, load)?;
+        m.joint_load_functional(name, over(fields), (joint, node), load, direction, point);
+        Ok(())
+    }
+}
+
+pub(super) struct JointPower;
+
+impl Measurand for JointPower {
+    const FORM: Form = Form {
+        name: "joint_power",
+        doc: "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]",
+        keys: &[OF_JOINT, may("on", Node, "one of its nodes, to which the joint hands on so much; all")],
+    };
+
+    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
+        let joint = known.joint(fields)?;
+        let on = fields.get("on").map(|_| known.node(fields, "on", m)).transpose()?;
+        m.joint_power_functional(name, over(fields), joint, on);
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! Parts of one's own, by formulas.
+
+use crate::elements::{Element, NodeKind, Parameter};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::expression::Quantity;
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, Reading};
+
+pub(super) const SECTION: Section = Section {
+    name: "element",
+    shape: Shape::Listed,
+    doc: "A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], \
+          of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and \
+          a.rate, of a state a.NAME of its values and outputs; and the time t.",
+    forms: one_form![
+        NAME,
+        NODES,
+        DEFINITIONS,
+        may("kinetic", Type::OfNodes("J"), "kinetic energy, of places and rates; none"),
+        may("potential", Type::OfNodes("J"), "potential energy, of places; none"),
+        may(
+            "force",
+            Type::NamedFormulas("N, N m"),
+            "forces on its nodes in the world, of anything; of a joint angle its moment; none"
+        ),
+        may("moment", Type::NamedFormulas("N m"), "moments on bodies among them in the world, of anything; none"),
+        BREAKPOINTS,
+    ],
+};
+
+/// An element by formulas: numbers of its energies among them, and of the loads on each node.
+struct FormulaElement {
+    formulas: Formulas,
+    kinetic: Option<usize>,
+    potential: Option<usize>,
+    /// Node, whether it is a moment, number of the formula.
+    loads: Vec<(usize, bool, usize)>,
+}
+
+impl Element for FormulaElement {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.formulas.kinds()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.formulas.parameters()
+    }
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
+        let Some(which) = self.kinetic else { return S::zero() };
+        self.formulas.number(which, &self.formulas.arguments([v, q], S::zero(), p), p)
+    }
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let Some(which) = self.potential else { return S::zero() };
+        let still = vec![S::zero(); q.len()];
+        self.formulas.number(which, &self.formulas.arguments([&still, q], S::zero(), p), p)
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
+        if self.loads.is_empty() {
+            return;
+        }
+        let known = self.formulas.arguments([v, q], t, p);
+        for &(node, is_moment, which) in &self.loads {
+            let (kind, place) = (self.formulas.nodes[node].kind, self.formulas.place(node));
+            let (q, force) = (&q[place.clone()], &mut force[place]);
+            match self.formulas.value(which, &known, p) {
+                Quantity::Number(own) => force[0] += own,
+                Quantity::Vector(own) if is_moment => kind.add_moment(q, own, force),
+                Quantity::Vector(own) => kind.add_force(q, self.formulas.point(node, p), own, force),
+            }
+        }
+    }
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.formulas.breakpoints()
+    }
+}
+
+pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let mut reading = Reading::new(known, fields, m)?;
+    let kinetic = reading.take_key(fields, "kinetic", [true, false])?;
+    let potential = reading.take_key(fields, "potential", [false, false])?;
+    let mut loads = Vec::new();
+    for (key, is_moment) in [("force", false), ("moment", true)] {
+        let Some((_, Value::Formulas(given))) = fields.get(key) else { continue };
+        for (of, at, formula) in given {
+            let Some(node) = reading.names.iter().position(|name| name == of) else {
+                return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
+            };
+            let KnownNode { kind, is_state, .. } = reading.formulas.nodes[node];
+            if is_state {
+                return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
+            }
+            let wants_vector = kind.in_space().is_some();
+            if wants_vector != formula.is_vector || (is_moment && !kind.has_axes()) {
+                let wanted = match (is_moment, wants_vector) {
+                    (true, _) if !kind.has_axes() => "no moment",
+                    (_, true) => "a vector",
+                    _ => "a number",
+                };
+                return Err(Mistake::new(*at, format!("\"{of}\" is {}, which takes {wanted} here", kind.words())));
+            }
+            loads.push((node, is_moment, reading.take(*at, formula, [true, true])?));
+        }
+    }
+    if kinetic.is_none() && potential.is_none() && loads.is_empty() {
+        return Err(Mistake::new(fields.at, "an element needs kinetic, potential, force or moment"));
+    }
+    let Reading { nodes, formulas, p, .. } = reading;
+    m.element(name, &nodes, FormulaElement { formulas, kinetic, potential, loads }, &p);
+    Ok(Made::Nothing)
+}

@@ -1,0 +1,51 @@
+//! Laminates of shells.
+
+use crate::elements::flexible::{Laminate, Ply, PlyStrength};
+use crate::scenes::file::describing::*;
+
+const PLY: Forms = one_form![
+    need("thickness", Number("m", Positive), "thickness"),
+    may("angle", Number("rad", Any), "from axis 1 of the shell to the fibres; 0"),
+    need("young", Numbers(&[2], "N/m2", Positive), "E_1 along the fibres, E_2 across"),
+    need("poisson", Number("-", Any), "nu_12"),
+    need("shear", Numbers(&[3], "N/m2", Positive), "G_12, G_13, G_23"),
+    need("density", Number("kg/m3", AtLeastZero), "density"),
+    may("tension", Numbers(&[2], "N/m2", Positive), "strengths in tension, along and across; for tsai_wu"),
+    may("compression", Numbers(&[2], "N/m2", Positive), "strengths in compression, along and across; for tsai_wu"),
+    may("shear_strength", Number("N/m2", Positive), "strength in shear; for tsai_wu"),
+];
+
+pub(super) const SECTION: Section = Section {
+    name: "laminate",
+    shape: Shape::Named,
+    doc: "Plies of a shell, from below.",
+    forms: one_form![
+        need("plies", Tables(&PLY), "plies"),
+        may("offset", Number("m", Any), "of the middle of all plies from the nodes, along the normal; 0"),
+        may("shear_factor", Fixed("-", Positive), "share of the shear stiffness that acts; 5/6"),
+    ],
+};
+
+pub(super) fn build<S: Scalar>(known: &Known<S>, Item { fields, .. }: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
+    let (mut plies, mut strengths) = (Vec::new(), Vec::new());
+    for (_, own) in fields.tables("plies") {
+        plies.push(Ply {
+            thickness: known.number(own, "thickness")?,
+            angle: known.number_or(own, "angle", 0.0)?,
+            young: known.numbers(own, "young")?,
+            poisson: known.number(own, "poisson")?,
+            shear: known.numbers(own, "shear")?,
+            density: known.number(own, "density")?,
+        });
+        if own.get("tension").is_some() {
+            strengths.push(PlyStrength {
+                tension: known.numbers(own, "tension")?,
+                compression: known.numbers(own, "compression")?,
+                shear: known.number(own, "shear_strength")?,
+            });
+        }
+    }
+    let mut laminate = Laminate::new(plies).offset(known.number_or(fields, "offset", 0.0)?);
+    laminate.shear_factor = fixed(fields, "shear_factor").unwrap_or(laminate.shear_factor);
+    Ok(Made::Laminate(laminate, strengths))
+}

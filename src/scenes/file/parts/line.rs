@@ -1,0 +1,85 @@
+//! What beams and cables share: a line with its ends in nodes, and a motion at the start.
+
+use crate::assembly::NodeId;
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::MOST;
+
+const MOTION: Forms = one_form![
+    may("point", Vector("m"), "point with the velocity; the origin"),
+    may("velocity", Vector("m/s"), "velocity of the point; 0"),
+    may("angular_velocity", Vector("rad/s"), "angular velocity in the world; 0"),
+];
+
+pub(super) const LINE: [Key; 8] = [
+    need("name", Text, "name; its nodes are NAME.start, NAME.end and NAME[i], counted from 0"),
+    need("from", Vector("m"), "where it starts"),
+    may("to", Vector("m"), "where it ends; needed but with arc"),
+    need("elements", Count(1, MOST), "equal elements"),
+    may("start_node", Node, "node that it starts in; its own"),
+    may("end_node", Node, "node that it ends in; its own"),
+    may("clamped", Choices(&["start", "end"]), "ends that never move; none"),
+    may("motion", Table(&MOTION), "rigid motion that it starts with; at rest"),
+];
+
+/// Gives nodes of a member the motion that the entry says. Nodes of others that have a motion of their own must have the same.
+pub(super) fn set_motion<S: Scalar>(known: &Known<S>, fields: &Fields, nodes: &[NodeId], m: &mut Builder<S>) -> Found<()> {
+    let Some((at, Value::Fields(own))) = fields.get("motion") else { return Ok(()) };
+    let vector = |key| known.vector_or(own, key, Vector3::zeros());
+    let moves = |key: &str| match fields.get(key) {
+        Some((_, Value::Node(NodePlace { item: Some(item), .. }))) => {
+            let has = |key: &&str| known.items[*item].fields.values.iter().any(|own| own.0 == *key);
+            ["velocity", "angular_velocity", "motion"].iter().any(has).then_some(*item)
+        }
+        _ => None,
+    };
+    let shared = [("start_node", nodes.first()), ("end_node", nodes.last())];
+    let rates = |node: NodeId, m: &Builder<S>| -> Vec<f64> {
+        let dofs = m.model.find_node(node).map_or(0..0, |own| own.dofs.clone());
+        m.numbers.v[dofs].iter().map(|own| own.value()).collect()
+    };
+    let given: Vec<(usize, NodeId, Vec<f64>)> = shared
+        .into_iter()
+        .filter_map(|(key, node)| Some((moves(key)?, *node?)))
+        .map(|(item, node)| (item, node, rates(node, m)))
+        .collect();
+    m.set_rigid_motion(nodes, vector("point")?, vector("velocity")?, vector("angular_velocity")?);
+    for (item, node, before) in given {
+        let differs =
+            rates(node, m).iter().zip(&before).any(|(now, before)| (now - before).abs() > 1e-9 * (1.0 + before.abs()));
+        if differs {
+            let name = &known.items[item].name;
+            let text = format!(
+                "this motion gives \"{name}\" another velocity than it has of its own: let both be the same, or one of them say it"
+            );
+            return Err(Mistake::new(at, text));
+        }
+    }
+    Ok(())
+}
+
+fn is_clamped(fields: &Fields, end: &str) -> bool {
+    texts(fields, "clamped").iter().any(|own| own == end)
+}
+
+/// A line with its ends in the nodes that are named, or clamped.
+pub(super) fn with_ends<L>(
+    fields: &Fields,
+    mut line: L,
+    mut node: impl FnMut(&str) -> Found<NodeId>,
+    joined: [fn(L, NodeId) -> L; 2],
+    clamped: [fn(L) -> L; 2],
+) -> Found<L> {
+    for (place, [key, end]) in [["start_node", "start"], ["end_node", "end"]].into_iter().enumerate() {
+        if fields.get(key).is_some() {
+            if is_clamped(fields, end) {
+                let text =
+                    format!("clamped = \"{end}\" has no effect beside {key}: hold that node, or leave one of them out");
+                return Err(Mistake::new(fields.at("clamped"), text));
+            }
+            line = joined[place](line, node(key)?);
+        } else if is_clamped(fields, end) {
+            line = clamped[place](line);
+        }
+    }
+    Ok(line)
+}

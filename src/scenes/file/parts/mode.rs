@@ -1,0 +1,29 @@
+//! Modes of vibration as what is measured.
+
+use crate::scenes::file::describing::*;
+
+pub(super) const SECTION: Section = Section {
+    name: "mode",
+    shape: Shape::Listed,
+    doc: "A number of a mode of small vibrations about the start or the equilibrium, measured by runs, gradients, sweeps and optimizations.",
+    forms: one_form![
+        need("name", Text, "what results, objective and limits call it"),
+        need(
+            "number",
+            Count(1, 200),
+            "which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate"
+        ),
+        may("measure", Choice(&["frequency", "growth"]), "its omega in rad/s, or its growth in 1/s; frequency"),
+        may(
+            "damped",
+            Flag,
+            "with dampers, states of first order and what else depends on velocities, as about a steady turn always; false"
+        ),
+    ],
+};
+
+/// Nothing: it is of the whole, and the file has measured it.
+pub(super) fn build<S: Scalar>(_: &Known<S>, Item { fields, .. }: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
+    ["number", "measure", "damped"].iter().for_each(|key| _ = fields.get(key));
+    Ok(Made::Nothing)
+}

@@ -1,0 +1,140 @@
+//! Shells on grids.
+
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::SHELLS;
+use crate::scenes::{Edge, MeshedShell, ShellMesh};
+
+pub(super) const COINCIDENT: Key =
+    may("coincident", Flag, "nodes may stand at the same place, or on other faces, and are not joined: a slit; false");
+const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
+
+const HELD: Forms = one_form![
+    need("place", Counts(2, 0, 2000), "[i, j] of the grid"),
+    need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
+];
+
+pub(super) const SECTION: Section = Section {
+    name: "shell",
+    shape: Shape::Listed,
+    doc: "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
+          the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
+    forms: forms!([
+        NAME,
+        ELEMENTS,
+        may("material", Type::Item(&["material"]), "name of a material; needed but with laminate"),
+        may("thickness", Strips("m", Positive),
+            "thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, \
+             which is taken at the middle of each element; needed with material"),
+        may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
+        may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
+        may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+        may("clamped", Choices(&Edge::NAMES), "edges that never move; none"),
+        may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them, to a millionth of its diagonal: with each at least one; none"),
+        may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
+        may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
+        COINCIDENT,
+    ]
+    "plate" "flat" [
+        may("corner", Vector("m"), "a corner; the origin"),
+        need("first", Vector("m"), "edge along the first direction"),
+        need("second", Vector("m"), "edge along the second direction"),
+    ]
+    "cylinder" "part of a circular cylinder" [
+        need("from", Vector("m"), "where the edge line starts"),
+        need("along", Vector("m"), "the edge line, which is the second direction"),
+        need("centre", Vector("m"), "a point of the axis"),
+        need("axis", Vector("-"), "unit vector of the axis"),
+        need("angle", Number("rad", Any), "turn of the edge line about the axis, which is the first direction"),
+    ]
+    "sphere_patch" "patch of a sphere between longitudes and latitudes about z" [
+        need("centre", Vector("m"), "centre"),
+        need("radius", Number("m", Positive), "radius"),
+        need("longitude", Numbers(&[2], "rad", Any), "from and to, the first direction"),
+        need("latitude", Numbers(&[2], "rad", Any), "from and to, the second direction"),
+    ]
+    "sphere_face" "one of six parts of a sphere" [
+        need("centre", Vector("m"), "centre"),
+        need("radius", Number("m", Positive), "radius"),
+        need("first", Vector("-"), "unit vector along an edge of the face"),
+        need("second", Vector("-"), "unit vector along the other, at right angles"),
+    ]),
+};
+
+/// Shells that a key names, a list of those of each entry.
+pub(super) fn shells_named<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields, key: &str) -> Vec<Vec<&'k MeshedShell>> {
+    let shells = |(_, value): (usize, &Value)| match value {
+        Value::Item(item) | Value::Group(item, _) => Some(known.made[*item].shells()),
+        _ => None,
+    };
+    list(fields, key).filter_map(shells).collect()
+}
+
+/// The surface of a shell by its form.
+fn surface<S: Scalar>(known: &Known<S>, fields: &Fields, elements: [usize; 2]) -> Found<ShellMesh<S>> {
+    let vector = |key| known.vector(fields, key);
+    Ok(match fields.form {
+        "plate" => {
+            let corner = known.vector_or(fields, "corner", Vector3::zeros())?;
+            ShellMesh::plate(corner, [vector("first")?, vector("second")?], elements)
+        }
+        "cylinder" => {
+            let (line, about) = ([vector("from")?, vector("along")?], [vector("centre")?, vector("axis")?.unit()]);
+            ShellMesh::cylinder(line, about, known.number(fields, "angle")?, elements)
+        }
+        "sphere_patch" => {
+            let (centre, radius) = (vector("centre")?, known.number(fields, "radius")?);
+            ShellMesh::sphere(
+                centre,
+                radius,
+                known.numbers(fields, "longitude")?,
+                known.numbers(fields, "latitude")?,
+                elements,
+            )
+        }
+        _ => {
+            let edges = [vector("first")?.unit(), vector("second")?.unit()];
+            ShellMesh::sphere_face(vector("centre")?, known.number(fields, "radius")?, edges, elements)
+        }
+    })
+}
+
+pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let elements = counts(fields, "elements").unwrap_or([1; 2]);
+    let mut mesh = surface(known, fields, elements)?;
+    if flag(fields, "closed", false) {
+        mesh = mesh.closed();
+    }
+    if fields.get("damping").is_some() {
+        mesh = mesh.damped(known.number(fields, "damping")?);
+    }
+    for edge in texts(fields, "clamped") {
+        mesh = mesh.clamped(Edge::named(&edge));
+    }
+    if flag(fields, "coincident", false) {
+        mesh = mesh.with_coincident_points();
+    }
+    mesh = m.joined_to_each(mesh, &shells_named(known, fields, "joined"));
+    for (at, own) in fields.tables("held") {
+        let [i, j] = counts(own, "place").unwrap_or([0; 2]);
+        let [columns, rows] = elements.map(|count| 2 * count + 1);
+        if i >= columns || j >= rows {
+            return Err(Mistake::new(at, format!("the grid of \"{name}\" has {columns} x {rows} nodes, counted from 0")));
+        }
+        mesh = mesh.with_node(i, j, known.node(own, "node", m)?);
+    }
+    if fields.get("laminate").is_some() {
+        let laminate = known.laminate(fields)?.0;
+        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, laminate, known.vector(fields, "direction")?))));
+    }
+    let (material, thickness) = (known.material(fields)?, known.strips(fields, "thickness", elements[0])?);
+    let (strips, along) = (thickness.len(), elements[0]);
+    if strips == 0 || along % strips != 0 {
+        let text = format!(
+            "\"{name}\" has {strips} thicknesses of strips of equal width, but {along} elements along its first direction: give one, or as many as \
+             divide these"
+        );
+        return Err(Mistake::new(fields.at("thickness"), text));
+    }
+    let shell = m.tapered_shell(name, mesh, &material, |element, _| thickness[(element % along) * strips / along]);
+    Ok(Made::Shell(Box::new(shell)))
+}

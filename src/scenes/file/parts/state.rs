@@ -1,0 +1,83 @@
+//! States of first order.
+
+use crate::elements::{Element, NodeKind, Parameter, State};
+use crate::scenes::file::describing::*;
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, Reading};
+use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
+
+const STATE_KEYS: [Key; 4] = [
+    NAME,
+    may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
+    DEFINITIONS,
+    BREAKPOINTS,
+];
+
+pub(super) const SECTION: Section = Section {
+    name: "state",
+    shape: Shape::Listed,
+    doc: "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
+          [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
+    forms: Forms { common: &STATE_KEYS, forms: &STATE_FORMS, own: None },
+};
+
+/// States of first order by formulas of their rates: R = dz/dt - f(z, nodes, t) on the last node, whose rates they are.
+struct FormulaState(Formulas);
+
+impl Element for FormulaState {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.kinds()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        let known = self.0.arguments([s.v, s.q], t, p);
+        for (which, place) in self.0.place(self.0.nodes.len() - 1).enumerate() {
+            r[place] += s.a[place] - self.0.number(which, &known, p);
+        }
+    }
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.0.breakpoints()
+    }
+}
+
+pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let named = |key: &str| match fields.get(key) {
+        Some((_, Value::Formulas(given))) => given.as_slice(),
+        _ => &[],
+    };
+    let [initial, rates] = if fields.form == "formula" { ["initial", "rate"] } else { MADE }.map(named);
+    for key in keys_of(fields.form) {
+        if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, fields.get(key.name)) {
+            if formula.uses_from(known.names.len()) {
+                return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
+            }
+            known.number(fields, key.name)?;
+        }
+    }
+    let mut start = Vec::new();
+    for (value, at, formula) in initial {
+        if formula.is_vector || formula.uses_from(known.names.len()) {
+            return Err(Mistake::new(*at, format!("the start of {value} must be a number of the design alone")));
+        }
+        start.extend(formula.value(&known.names).components());
+    }
+    let mut reading = Reading::new(known, fields, m)?;
+    let node = m.states(name, &start);
+    reading.add("", node, NodeKind::Coordinates(start.len()), m);
+    for (value, at, _) in initial {
+        let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
+            return Err(Mistake::new(*at, format!("{value} has a start, but no rate")));
+        };
+        if formula.is_vector {
+            return Err(Mistake::new(*at, format!("the rate of {value} must be a number")));
+        }
+        reading.take(*at, formula, [true, true])?;
+    }
+    if let Some((other, at, _)) = rates.iter().find(|own| initial.iter().all(|value| value.0 != own.0)) {
+        return Err(Mistake::new(*at, format!("{other} has a rate, but no start: give it one in initial")));
+    }
+    let Reading { nodes, formulas, p, .. } = reading;
+    m.element(&format!("rates of {name}"), &nodes, FormulaState(formulas), &p);
+    Ok(Made::Node(node))
+}

@@ -1,0 +1,34 @@
+//! Design variables.
+
+use crate::scenes::file::describing::*;
+use crate::scenes::file::keys::MANY;
+
+pub(super) const SECTION: Section = Section {
+    name: "variable",
+    shape: Shape::Named,
+    doc: "A design variable. NAME is how formulas call it.",
+    forms: one_form![
+        need("initial", FixedOrMore("unit"), "value of the initial design; with count one for all, or as many"),
+        need("bounds", Fixeds(2, "unit"), "least and largest value"),
+        may("unit", Text, "unit, for tables and charts; -"),
+        may(
+            "count",
+            Count(*MANY.start(), *MANY.end()),
+            "how many there are: NAME[0], NAME[1] and so on are numbers in formulas, spline(NAME, s) is a value between them, and where a \
+             list of numbers is wanted NAME stands for all; one"
+        ),
+        may(
+            "per_face",
+            Text,
+            "name of a mesh, or a group of its faces, PLATE.GROUP: the variable is one for each face, NAME[17] that of the face with \
+             the number 17, and in formulas of the thickness NAME is that of the face; one for all"
+        ),
+        may("per_node", Text, "the same for each node of the faces; one for all"),
+        may("name", Text, "how commands and results call it; NAME"),
+    ],
+};
+
+/// Nothing: formulas have its value.
+pub(super) fn build<S: Scalar>(_: &Known<S>, _: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
+    Ok(Made::Nothing)
+}
