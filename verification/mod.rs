@@ -20,6 +20,8 @@ mod full_hub;
 mod functionals;
 #[path = "gradient-cost/study.rs"]
 mod gradient_cost;
+#[path = "lightest-blades/study.rs"]
+mod lightest_blades;
 #[path = "linear-solvers/study.rs"]
 mod linear_solvers;
 mod memory;
@@ -86,6 +88,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(shell_benchmarks::ShellBenchmarks),
         Box::new(rotor_hub::RotorHub),
+        Box::new(lightest_blades::LightestBlades),
         Box::new(full_hub::FullHub),
         Box::new(functionals::Functionals),
         Box::new(signals::Signals),

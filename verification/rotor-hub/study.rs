@@ -1,6 +1,7 @@
 //! A rotor hub at speed: the steady start, frequencies of a turning blade, the kinematics of the swash plate, gradients through all of it.
 
 mod blade_element;
+mod extended;
 mod flight;
 mod series;
 mod swash_plate;
@@ -11,6 +12,7 @@ use costate::functionals::Sample;
 use costate::integrators::RunError;
 use costate::scalar::Quaternion;
 use costate::scenes::{AnyScene, FileScene, Prepared, Scenario, Settings};
+pub use extended::extended;
 use series::blade_frequencies;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -54,10 +56,10 @@ impl Study for RotorHub {
         "rotor-hub"
     }
     fn summary(&self) -> &'static str {
-        "a rotor hub at speed: steady start, frequencies of a turning blade, swash plate, gradients, hover, lightest blades"
+        "a rotor hub at speed: steady start, frequencies of a turning blade, swash plate, gradients, energy, hover, flapping"
     }
     fn forms(&self) -> &'static [Form] {
-        &[Form::Short, Form::Long]
+        &[Form::Short]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         blade_extension(report)?;
@@ -66,8 +68,7 @@ impl Study for RotorHub {
         swash_plate(report)?;
         flights(report)?;
         steps_and_meshes(report)?;
-        flight::air_loads(report)?;
-        if report.is_short() { Ok(()) } else { flight::optimum(report) }
+        flight::air_loads(report)
     }
 }
 
@@ -111,7 +112,7 @@ fn rod_tip(young: f64, density: f64, omega: f64, [root, tip]: [f64; 2]) -> f64 {
 }
 
 fn blade_extension(report: &mut Report) -> Result<(), String> {
-    eprintln!("[1/8] extension of a blade");
+    eprintln!("[1/7] extension of a blade");
     let (root, tip) = (0.44, 2.0);
     let expected = rod_tip(70e9, 2500.0, 109.12, [root, tip]) - tip;
     report.inform("blade/extension of a rod [mm]", 1e3 * expected);
@@ -159,7 +160,7 @@ fn beam(rate: f64) -> String {
 }
 
 fn turning_beam(report: &mut Report) -> Result<(), String> {
-    eprintln!("[2/8] frequencies of a turning beam");
+    eprintln!("[2/7] frequencies of a turning beam");
     let mut first = Vec::new();
     for rate in [0.0, 2.0, 4.0, 6.0, 8.0, 10.0] {
         let scene = FileScene::parse("beam.toml", &beam(rate))?;
@@ -191,7 +192,7 @@ fn turning_beam(report: &mut Report) -> Result<(), String> {
 const HAMMOND: [f64; 2] = [0.8361868786, 19.9367071];
 
 fn ground_resonance(report: &mut Report) -> Result<(), String> {
-    eprintln!("[3/8] ground resonance");
+    eprintln!("[3/7] ground resonance");
     let scene = FileScene::parse("ground-resonance.toml", GROUND_RESONANCE)?;
     let prepared = Prepared::new(&scene).map_err(told)?;
     let found = prepared.periodic_modes(2).map_err(told)?;
@@ -267,7 +268,7 @@ fn left_of_works(prepared: &Prepared, values: &[f64]) -> f64 {
 }
 
 fn swash_plate(report: &mut Report) -> Result<(), String> {
-    eprintln!("[4/8] swash plate and pitch links");
+    eprintln!("[4/7] swash plate and pitch links");
     for (flight, lifts) in FLIGHTS {
         let turns = if flight == "collective" && !report.is_short() { TURNS } else { 1 };
         let scene = FileScene::parse("rigid-hub.toml", &rigid_hub(lifts, turns)?)?;
@@ -307,7 +308,7 @@ fn swash_plate(report: &mut Report) -> Result<(), String> {
 }
 
 fn flights(report: &mut Report) -> Result<(), String> {
-    eprintln!("[5/8] three flights of the hub with blades");
+    eprintln!("[5/7] three flights of the hub with blades");
     let scene = FileScene::parse("rotor-hub.toml", HUB)?;
     let short = report.is_short();
     for Scenario { name, scene } in scene.scenarios().into_iter().take(if short { 1 } else { 3 }) {
@@ -337,7 +338,7 @@ fn flights(report: &mut Report) -> Result<(), String> {
 
 /// The stress and the energy balance over steps and meshes.
 fn steps_and_meshes(report: &mut Report) -> Result<(), String> {
-    eprintln!("[6/8] steps and meshes");
+    eprintln!("[6/7] steps and meshes");
     let run = |along: usize, scenario: &str, method: &str, steps: usize| -> Result<[f64; 2], String> {
         let text = HUB.replace("along = 12 ", &format!("along = {along} ")) + ENERGIES;
         let scene = FileScene::parse("rotor-hub.toml", &text)?;

@@ -152,8 +152,8 @@ impl Measured {
             }
             let full = if name.starts_with(MODEL) { format!("{}/{name}", subject.name) } else { full };
             report.inform(&full, value);
-            let predicted = base.and_then(|base| base.0.get(&predicted_on(layout.ranks)));
-            if let (Some(of_base), Some(predicted), "factorization [s]", 1) = (of_base, predicted, &name[..], layout.threads)
+            let predicted = base.and_then(|base| base.0.get(&predicted_on(layout)));
+            if let (Some(of_base), Some(predicted), "factorization [s]") = (of_base, predicted, &name[..])
                 && !subject.is_for_each
             {
                 report.compare(
@@ -175,14 +175,15 @@ impl Measured {
 const RESULT: &str = "result";
 const ON_PROCESSORS: &str = "time on processors, all ranks [s]";
 /// What a model says of more ranks, and by how much it may be wrong.
-const MODEL: &str = "model of ranks with a thread each";
+const MODEL: &str = "model";
 const MODEL_ERROR: f64 = 0.15;
-/// Numbers of ranks of which it is asked.
-const PREDICTED: [usize; 7] = [2, 4, 8, 16, 24, 64, 256];
+/// Numbers of ranks, and of threads of each, of which it is asked.
+const RANKS: [usize; 8] = [1, 2, 4, 8, 16, 24, 64, 256];
+const THREADS: [usize; 4] = [1, 2, 4, 16];
 
-/// Name of the speed of ranks by the model.
-fn predicted_on(ranks: usize) -> String {
-    format!("{MODEL}/{ranks} ranks/factorization, times as fast")
+/// Name of the speed of a layout by the model.
+fn predicted_on(layout: &Layout) -> String {
+    format!("{MODEL}/{layout}/factorization, times as fast")
 }
 
 impl Subject {
@@ -210,13 +211,17 @@ impl Subject {
         if threads == 1 {
             let one = prepare(&plate, 1, 1).map_err(|error| error.to_string())?;
             let systems = Systems::new(one.problem().model, &one.method, &[]);
-            let (all, bound) = predicted(&systems.stage.pattern, &PREDICTED);
-            for OnRanks { ranks, speed, sent } in all {
-                report.inform(predicted_on(ranks), speed);
-                report.inform(format!("{MODEL}/{ranks} ranks/sent by the one that sends most [MB]"), 8e-6 * sent);
+            let (all, bound) = predicted(&systems.stage.pattern, &RANKS, &THREADS);
+            for OnRanks { ranks, threads, speed, sent } in all {
+                let layout = Layout { ranks, threads };
+                report.inform(predicted_on(&layout), speed);
+                if threads == 1 && ranks > 1 {
+                    report.inform(format!("{MODEL}/{layout}/sent by the one that sends most [MB]"), 8e-6 * sent);
+                }
             }
-            report
-                .inform(format!("{MODEL}/any number of ranks with one for each front/factorization, times as fast"), bound);
+            let name =
+                format!("{MODEL}/any number of ranks of 1 thread with one for each front/factorization, times as fast");
+            report.inform(name, bound);
         }
         let memory = own.memory.unwrap_or(f64::NAN);
         let of_rank = [on_processor, after.waited - before.waited, after.sent - before.sent, memory];

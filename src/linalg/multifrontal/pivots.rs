@@ -11,7 +11,7 @@ pub const PIVOT_SHARE: f64 = 0.01;
 /// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
 pub const TINY_PIVOT: f64 = 1e-14;
 /// Columns that are eliminated before the rest of the front is changed.
-const PANEL: usize = 32;
+pub const PANEL: usize = 32;
 /// Columns that are eliminated one by one before the rest of their panel is changed.
 const STRIP: usize = 4;
 /// Rows up to which all columns of a panel are changed one by one.

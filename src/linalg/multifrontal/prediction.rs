@@ -1,7 +1,7 @@
 //! What a factorization would take on ranks of a machine that is not at hand: a model of the times of fronts and of messages.
 
 use super::multifrontal_lu::roles;
-use super::stretches::{Stretches, front_time};
+use super::stretches::{Stretches, front_time, team_time};
 use super::symbolic::Symbolic;
 use crate::linalg::SparsePattern;
 
@@ -9,20 +9,25 @@ use crate::linalg::SparsePattern;
 const MESSAGE: f64 = 2000.0;
 const NUMBER: f64 = 0.8;
 
-/// A factorization on some ranks of one thread each, beside one rank.
+/// A factorization on some ranks with some threads each, beside one of one.
 #[derive(Clone, Copy, Debug)]
 pub struct OnRanks {
     /// How many.
     pub ranks: usize,
+    /// Of each.
+    pub threads: usize,
     /// How many times as fast.
     pub speed: f64,
     /// What the rank that sends most sends, in numbers.
     pub sent: f64,
 }
 
-/// Predicts a factorization of a pattern on ranks: each factors its subtrees, then its fronts with some of other ranks below, for whose
-/// contributions it waits. The last one is the bound of any number of ranks of which one has each front, with the longest chain of fronts.
-pub fn predicted(pattern: &SparsePattern, ranks: &[usize]) -> (Vec<OnRanks>, f64) {
+/// Predicts a factorization of a pattern on numbers of ranks, with numbers of threads each.
+///
+/// A rank factors its subtrees, then its fronts with some of other ranks below, for whose contributions it waits. Its threads take subtrees, and
+/// form a team for each front above these that is as large as its share of the time. The last number is the bound of any number of ranks with
+/// one thread, of which one has each front: the longest chain of fronts.
+pub fn predicted(pattern: &SparsePattern, ranks: &[usize], threads: &[usize]) -> (Vec<OnRanks>, f64) {
     let symbolic = Symbolic::new(pattern, &roles(pattern, &[]));
     let mut chains: Vec<f64> = symbolic.fronts.iter().map(front_time).collect();
     let total: f64 = chains.iter().sum();
@@ -31,31 +36,52 @@ pub fn predicted(pattern: &SparsePattern, ranks: &[usize]) -> (Vec<OnRanks>, f64
         chains[number] += below.fold(0.0, f64::max);
     }
     let longest = chains.into_iter().fold(0.0, f64::max);
-    (ranks.iter().map(|&ranks| on_ranks(&symbolic, ranks, total)).collect(), total / longest)
+    let layouts = threads.iter().flat_map(|&threads| ranks.iter().map(move |&ranks| (ranks, threads)));
+    (layouts.map(|(ranks, threads)| on_ranks(&symbolic, ranks, threads, total)).collect(), total / longest)
 }
 
-fn on_ranks(symbolic: &Symbolic, ranks: usize, total: f64) -> OnRanks {
+fn on_ranks(symbolic: &Symbolic, ranks: usize, threads: usize, total: f64) -> OnRanks {
     let stretches = Stretches::new(symbolic, ranks);
-    let (mut clocks, mut sent) = (vec![0.0; ranks], vec![0.0; ranks]);
-    let mut ends = vec![0.0; symbolic.fronts.len()];
+    let (mut clocks, mut sent) = (vec![0.0_f64; ranks], vec![0.0; ranks]);
+    let (mut ends, mut below) = (vec![0.0; symbolic.fronts.len()], vec![0.0; symbolic.fronts.len()]);
+    let children =
+        |number: usize| symbolic.children[symbolic.fronts[number].children.clone()].iter().map(|&own| own as usize);
     // what waits for nobody comes first
     let (parted, own): (Vec<usize>, Vec<usize>) = (0..ends.len()).partition(|&front| stretches.is_parted(symbolic, front));
-    for number in own.into_iter().chain(parted) {
+    let (mut done, mut whole) = (vec![0.0; ranks], vec![0.0; ranks]);
+    for &number in &own {
+        let time = front_time(&symbolic.fronts[number]);
+        below[number] = time + children(number).map(|child| below[child]).sum::<f64>();
+        whole[stretches.owner(number)] += time;
+    }
+    for number in own {
         let (front, owner) = (&symbolic.fronts[number], stretches.owner(number));
-        let mut start: f64 = clocks[owner];
-        for &child in &symbolic.children[front.children.clone()] {
-            let sender = stretches.owner(child as usize);
+        done[owner] += front_time(front);
+        let team = threads as f64 * below[number] / whole[owner];
+        let chain = if team > 1.0 {
+            team_time(front, team) + children(number).map(|child| ends[child]).fold(0.0, f64::max)
+        } else {
+            below[number]
+        };
+        ends[number] = chain.max(done[owner] / threads as f64);
+        clocks[owner] = clocks[owner].max(ends[number]);
+    }
+    for number in parted {
+        let (front, owner) = (&symbolic.fronts[number], stretches.owner(number));
+        let mut start = clocks[owner];
+        for child in children(number) {
+            let sender = stretches.owner(child);
             if sender != owner {
-                let numbers = symbolic.fronts[child as usize].others().pow(2) as f64;
+                let numbers = symbolic.fronts[child].others().pow(2) as f64;
                 sent[sender] += numbers;
-                start = start.max(ends[child as usize] + MESSAGE + NUMBER * numbers);
+                start = start.max(ends[child] + MESSAGE + NUMBER * numbers);
             }
         }
-        clocks[owner] = start + front_time(front);
+        clocks[owner] = start + team_time(front, threads as f64);
         ends[number] = clocks[owner];
     }
     let most = |all: Vec<f64>| all.into_iter().fold(0.0, f64::max);
-    OnRanks { ranks, speed: total / most(clocks), sent: most(sent) }
+    OnRanks { ranks, threads, speed: total / most(clocks), sent: most(sent) }
 }
 
 #[cfg(test)]
@@ -66,7 +92,7 @@ mod tests {
     #[test]
     fn ranks_are_no_faster_than_their_number_or_the_longest_chain() {
         let pattern = shell(41, 0);
-        let (all, bound) = predicted(&pattern, &[1, 2, 4, 8, 64]);
+        let (all, bound) = predicted(&pattern, &[1, 2, 4, 8, 64], &[1]);
         assert_eq!((all[0].speed, all[0].sent), (1.0, 0.0));
         for (one, other) in all.iter().zip(&all[1..]) {
             assert!(other.speed <= bound.min(other.ranks as f64) && other.sent > 0.0, "{other:?} {bound}");
@@ -74,5 +100,10 @@ mod tests {
         }
         // two halves and what lies between them
         assert!(all[1].speed > 1.5, "{:?}", all[1]);
+        let (on_threads, _) = predicted(&pattern, &[1, 2, 4, 8, 64], &[2]);
+        for (one, two) in all.iter().zip(&on_threads) {
+            let gain = two.speed / one.speed;
+            assert!(gain > 1.0 && gain <= 2.0 + 1e-12 && two.sent == one.sent, "{one:?} {two:?}");
+        }
     }
 }

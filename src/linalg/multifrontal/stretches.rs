@@ -1,5 +1,6 @@
 //! The fronts of each rank or thread: the sequence of all, in which each stands after those below it, cut into stretches.
 
+use super::pivots::PANEL;
 use super::supernodes::elimination_flops;
 use super::symbolic::{Front, Symbolic};
 use std::ops::Range;
@@ -39,10 +40,18 @@ pub struct Stretches {
 
 /// Time of a front \[ns\], as measured on one core of 2023 where fronts are large: calls, assembly of the entries, arithmetic.
 pub fn front_time(front: &Front) -> f64 {
+    team_time(front, 1.0)
+}
+
+/// The same with a team of threads, which share the products alone.
+pub fn team_time(front: &Front, threads: f64) -> f64 {
     const FRONT: f64 = 1000.0;
     const ENTRY: f64 = 0.43;
     const FLOP: f64 = 0.0101;
-    FRONT + ENTRY * front.size().pow(2) as f64 + FLOP * elimination_flops(front.pivots, front.size())
+    let flops = elimination_flops(front.pivots, front.size());
+    // of panels, one column after the other
+    let alone = ((2 * PANEL * front.pivots * front.size()) as f64).min(flops);
+    FRONT + ENTRY * front.size().pow(2) as f64 + FLOP * (alone + (flops - alone) / threads)
 }
 
 impl Stretches {
