@@ -6,7 +6,6 @@ use crate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
-use crate::program::{Execution, set_execution};
 use crate::scenes::unknown;
 use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings};
 use clap::Args;
@@ -66,9 +65,6 @@ pub struct SceneOptions {
     /// [default: the scene's, else automatic]
     #[arg(long, value_name = "NAME")]
     solver: Option<String>,
-    /// How the programs of formulas are executed: as machine code, or by a loop over their operations (same results, bit by bit)
-    #[arg(long, value_name = "WAY", value_parser = ["native", "loop"], default_value = "native")]
-    programs: String,
     /// One of the scenarios of the scene; without it all of them, one after the other
     #[arg(long, value_name = "NAME")]
     scenario: Option<String>,
@@ -291,7 +287,6 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed; or why the scene cannot start.
     pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
-        set_execution(if self.programs == "loop" { Execution::Loop } else { Execution::Native });
         let (method, settings) = self.simulation(scene)?;
         let x = self.design(scene)?;
         let prepared = Prepared::with(scene, &x, method, settings);

@@ -37,5 +37,5 @@ pub use listing::Listing;
 pub use operation::Node;
 pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
 pub use refused::refuses_machine_code;
-pub use running::{Execution, Program, ProgramWork, compile_time, lanes, making_time, set_execution};
+pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
 pub use switches::{SwitchKind, Switches};

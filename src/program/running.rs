@@ -4,19 +4,9 @@ use super::native::{NativeCode, Width};
 use crate::scalar::Scalar;
 use std::cell::Cell;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// How programs are executed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Execution {
-    /// A loop over the list of operations.
-    Loop,
-    /// Machine code where processor and system have it, otherwise the loop.
-    Native,
-}
-
-static LOOP_ONLY: AtomicBool = AtomicBool::new(false);
 static COMPILING: AtomicU64 = AtomicU64::new(0);
 static MAKING: AtomicU64 = AtomicU64::new(0);
 
@@ -24,10 +14,11 @@ thread_local! {
     static IS_MAKING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Chooses how programs that are made from now on are executed, in the whole process; those that are there, in use by a run on another thread
-/// perhaps, stay as they are. Results have the same bits either way.
-pub fn set_execution(execution: Execution) {
-    LOOP_ONLY.store(execution == Execution::Loop, Ordering::Relaxed);
+/// Whether programs are executed by a loop over their operations whatever the processor has, for who sets COSTATE_PROGRAMS=loop: for this process
+/// once and for all. Results have the same bits either way.
+fn is_looped() -> bool {
+    static IS_LOOPED: OnceLock<bool> = OnceLock::new();
+    *IS_LOOPED.get_or_init(|| std::env::var_os("COSTATE_PROGRAMS").is_some_and(|way| way == "loop"))
 }
 
 /// Time that this process has spent on making machine code \[s\].
@@ -63,8 +54,6 @@ impl Drop for Making {
 pub struct Program {
     listing: Listing,
     labels: Vec<u32>,
-    /// Executed by the loop whatever the processor has.
-    is_looped: bool,
     looped: OnceLock<LoopCode>,
     native: [OnceLock<Option<NativeCode>>; 2],
 }
@@ -92,8 +81,7 @@ impl<S> Clone for ProgramWork<S> {
 impl Program {
     /// Of a listing, with a number for each of its results.
     pub fn new(listing: Listing, labels: Vec<u32>) -> Self {
-        let is_looped = LOOP_ONLY.load(Ordering::Relaxed);
-        Program { listing, labels, is_looped, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
+        Program { listing, labels, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
     }
 
     /// The instructions.
@@ -135,7 +123,7 @@ impl Program {
     }
 
     fn native(&self, place: usize, width: Width) -> Option<&NativeCode> {
-        if self.is_looped {
+        if is_looped() {
             return None;
         }
         let compile = || {
@@ -198,21 +186,4 @@ impl Program {
 pub fn lanes() -> usize {
     static LANES: OnceLock<usize> = OnceLock::new();
     *LANES.get_or_init(|| NativeCode::widest().map(Width::lanes).filter(|&lanes| lanes > 1).unwrap_or(8))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_choice_of_execution_leaves_programs_in_use_as_they_are() {
-        let program = || Program::new(Listing::default(), Vec::new());
-        let before = program();
-        set_execution(Execution::Loop);
-        let looped = program();
-        set_execution(Execution::Native);
-        assert!(looped.native_of_lanes().is_none());
-        assert_eq!(before.native_of_lanes().is_some(), NativeCode::widest().is_some());
-        assert_eq!(program().native_of_lanes().is_some(), NativeCode::widest().is_some());
-    }
 }

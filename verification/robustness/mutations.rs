@@ -12,7 +12,7 @@ const LINES: [&str; 12] = [
     "list --json",
     "run pendulum --end 0.1 --steps 5 --out out --json",
     "run five-bar --end 0.05 --tolerance 1e-4 --velocity-tolerance 1e-3 --longest-step 0.01 --output-step 0.01 --out out",
-    "run andrews --end 0.001 --steps 20 --method bdf2 --constraint-level position --newton residual --solver dense --programs loop",
+    "run andrews --end 0.001 --steps 20 --method bdf2 --constraint-level position --newton residual --solver dense",
     "run slider-crank --end 0.1 --steps 40 --set rod=0.6 --project-start --history file:run.history --resume",
     "run von-mises-truss --steps 3 --out out",
     "gradient double-pendulum --end 0.05 --steps 10 --check --history checkpoints:1 --out out --json",
