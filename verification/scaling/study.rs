@@ -57,23 +57,24 @@ impl Study for Scaling {
             _ => &SUBJECTS[1..3],
         };
         for subject in subjects {
-            let mut base: Option<Measured> = None;
+            let mut base: Option<(Layout, Measured)> = None;
             for layout in layouts(report) {
                 eprintln!("{}: {layout}", subject.name);
-                let Some(own) = layout.measured(subject)? else {
+                let Some(own) = layout.measured(subject, base.is_none())? else {
                     report.note(format!("{layout}: not measured; this needs the feature mpi, and mpirun"));
                     continue;
                 };
                 own.tell(report, subject, &layout, base.as_ref());
-                base.get_or_insert(own);
+                base.get_or_insert((layout, own));
             }
         }
         Ok(())
     }
 }
 
-/// Names the plate to a process that measures it alone, or with others.
+/// Names the plate to a process that measures it alone, or with others; and asks one of them for the model.
 const ONE_OF_MANY: &str = "COSTATE_SCALING";
+const WITH_MODEL: &str = "COSTATE_SCALING_MODEL";
 
 /// How many processes, and threads of each.
 struct Layout {
@@ -106,7 +107,7 @@ struct Measured(BTreeMap<String, f64>);
 
 impl Layout {
     /// What processes of this layout measure; nothing where they cannot be started.
-    fn measured(&self, subject: &Subject) -> Result<Option<Measured>, String> {
+    fn measured(&self, subject: &Subject, with_model: bool) -> Result<Option<Measured>, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = match self.ranks {
             1 => Command::new(program),
@@ -120,6 +121,9 @@ impl Layout {
         command.args(["verify", "scaling", "--json"]);
         // containers have no other user
         command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+        if with_model {
+            command.env(WITH_MODEL, "1");
+        }
         let output = command.env(ONE_OF_MANY, subject.name).env("RAYON_NUM_THREADS", self.threads.to_string()).output();
         let output = match output {
             Err(error) if self.ranks > 1 && error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -139,10 +143,10 @@ impl Layout {
 
 impl Measured {
     /// Reports the figures of a layout, with how many times faster than the first one it is, and whether it has the same results.
-    fn tell(&self, report: &mut Report, subject: &Subject, layout: &Layout, base: Option<&Measured>) {
+    fn tell(&self, report: &mut Report, subject: &Subject, layout: &Layout, base: Option<&(Layout, Measured)>) {
         for (name, &value) in &self.0 {
             let full = format!("{}/{layout}/{name}", subject.name);
-            let of_base = base.and_then(|base| base.0.get(name)).copied();
+            let of_base = base.and_then(|(_, base)| base.0.get(name)).copied();
             if name.starts_with(RESULT) {
                 if !subject.is_for_each {
                     // the first one has none to differ from
@@ -152,7 +156,10 @@ impl Measured {
             }
             let full = if name.starts_with(MODEL) { format!("{}/{name}", subject.name) } else { full };
             report.inform(&full, value);
-            let predicted = base.and_then(|base| base.0.get(&predicted_on(layout)));
+            let predicted = base.and_then(|(first, base)| {
+                let [own, first] = [layout, first].map(|layout| base.0.get(&predicted_on(layout)));
+                Some(own? / first?)
+            });
             if let (Some(of_base), Some(predicted), "factorization [s]") = (of_base, predicted, &name[..])
                 && !subject.is_for_each
             {
@@ -208,7 +215,7 @@ impl Subject {
         for (place, &value) in own.results.iter().enumerate() {
             report.inform(format!("{RESULT} {place}"), value);
         }
-        if threads == 1 {
+        if std::env::var_os(WITH_MODEL).is_some() {
             let one = prepare(&plate, 1, 1).map_err(|error| error.to_string())?;
             let systems = Systems::new(one.problem().model, &one.method, &[]);
             let (all, bound) = predicted(&systems.stage.pattern, &RANKS, &THREADS);
