@@ -1,8 +1,9 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{brief, json_number, long_number, relative_effect, say, say_json, warn};
+use super::console::{brief, json_number, relative_effect, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
+use super::influences::say_influences;
 use super::interrupt::set_last_words;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
@@ -13,7 +14,7 @@ use super::simulation::{Simulation, Work, say_work, simulate};
 use crate::design::DesignVariable;
 use crate::history::Keep;
 use crate::integrators::{Counters, RunError};
-use crate::io::{Cell, Progress, Table, number};
+use crate::io::{Progress, number};
 use crate::program::making_time;
 use crate::scenes::{AnyScene, Prepared, Scenario};
 use crate::sensitivity::{Forward, Gradient};
@@ -447,23 +448,10 @@ fn relative_differences(design: (&[DesignVariable], &[f64]), value: f64, [adjoin
 
 fn say_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {
     let functional = &prepared.functionals()[row];
-    let mut table = match check {
-        Some(check) => Table::new(&["variable", "value", "unit", "adjoint", "relative", check.way.words(), "difference"]),
-        None => Table::new(&["variable", "value", "unit", "adjoint", "relative"]),
-    };
-    for (i, (variable, &x)) in prepared.variables.iter().zip(&prepared.x).enumerate() {
-        let mut cells: Vec<Cell> = vec![variable.name.as_str().into(), x.into(), variable.unit.into()];
-        let derivative = adjoint.gradient.rows[row][i];
-        cells.push(long_number(derivative).into());
-        cells.push(relative_effect(x, derivative, value).map_or("-".into(), Cell::from));
-        if let Some(check) = check {
-            cells.push(long_number(check.other.gradient.rows[row][i]).into());
-            cells.push(brief(check.differences[row][i]).into());
-        }
-        table.row(cells);
-    }
-    let (name, unit) = (&functional.name, functional.value_unit());
-    say(format_args!("gradient of {name} [{unit} / unit of the variable], relative: x / f df/dx\n{table}\n"));
+    let unit = functional.value_unit();
+    let named = (&functional.name[..], &unit[..], value);
+    let check = check.map(|own| (own.way.words(), &own.other.gradient.rows[row][..], &own.differences[row][..]));
+    say_influences(named, prepared, &adjoint.gradient.rows[row], check);
 }
 
 fn work(simulation: &Simulation, adjoint: &Timed, check: Option<&Check>) -> Vec<(&'static str, Work)> {

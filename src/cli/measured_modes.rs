@@ -1,9 +1,10 @@
 //! Numbers of modes that a scene measures beside its functionals, as commands print and show them.
 
 use super::console::{json_number, long_number, relative_effect, say};
+use super::influences::say_influences;
 use super::report::Page;
 use crate::integrators::RunError;
-use crate::io::{Cell, Table};
+use crate::io::Table;
 use crate::scenes::{ModeMeasure, Prepared, check_modes};
 use serde_json::{Map, Value, json};
 
@@ -52,18 +53,9 @@ impl MeasuredModes {
         }
         say(format_args!("{table}\n"));
         for (own, value, row) in self.all() {
-            let Some(row) = row else { continue };
-            let mut table = Table::new(&["variable", "value", "unit", "adjoint", "relative"]);
-            for ((variable, &x), &derivative) in prepared.variables.iter().zip(&prepared.x).zip(row) {
-                let relative = relative_effect(x, derivative, value).map_or("-".into(), Cell::from);
-                let derivative = long_number(derivative).into();
-                table.row([variable.name.as_str().into(), x.into(), variable.unit.into(), derivative, relative]);
+            if let Some(row) = row {
+                say_influences((&own.name, own.unit(), value), prepared, row, None);
             }
-            say(format_args!(
-                "gradient of {} [{} / unit of the variable], relative: x / f df/dx\n{table}\n",
-                own.name,
-                own.unit()
-            ));
         }
     }
 

@@ -46,6 +46,7 @@ mod histories;
 mod history_charts;
 mod history_files;
 mod import;
+mod influences;
 mod interrupt;
 mod kept_moments;
 mod list;
