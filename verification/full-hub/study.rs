@@ -4,6 +4,7 @@
 use crate::verification::memory::{forget_peak, peak_memory};
 use crate::verification::whole_runs::{compare_with_whole_runs, inside};
 use crate::verification::{Form, Report, Study, on_threads};
+use costate::cli::{Chart, Series, Style};
 use costate::integrators::{DEFAULT_TABLE, RunError};
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::fmt::Write;
@@ -110,23 +111,39 @@ fn of_the_table(prepared: &Prepared, all: bool) -> Vec<bool> {
     prepared.functionals().iter().map(|own| is_one(&own.name)).collect()
 }
 
+/// For methods of second to fourth order, as in the source's Figure 11.
 fn complex_steps(report: &mut Report, scene: &FileScene, steps: usize) -> Result<(), String> {
-    let prepared = prepared(scene, Some(steps), DEFAULT_TABLE)?;
-    let (analysis, wanted) = (prepared.analysis(), of_the_table(&prepared, true));
-    let forward = analysis.forward(&prepared.x).map_err(told)?;
-    let adjoint = analysis.adjoint_of(&prepared.x, &forward, &wanted).map_err(told)?;
-    let complex = analysis.complex_step(&prepared.x, &forward).map_err(told)?;
-    report.inform("complex step/variables", prepared.x.len() as f64);
-    report.inform("complex step/functionals", wanted.iter().filter(|own| **own).count() as f64);
-    let rows = adjoint.rows.iter().zip(&complex.rows).zip(prepared.functionals()).zip(wanted);
-    for ((rows, functional), _) in rows.filter(|own| own.1) {
-        let (own, exact) = rows;
-        let largest = exact.iter().fold(0.0_f64, |largest, exact| largest.max(exact.abs()));
-        let off = own.iter().zip(exact).fold(0.0_f64, |off, (own, exact)| off.max((own - exact).abs()));
-        let name = &functional.name;
-        report.inform(format!("complex step/{name}/largest derivative"), largest);
-        report.at_most(format!("complex step/{name}/adjoint against it, share of the largest"), off / largest, EXACT);
+    let mut series = Vec::new();
+    for method in ["dirk2", "dirk3", DEFAULT_TABLE] {
+        let prepared = prepared(scene, Some(steps), method)?;
+        let (analysis, wanted) = (prepared.analysis(), of_the_table(&prepared, true));
+        let forward = analysis.forward(&prepared.x).map_err(told)?;
+        let adjoint = analysis.adjoint_of(&prepared.x, &forward, &wanted).map_err(told)?;
+        let complex = analysis.complex_step(&prepared.x, &forward).map_err(told)?;
+        let name = |what: &str| format!("complex step/{method}/{what}");
+        report.inform(name("variables"), prepared.x.len() as f64);
+        report.inform(name("functionals"), wanted.iter().filter(|own| **own).count() as f64);
+        let rows = adjoint.rows.iter().zip(&complex.rows).zip(prepared.functionals()).zip(wanted);
+        let mut points = Vec::new();
+        for ((rows, functional), _) in rows.filter(|own| own.1) {
+            let (own, exact) = rows;
+            let largest = exact.iter().fold(0.0_f64, |largest, exact| largest.max(exact.abs()));
+            let off = own.iter().zip(exact).fold(0.0_f64, |off, (own, exact)| off.max((own - exact).abs()));
+            let functional = &functional.name;
+            report.inform(name(&format!("{functional}/largest derivative")), largest);
+            report.at_most(name(&format!("{functional}/adjoint against it, share of the largest")), off / largest, EXACT);
+            points.push(((points.len() + 1) as f64, off / largest));
+        }
+        series.push(Series { name: method.into(), points, style: Style::Both });
     }
+    let chart = Chart {
+        x_label: "functional, in the order of the table".into(),
+        y_label: "adjoint against complex step, share of the largest".into(),
+        log_y: true,
+        series,
+        ..Chart::default()
+    };
+    report.picture("complex-step", vec![chart]);
     Ok(())
 }
 

@@ -12,8 +12,6 @@ use crate::scenes::file::keys::WITH_MULTIPLIERS;
 /// The joint whose reactions are measured.
 pub(super) const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");
 
-pub(super) struct JointLoad;
-
 /// Which load, in which frame, along a direction and about a point of the world.
 type Load<S> = ((LoadKind, LoadFrame), [Vector3<S>; 2]);
 
@@ -36,6 +34,8 @@ fn load<S: Scalar>(given: &mut Given<S>) -> Load<S> {
     let direction = if norm.is_some() { Vector3::zeros() } else { given.vector("direction") };
     ((kind, frame), [direction, point])
 }
+
+pub(super) struct JointLoad;
 
 impl Measurand for JointLoad {
     const FORM: Form = Form {
