@@ -5,7 +5,7 @@ use crate::verification::memory::{forget_peak, peak_memory};
 use crate::verification::whole_runs::{compare_with_whole_runs, inside};
 use crate::verification::{Form, Report, Study, on_threads};
 use costate::cli::{Chart, Series, Style};
-use costate::integrators::{DEFAULT_TABLE, RunError};
+use costate::integrators::{Counters, DEFAULT_TABLE, Method, RunError};
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::fmt::Write;
 use std::time::Instant;
@@ -101,7 +101,8 @@ fn prepared<'s>(scene: &'s FileScene, steps: Option<usize>, method: &str) -> Res
     if let Some(steps) = steps {
         (settings.end, settings.steps) = (settings.end * steps as f64 / settings.steps as f64, steps);
     }
-    Prepared::with(scene, &inside(scene), Prepared::method_of(&settings).map_err(told)?, settings).map_err(told)
+    let method = Method { measures_phases: true, ..Prepared::method_of(&settings).map_err(told)? };
+    Prepared::with(scene, &inside(scene), method, settings).map_err(told)
 }
 
 /// Which functionals are among the first of Table 6, or all of its.
@@ -156,6 +157,18 @@ fn whole_runs(report: &mut Report, scene: &FileScene, steps: usize) -> Result<()
     compare_with_whole_runs(report, "whole runs", &prepared, (&forward, &gradient), |k| wanted[k]).map_err(told)
 }
 
+/// What the time of a simulation or of gradients is spent on, in the order of [`Counters::nanoseconds`].
+const PHASES: [&str; 4] = ["residuals or products", "matrices", "factorizations", "solutions"];
+
+fn tell_shares(report: &mut Report, name: impl Fn(&str) -> String, counters: &Counters, seconds: f64) {
+    let shares = counters.nanoseconds.unwrap_or_default().map(|own| 1e-9 * own as f64 / seconds);
+    for (phase, share) in PHASES.into_iter().zip(shares) {
+        report.inform(name(&format!("share of {phase}")), share);
+    }
+    report.inform(name("factorizations"), counters.factorizations as f64);
+    report.inform(name("solutions"), counters.solves as f64);
+}
+
 /// Of a turn.
 fn times(report: &mut Report, scene: &FileScene, (method, threads): (&str, usize), with_all: bool) -> Result<(), String> {
     let steps = report.is_short().then_some(3);
@@ -166,17 +179,20 @@ fn times(report: &mut Report, scene: &FileScene, (method, threads): (&str, usize
     forget_peak();
     let clock = Instant::now();
     let forward = analysis.forward(x).map_err(told)?;
-    report.inform(name("simulation [s]"), clock.elapsed().as_secs_f64());
-    let gradients = |all: bool| -> Result<f64, String> {
+    let seconds = clock.elapsed().as_secs_f64();
+    report.inform(name("simulation [s]"), seconds);
+    tell_shares(report, |what| name(&format!("simulation, {what}")), &forward.counters, seconds);
+    let gradients = |all: bool| -> Result<(f64, Counters), String> {
         let clock = Instant::now();
-        analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
-        Ok(clock.elapsed().as_secs_f64())
+        let gradient = analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
+        Ok((clock.elapsed().as_secs_f64(), gradient.counters))
     };
-    let first = gradients(false)?;
+    let (first, counters) = gradients(false)?;
     report.inform(name("gradients of mass, compliance and KS [s]"), first);
+    tell_shares(report, |what| name(&format!("gradients, {what}")), &counters, first);
     report.inform(name("most memory of the process [MB]"), peak_memory().unwrap_or(f64::NAN) / 1e6);
     if with_all {
-        let all = gradients(true)?;
+        let (all, _) = gradients(true)?;
         report.inform(name("gradients of all twelve [s]"), all);
         report.inform(name("each further functional, share of the first gradients"), (all / first - 1.0) / 9.0);
     }
