@@ -30,10 +30,18 @@ impl Clock {
     }
 }
 
+/// What the time of a run or sweep is spent on, in the order of [`Counters::nanoseconds`](costate::integrators::Counters::nanoseconds).
+pub const PHASES: [&str; 4] = ["residuals", "matrices", "factorizations", "solutions"];
+
 /// What some work gives with an analysis whose runs and sweeps measure what their parts take.
 pub fn with_phases<T>(analysis: Analysis, work: impl FnOnce(&Analysis) -> T) -> T {
     let method = Method { measures_phases: true, ..analysis.method.clone() };
     work(&Analysis { method: &method, ..analysis })
+}
+
+/// The largest of some numbers; NaN if one of them is, or if there are none, so that what is held to a limit fails.
+pub fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.map(|own| if own.is_nan() { f64::NAN } else { own }).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// The number in the middle of a list, of two in the middle the mean: one run that was disturbed does not move it.

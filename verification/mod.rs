@@ -57,7 +57,7 @@ mod whole_runs;
 #[path = "work-precision/study.rs"]
 mod work_precision;
 
-pub use clock::{Clock, median, with_phases};
+pub use clock::{Clock, PHASES, largest, median, with_phases};
 pub use costate::cli::{Figure, Form, Report, Study};
 pub use noise::Noise;
 

@@ -1,7 +1,7 @@
 //! Cost of a step on chains of 10 to 10,000 rigid bodies, one thread.
 
 use crate::allocations;
-use crate::verification::{Clock, Form, Report, Study, on_one_thread, with_phases};
+use crate::verification::{Clock, Form, PHASES, Report, Study, on_one_thread, with_phases};
 use costate::history::Keep;
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, table_by_name};
 use costate::scenes::built_in::{Chain, ChainVariables};
@@ -31,8 +31,6 @@ const METHODS: [(&str, ConstraintLevel); 4] = [
     ("generalized-alpha", ConstraintLevel::Acceleration),
     ("generalized-alpha", ConstraintLevel::Position),
 ];
-/// What the times of a step are spent on, in the order of [`Counters::nanoseconds`].
-const PHASES: [&str; 4] = ["residuals", "matrices", "factorizations", "solutions"];
 /// Most memory of a body of the longest one [KB], and the steps in which it is found: first guesses look back as many.
 const MEMORY: f64 = 22.0;
 const FEW: usize = 9;

@@ -3,9 +3,9 @@
 
 use crate::verification::memory::{forget_peak, peak_memory};
 use crate::verification::whole_runs::{compare_with_whole_runs, inside};
-use crate::verification::{Form, Report, Study, on_threads};
+use crate::verification::{Form, PHASES, Report, Study, largest, on_threads, with_phases};
 use costate::cli::{Chart, Series, Style};
-use costate::integrators::{Counters, DEFAULT_TABLE, Method, RunError};
+use costate::integrators::{Counters, DEFAULT_TABLE, RunError};
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::fmt::Write;
 use std::time::Instant;
@@ -101,8 +101,7 @@ fn prepared<'s>(scene: &'s FileScene, steps: Option<usize>, method: &str) -> Res
     if let Some(steps) = steps {
         (settings.end, settings.steps) = (settings.end * steps as f64 / settings.steps as f64, steps);
     }
-    let method = Method { measures_phases: true, ..Prepared::method_of(&settings).map_err(told)? };
-    Prepared::with(scene, &inside(scene), method, settings).map_err(told)
+    Prepared::with(scene, &inside(scene), Prepared::method_of(&settings).map_err(told)?, settings).map_err(told)
 }
 
 /// Which functionals are among the first of Table 6, or all of its.
@@ -128,12 +127,12 @@ fn complex_steps(report: &mut Report, scene: &FileScene, steps: usize) -> Result
         let mut points = Vec::new();
         for ((rows, functional), _) in rows.filter(|own| own.1) {
             let (own, exact) = rows;
-            let largest = exact.iter().fold(0.0_f64, |largest, exact| largest.max(exact.abs()));
-            let off = own.iter().zip(exact).fold(0.0_f64, |off, (own, exact)| off.max((own - exact).abs()));
+            let size = largest(exact.iter().map(|exact| exact.abs()));
+            let off = largest(own.iter().zip(exact).map(|(own, exact)| (own - exact).abs()));
             let functional = &functional.name;
-            report.inform(name(&format!("{functional}/largest derivative")), largest);
-            report.at_most(name(&format!("{functional}/adjoint against it, share of the largest")), off / largest, EXACT);
-            points.push(((points.len() + 1) as f64, off / largest));
+            report.inform(name(&format!("{functional}/largest derivative")), size);
+            report.at_most(name(&format!("{functional}/adjoint against it, share of the largest")), off / size, EXACT);
+            points.push(((points.len() + 1) as f64, off / size));
         }
         series.push(Series { name: method.into(), points, style: Style::Both });
     }
@@ -157,9 +156,7 @@ fn whole_runs(report: &mut Report, scene: &FileScene, steps: usize) -> Result<()
     compare_with_whole_runs(report, "whole runs", &prepared, (&forward, &gradient), |k| wanted[k]).map_err(told)
 }
 
-/// What the time of a simulation or of gradients is spent on, in the order of [`Counters::nanoseconds`].
-const PHASES: [&str; 4] = ["residuals or products", "matrices", "factorizations", "solutions"];
-
+/// What the time of a simulation or of gradients is spent on.
 fn tell_shares(report: &mut Report, name: impl Fn(&str) -> String, counters: &Counters, seconds: f64) {
     let shares = counters.nanoseconds.unwrap_or_default().map(|own| 1e-9 * own as f64 / seconds);
     for (phase, share) in PHASES.into_iter().zip(shares) {
@@ -173,30 +170,32 @@ fn tell_shares(report: &mut Report, name: impl Fn(&str) -> String, counters: &Co
 fn times(report: &mut Report, scene: &FileScene, (method, threads): (&str, usize), with_all: bool) -> Result<(), String> {
     let steps = report.is_short().then_some(3);
     let prepared = prepared(scene, steps, method)?;
-    let (analysis, x) = (prepared.analysis(), &prepared.x);
-    let name = |what: &str| format!("times/{method}/{threads} thread{}/{what}", if threads == 1 { "" } else { "s" });
-    report.inform(name("unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
-    forget_peak();
-    let clock = Instant::now();
-    let forward = analysis.forward(x).map_err(told)?;
-    let seconds = clock.elapsed().as_secs_f64();
-    report.inform(name("simulation [s]"), seconds);
-    tell_shares(report, |what| name(&format!("simulation, {what}")), &forward.counters, seconds);
-    let gradients = |all: bool| -> Result<(f64, Counters), String> {
+    let x = &prepared.x;
+    with_phases(prepared.analysis(), |analysis| {
+        let name = |what: &str| format!("times/{method}/{threads} thread{}/{what}", if threads == 1 { "" } else { "s" });
+        report.inform(name("unknowns"), prepared.linear_solver().map_err(told)?.unknowns as f64);
+        forget_peak();
         let clock = Instant::now();
-        let gradient = analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
-        Ok((clock.elapsed().as_secs_f64(), gradient.counters))
-    };
-    let (first, counters) = gradients(false)?;
-    report.inform(name("gradients of mass, compliance and KS [s]"), first);
-    tell_shares(report, |what| name(&format!("gradients, {what}")), &counters, first);
-    report.inform(name("most memory of the process [MB]"), peak_memory().unwrap_or(f64::NAN) / 1e6);
-    if with_all {
-        let (all, _) = gradients(true)?;
-        report.inform(name("gradients of all twelve [s]"), all);
-        report.inform(name("each further functional, share of the first gradients"), (all / first - 1.0) / 9.0);
-    }
-    let stress = prepared.functional(OWN[1]).map_err(told)?;
-    report.inform(name("KS of the von Mises stress by the yield stress"), forward.values[stress]);
-    Ok(())
+        let forward = analysis.forward(x).map_err(told)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        report.inform(name("simulation [s]"), seconds);
+        tell_shares(report, |what| name(&format!("simulation, {what}")), &forward.counters, seconds);
+        let gradients = |all: bool| -> Result<(f64, Counters), String> {
+            let clock = Instant::now();
+            let gradient = analysis.adjoint_of(x, &forward, &of_the_table(&prepared, all)).map_err(told)?;
+            Ok((clock.elapsed().as_secs_f64(), gradient.counters))
+        };
+        let (first, counters) = gradients(false)?;
+        report.inform(name("gradients of mass, compliance and KS [s]"), first);
+        tell_shares(report, |what| name(&format!("gradients, {what}")), &counters, first);
+        report.inform(name("most memory of the process [MB]"), peak_memory().unwrap_or(f64::NAN) / 1e6);
+        if with_all {
+            let (all, _) = gradients(true)?;
+            report.inform(name("gradients of all twelve [s]"), all);
+            report.inform(name("each further functional, share of the first gradients"), (all / first - 1.0) / 9.0);
+        }
+        let stress = prepared.functional(OWN[1]).map_err(told)?;
+        report.inform(name("KS of the von Mises stress by the yield stress"), forward.values[stress]);
+        Ok(())
+    })
 }

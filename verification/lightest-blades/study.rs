@@ -1,10 +1,9 @@
 //! The lightest blades of a rotor hub whose stress stays below a limit in three flights under air loads.
 
 use crate::verification::optimized::{by_iteration, optimize_from, seconds};
-use crate::verification::rotor_hub::extended;
+use crate::verification::rotor_hub::{extended, told};
 use crate::verification::{Form, Report, Study};
 use costate::cli::{Chart, Series, Style};
-use costate::integrators::RunError;
 use costate::optimize::{GradientBy, Optimization, Optimized};
 use costate::prelude::DesignVariable;
 use costate::scenes::{AnyScene, FileScene};
@@ -33,10 +32,6 @@ impl Study for LightestBlades {
         optimum_of(report, 12)?;
         if report.is_long() { optimum_of(report, 48) } else { Ok(()) }
     }
-}
-
-fn told(error: RunError) -> String {
-    error.to_string()
 }
 
 fn optimum_of(report: &mut Report, panels: usize) -> Result<(), String> {

@@ -84,8 +84,8 @@ pub fn power(strips: &[Strip]) -> f64 {
 ///
 /// with T the centrifugal force beyond each place, the load p at a quarter of the chord c, and i = m c^2 / 12. Lag is left out.
 pub struct Blade {
-    /// Of each length [kg/m].
-    mass: f64,
+    /// i, of each length [kg m].
+    polar: f64,
     /// Inertia and stiffness of bending and of twist.
     bending: [DMatrix<f64>; 2],
     twist: [DMatrix<f64>; 2],
@@ -115,7 +115,8 @@ impl Blade {
     pub fn new(young: f64, shear: f64, density: f64, thickness: f64) -> Self {
         let zero = || DMatrix::zeros(SHAPES, SHAPES);
         let (mut bending, mut twist) = ([zero(), zero()], [zero(), zero()]);
-        let (mass, polar) = (density * CHORD * thickness, CHORD * CHORD / 12.0);
+        let mass = density * CHORD * thickness;
+        let (polar, radius_squared) = (mass * CHORD * CHORD / 12.0, CHORD * CHORD / 12.0);
         // a narrow rectangle in torsion (Timoshenko & Goodier, Theory of Elasticity)
         let torsion = shear * CHORD * thickness.powi(3) / 3.0 * (1.0 - 0.63 * thickness / CHORD);
         let (places, width) = middles(PLACES);
@@ -126,10 +127,10 @@ impl Blade {
             bending[0] += product(&shape, mass);
             bending[1] += product(&curvature, young * CHORD * thickness.powi(3) / 12.0) + product(&slope, tension);
             let [shape, slope, _] = shapes(radius, 1);
-            twist[0] += product(&shape, mass * polar);
-            twist[1] += product(&slope, torsion + tension * polar);
+            twist[0] += product(&shape, polar);
+            twist[1] += product(&slope, torsion + tension * radius_squared);
         }
-        Blade { mass, bending, twist }
+        Blade { polar, bending, twist }
     }
 
     /// By how much the tip rises at the ends of steps \[m\], from a straight blade in still air on, under a pitch that changes in time; `strips` of equal
@@ -156,8 +157,8 @@ impl Blade {
                 let up = bent.dot(&a_rate) - OMEGA * radius * sine - turn * 0.25 * CHORD + w * cosine;
                 let [normal, _] = normal_and_chordwise([along, up]);
                 force += bent * (normal * width);
-                let polar = self.mass * CHORD * CHORD / 12.0;
-                moment += twisted * ((normal * 0.25 * CHORD - polar * (OMEGA * OMEGA * sine * cosine + turning)) * width);
+                moment +=
+                    twisted * ((normal * 0.25 * CHORD - self.polar * (OMEGA * OMEGA * sine * cosine + turning)) * width);
                 // the mass of air of Pitt & Peters (1981)
                 rate[4 * SHAPES + i] = over_momentum([along, up], *radius, w) * 3.0 * PI / (8.0 * TIP);
             }

@@ -3,7 +3,7 @@
 use super::blade_element::{Blade, Strip, power, strips};
 use super::swash_plate::pitch;
 use super::{FLIGHTS, controls, extended, told};
-use crate::verification::Report;
+use crate::verification::{Report, largest};
 use costate::cli::{Chart, Series};
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::f64::consts::TAU;
@@ -67,7 +67,7 @@ fn hover(report: &mut Report) -> Result<(), String> {
     let mut last = Vec::new();
     analysis.for_each_sample(&forward, |sample| last.clone_from(&sample.at.v)).map_err(told)?;
     let off = |(own, expected): (&usize, &Strip)| (last[*own] / expected.inflow - 1.0).abs();
-    let off = inflow.iter().zip(&expected).map(off).fold(0.0, f64::max);
+    let off = largest(inflow.iter().zip(&expected).map(off));
     report.inform("hover/inflow near the tip [m/s]", expected.last().map_or(f64::NAN, |own| own.inflow));
     report.at_most("hover/inflow of all strips against rings of momentum, share", off, INFLOW);
     let width = 1.56 / expected.len() as f64;
@@ -109,7 +109,7 @@ fn compare_tips(report: &mut Report, name: &str, [own, theory]: [&[f64]; 2], tol
     report.inform(name("flapping in the last turn [mm]"), 1e3 * swing(own));
     report.inform(name("flapping by that of blade elements"), swing(own) / swing(theory));
     let most = theory.iter().copied().fold(0.0, f64::max);
-    let off = own.iter().zip(theory).map(|(own, theory)| (own - theory).abs()).fold(0.0, f64::max) / most;
+    let off = largest(own.iter().zip(theory).map(|(own, theory)| (own - theory).abs())) / most;
     let what = name("tip against blade elements at all times, share of the largest");
     match tolerance {
         Some(tolerance) => report.at_most(what, off, tolerance),

@@ -78,7 +78,7 @@ fn controls(turns: f64) -> f64 {
     s * s * s * (10.0 + s * (-15.0 + 6.0 * s))
 }
 
-fn told(error: RunError) -> String {
+pub fn told(error: RunError) -> String {
     error.to_string()
 }
 
