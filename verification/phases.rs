@@ -4,7 +4,9 @@ use super::Clock;
 use super::memory::{forget_peak, memory_of_now, peak_memory};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, table_by_name};
-use costate::internals::{Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution, of_all_ranks};
+use costate::internals::{
+    Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution, of_all_ranks, traffic,
+};
 use costate::linalg::Backend;
 use costate::scenes::{AnyScene, Prepared, Settings};
 use std::time::Instant;
@@ -21,17 +23,20 @@ pub struct Effort {
 /// That of a record.
 pub const USUAL: Effort = Effort { repeats: 7, steps: 3 };
 
-/// Parts of the work on one system, and their times \[s\].
-type SystemTimes = [(&'static str, f64); 5];
+/// What some work takes \[s\]: by the clock, or on the processor where there is one thread of one process; and, of ranks with one thread each, along
+/// the longest path of what they do and send.
+pub type Times = [f64; 2];
+/// Parts of the work on one system, and their times.
+type SystemTimes = [(&'static str, Times); 5];
 
 /// Times \[s\], counts of a step, and what the first step and its gradient give.
 pub struct Phases {
     pub unknowns: f64,
     /// Residual, matrix, factorization, solution, and transposed solution, of one system.
     pub of_a_system: SystemTimes,
-    pub step: f64,
+    pub step: Times,
     /// For the first functional, and for two.
-    pub adjoint: [f64; 2],
+    pub adjoint: [Times; 2],
     pub iterations: f64,
     pub factorizations: f64,
     /// At its peak, of the simulation of one step and its gradients, beside what was there before \[bytes\]; where the system tells.
@@ -52,18 +57,20 @@ pub fn prepare(scene: &dyn AnyScene, steps: usize, functionals: usize) -> Result
     Ok(prepared)
 }
 
-/// What some work gives, and the seconds that it takes: of the processor where there is one thread of one process. Ranks begin it together.
-pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+/// What some work gives, and what it takes. Ranks begin it together, and the longest path is that to where all are at the end of it.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Times) {
     let ranks = of_all_ranks(&[]).len();
-    let (begun, clock) = (Instant::now(), Clock::start());
+    let (begun, clock, before) = (Instant::now(), Clock::start(), traffic().path);
     let done = work();
     let is_alone = ranks == 1 && rayon::current_num_threads() == 1;
-    (done, if is_alone { clock.seconds() } else { begun.elapsed().as_secs_f64() })
+    let seconds = if is_alone { clock.seconds() } else { begun.elapsed().as_secs_f64() };
+    of_all_ranks(&[]);
+    (done, [seconds, if is_alone { seconds } else { traffic().path - before }])
 }
 
-/// Seconds of the fastest of some repetitions.
-fn fastest(repeats: usize, mut work: impl FnMut()) -> f64 {
-    (0..repeats).map(|_| timed(&mut work).1).fold(f64::INFINITY, f64::min)
+/// The least of each that some repetitions take.
+fn fastest(repeats: usize, mut work: impl FnMut()) -> Times {
+    (0..repeats).map(|_| timed(&mut work).1).fold([f64::INFINITY; 2], |least, own| [0, 1].map(|k| least[k].min(own[k])))
 }
 
 /// The solved equations of a run's last stage.
@@ -88,9 +95,10 @@ impl Phases {
         let mut numbers = first.numbers;
         if effort.steps > 0 {
             let whole = Run::of(&prepare(scene, 1 + effort.steps, 2)?)?;
-            numbers = std::array::from_fn(|k| (whole.numbers[k] - first.numbers[k]) / effort.steps as f64);
+            let of_step = |k: usize, time: usize| (whole.numbers[k][time] - first.numbers[k][time]) / effort.steps as f64;
+            numbers = std::array::from_fn(|k| [0, 1].map(|time| of_step(k, time)));
         }
-        let ([step, one, two, iterations, factorizations], results) = (numbers, first.results);
+        let ([step, one, two, [iterations, factorizations]], results) = (numbers, first.results);
         let adjoint = [one, two];
         Ok(Phases { unknowns, of_a_system, step, adjoint, iterations, factorizations, memory, results, own_elements })
     }
@@ -136,8 +144,8 @@ fn systems(one: &Prepared, repeats: usize) -> Result<(f64, SystemTimes, Option<u
 
 /// A simulation with its gradients.
 struct Run {
-    /// Seconds of the simulation, of the gradient of the first functional, and of two; Newton iterations, and factorizations.
-    numbers: [f64; 5],
+    /// Times of the simulation, of the gradient of the first functional, and of two; Newton iterations and factorizations.
+    numbers: [Times; 4],
     results: Vec<f64>,
 }
 
@@ -151,7 +159,8 @@ impl Run {
         two?;
         let results = [&forward.values[..1], &one?.rows[0]].concat();
         let counters = &forward.counters;
-        let numbers = [of_forward, of_one, of_two, counters.iterations as f64, counters.factorizations as f64];
+        let counts = [counters.iterations, counters.factorizations].map(|count| count as f64);
+        let numbers = [of_forward, of_one, of_two, counts];
         Ok(Run { numbers, results })
     }
 }

@@ -1,14 +1,15 @@
 //! Ranks that `mpirun` started.
 
-use super::{Exchange, Traffic, new_thread};
+use super::{Exchange, MESSAGE, NUMBER, Traffic, new_thread};
 use crate::program::panic_is_caught;
 use ::mpi::ffi;
+use std::cell::Cell;
 use std::io::Write;
 use std::os::raw::{c_int, c_void};
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Exit code of all ranks where one waited in vain, or where they did not do the same.
@@ -25,6 +26,11 @@ const USUAL_WAIT: f64 = 120.0;
 const FAREWELL: Duration = Duration::from_secs(3);
 /// Looks without a pause: a message of a few numbers takes a microsecond.
 const BUSY_LOOKS: usize = 2000;
+
+thread_local! {
+    /// What the processor had spent on this thread when it last came back from MPI \[s\].
+    static LEFT: Cell<Option<f64>> = const { Cell::new(None) };
+}
 
 static RANKS: OnceLock<Mpi> = OnceLock::new();
 
@@ -50,6 +56,32 @@ struct Calls {
     at_end: ffi::MPI_Comm,
     /// Messages that may not have left yet.
     sent: Vec<(ffi::MPI_Request, Vec<f64>)>,
+    /// See [`Traffic::path`]; each message says in its last number when it left.
+    path: f64,
+}
+
+impl Calls {
+    /// A thread calls MPI.
+    fn enter(&mut self) {
+        self.path += LEFT.get().map_or(0.0, |left| processor_seconds() - left);
+    }
+
+    /// It goes on with its own work, some numbers after so many others have come that left at a time.
+    fn leave(&mut self, sent: f64, messages: f64, numbers: usize) {
+        self.path = self.path.max(sent + 1e-9 * (MESSAGE * messages + NUMBER * numbers as f64));
+        LEFT.set(Some(processor_seconds()));
+    }
+}
+
+/// What the processor has spent on this thread \[s\].
+fn processor_seconds() -> f64 {
+    // SAFETY: a structure of two numbers, which the call fills.
+    let time = unsafe {
+        let mut time: libc::timespec = std::mem::zeroed();
+        libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time);
+        time
+    };
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
 // SAFETY: handles of MPI are those of the process, whichever thread uses them; the lock lets one thread at a time do so, which is what
@@ -125,7 +157,7 @@ impl Mpi {
             });
             ffi::MPI_Comm_rank(world, &mut rank);
             ffi::MPI_Comm_size(world, &mut ranks);
-            Calls { world: copies[0], at_end: copies[1], sent: Vec::new() }
+            Calls { world: copies[0], at_end: copies[1], sent: Vec::new(), path: 0.0 }
         };
         // SAFETY: a constant of MPI.
         if given < unsafe { ffi::RSMPI_THREAD_SERIALIZED } {
@@ -204,7 +236,7 @@ impl Mpi {
 
     /// See [`super::Started::finish`].
     pub fn finish(&self, code: u8, message: &str) {
-        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        let calls = self.calls();
         let limit = if code == 0 { self.longest_wait } else { FAREWELL.min(self.longest_wait) };
         let codes = {
             let mut request = request();
@@ -242,8 +274,13 @@ impl Mpi {
         self.abort(code)
     }
 
+    fn calls(&self) -> MutexGuard<'_, Calls> {
+        self.calls.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The next message of another rank, if there is one.
-    fn found(&self, calls: &Calls, from: usize) -> Option<(ffi::MPI_Message, ffi::MPI_Status)> {
+    fn found(&self, from: usize) -> Option<(ffi::MPI_Message, ffi::MPI_Status)> {
+        let calls = self.calls();
         let mut is_there = 0;
         // SAFETY: both are numbers and pointers of C, of which all bits may be zero.
         let (mut message, mut status): (ffi::MPI_Message, ffi::MPI_Status) = unsafe { std::mem::zeroed() };
@@ -252,18 +289,28 @@ impl Mpi {
         (is_there != 0).then_some((message, status))
     }
 
-    /// The numbers of a message that was found, while the caller has the lock.
+    /// The numbers of a message that was found.
     fn fetched(&self, (mut message, status): (ffi::MPI_Message, ffi::MPI_Status), from: usize) -> Vec<f64> {
         let (mut count, mut request) = (0, request());
-        // SAFETY: pointers to variables here; the list is as long as the message, and lives until the request is done or the process ends.
-        let values = unsafe {
-            ffi::MPI_Get_count(&status, ffi::RSMPI_DOUBLE, &mut count);
-            let mut values = vec![0.0_f64; count as usize];
-            ffi::MPI_Imrecv(values.as_mut_ptr().cast(), count, ffi::RSMPI_DOUBLE, &mut message, &mut request);
-            values
+        let mut values = {
+            let _calls = self.calls();
+            // SAFETY: pointers to variables here; the list is as long as the message, and lives until the request is done or the process ends.
+            unsafe {
+                ffi::MPI_Get_count(&status, ffi::RSMPI_DOUBLE, &mut count);
+                let mut values = vec![0.0_f64; count as usize];
+                ffi::MPI_Imrecv(values.as_mut_ptr().cast(), count, ffi::RSMPI_DOUBLE, &mut message, &mut request);
+                values
+            }
         };
-        self.wait_for(|| format!("message of rank {from}"), || is_done(&mut request));
+        self.wait_for(|| format!("message of rank {from}"), || self.is_done(&mut request));
+        let sent = values.pop().unwrap_or_default();
+        self.calls().leave(sent, 1.0, values.len());
         values
+    }
+
+    fn is_done(&self, request: &mut ffi::MPI_Request) -> bool {
+        let _calls = self.calls();
+        is_done(request)
     }
 
     /// A number of numbers as MPI counts it.
@@ -282,10 +329,12 @@ impl Exchange for Mpi {
         self.ranks
     }
 
-    fn send(&self, to: usize, message: Vec<f64>) {
+    fn send(&self, to: usize, mut message: Vec<f64>) {
         self.hurry();
         self.note_sent(message.len());
-        let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut calls = self.calls();
+        calls.enter();
+        message.push(calls.path);
         let mut request = request();
         // SAFETY: the list keeps the numbers, which do not move with their owner, until the request is done.
         unsafe {
@@ -293,20 +342,20 @@ impl Exchange for Mpi {
             ffi::MPI_Isend(values, count, ffi::RSMPI_DOUBLE, to as c_int, 0, calls.world, &mut request);
         }
         calls.sent.push((request, message));
+        calls.leave(0.0, 0.0, 0);
     }
 
     fn hurry(&self) {
-        let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        calls.sent.retain_mut(|(request, _)| !is_done(request));
+        self.calls().sent.retain_mut(|(request, _)| !is_done(request));
     }
 
     fn receive(&self, from: usize) -> Vec<f64> {
-        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        self.calls().enter();
         let mut found = None;
         self.wait_for(
             || format!("message of rank {from}"),
             || {
-                found = self.found(&calls, from);
+                found = self.found(from);
                 found.is_some()
             },
         );
@@ -314,8 +363,10 @@ impl Exchange for Mpi {
     }
 
     fn receive_if_there(&self, from: usize) -> Option<Vec<f64>> {
-        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        self.found(&calls, from).map(|found| self.fetched(found, from))
+        self.found(from).map(|found| {
+            self.calls().enter();
+            self.fetched(found, from)
+        })
     }
 
     fn longest_wait(&self) -> Duration {
@@ -325,25 +376,37 @@ impl Exchange for Mpi {
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {
         assert_eq!(own.len(), counts[self.rank], "numbers of rank {}", self.rank);
         self.note_sent(own.len() * (self.ranks - 1));
-        let calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut all = vec![0.0; counts.iter().sum()];
-        self.count(all.len());
-        let counts: Vec<c_int> = counts.iter().map(|&count| self.count(count)).collect();
+        let (mut with_path, mut request) = (own.to_vec(), request());
+        let counts: Vec<c_int> = counts.iter().map(|&count| self.count(count + 1)).collect();
         let starts: Vec<c_int> = counts.iter().scan(0, |end, count| Some(std::mem::replace(end, *end + count))).collect();
-        let mut request = request();
-        // SAFETY: lists of all ranks, and room for the numbers of each, which live until the request is done or the process ends.
-        unsafe {
-            let (from, to, kind) = (own.as_ptr().cast(), all.as_mut_ptr().cast(), ffi::RSMPI_DOUBLE);
-            let (lengths, places) = (counts.as_ptr(), starts.as_ptr());
-            ffi::MPI_Iallgatherv(from, counts[self.rank], kind, to, lengths, places, kind, calls.world, &mut request);
+        let mut all = vec![0.0; counts.iter().map(|&count| count as usize).sum()];
+        self.count(all.len());
+        {
+            let mut calls = self.calls();
+            calls.enter();
+            with_path.push(calls.path);
+            // SAFETY: lists of all ranks, and room for the numbers of each, which live until the request is done or the process ends.
+            unsafe {
+                let (from, to, kind) = (with_path.as_ptr().cast(), all.as_mut_ptr().cast(), ffi::RSMPI_DOUBLE);
+                let (lengths, places) = (counts.as_ptr(), starts.as_ptr());
+                ffi::MPI_Iallgatherv(from, counts[self.rank], kind, to, lengths, places, kind, calls.world, &mut request);
+            }
         }
-        self.wait_for(|| "numbers of all ranks".into(), || is_done(&mut request));
-        all
+        self.wait_for(|| "numbers of all ranks".into(), || self.is_done(&mut request));
+        let (mut numbers, mut path) = (Vec::with_capacity(all.len()), 0.0_f64);
+        for (start, count) in starts.into_iter().zip(counts) {
+            let (of_rank, sent) = all[start as usize..].split_at(count as usize - 1);
+            numbers.extend_from_slice(of_rank);
+            path = path.max(sent[0]);
+        }
+        // of a collective call, messages double the numbers that ranks have
+        self.calls().leave(path, (self.ranks as f64).log2().ceil(), numbers.len());
+        numbers
     }
 
     fn traffic(&self) -> Traffic {
         let [waited, sent] = self.traffic.each_ref().map(|number| number.load(Ordering::Relaxed) as f64);
-        Traffic { waited: 1e-9 * waited, sent }
+        Traffic { waited: 1e-9 * waited, sent, path: self.calls().path }
     }
 
     fn end(&self, reason: &str) -> ! {

@@ -101,7 +101,7 @@ fn thicknesses(report: &mut Report) -> Result<(), RunError> {
     for round in 0..PAIRS {
         for place in 0..all.len() {
             let (prepared, forward, times) = &mut all[(place + round) % 2];
-            let (gradient, seconds) = timed(|| prepared.analysis().adjoint(&prepared.x, forward));
+            let (gradient, [seconds, _]) = timed(|| prepared.analysis().adjoint(&prepared.x, forward));
             gradient?;
             times.push(seconds);
         }
@@ -119,13 +119,13 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
     let name = |what: &str| format!("{}, {threads} thread{}/{what}", subject.name, if threads > 1 { "s" } else { "" });
     let own = Phases::measure(&*subject.scene, USUAL)?;
     report.inform(name("unknowns"), own.unknowns);
-    for (what, seconds) in &own.of_a_system {
-        report.inform(name(&format!("{what} [s]")), *seconds);
+    for (what, [seconds, _]) in own.of_a_system {
+        report.inform(name(&format!("{what} [s]")), seconds);
     }
-    let of_element = (own.of_a_system[0].1 + own.of_a_system[1].1) / subject.elements as f64;
+    let of_element = (own.of_a_system[0].1[0] + own.of_a_system[1].1[0]) / subject.elements as f64;
     report.inform(name("residual and matrix of an element [us]"), 1e6 * of_element);
-    report.inform(name("one forward step [s]"), own.step);
-    report.inform(name("its adjoint and gradient [s]"), own.adjoint[0]);
+    report.inform(name("one forward step [s]"), own.step[0]);
+    report.inform(name("its adjoint and gradient [s]"), own.adjoint[0][0]);
     report.inform(name("Newton iterations of a step"), own.iterations);
     report.inform(name("factorizations of a step"), own.factorizations);
     if let Some(memory) = own.memory {

@@ -1,6 +1,6 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
-use crate::verification::phases::{Effort, Phases, USUAL, prepare};
+use crate::verification::phases::{Effort, Phases, Times, USUAL, prepare};
 use crate::verification::{Form, Report, Study};
 use costate::internals::{OnRanks, Systems, of_all_ranks, predicted, traffic};
 use costate::scenes::built_in::{PlatePendulum, Thicknesses};
@@ -80,26 +80,33 @@ const WITH_MODEL: &str = "COSTATE_SCALING_MODEL";
 struct Layout {
     ranks: usize,
     threads: usize,
+    /// They have no core each.
+    is_crowded: bool,
 }
 
 impl std::fmt::Display for Layout {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let plural = |count: usize| if count == 1 { "" } else { "s" };
-        let Layout { ranks, threads } = self;
+        let Layout { ranks, threads, .. } = self;
         write!(f, "{ranks} rank{}, {threads} thread{}", plural(*ranks), plural(*threads))
     }
 }
 
+/// Numbers of ranks whose longest path is measured on however few cores.
+const CROWDED: [usize; 2] = [4, 8];
+
 /// Layouts that the cores of this machine have room for: powers of two of either, and all cores in between; of a large plate those with all
-/// cores alone.
+/// cores alone. Of ranks without a core of their own the longest path is measured.
 fn layouts(report: &Report) -> Vec<Layout> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let cores = if report.is_short() { cores.min(2) } else { cores };
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = if report.is_short() { available.min(2) } else { available };
     let powers = || (0..).map(|power| 1 << power).take_while(|&count| count <= cores);
-    let all = powers().flat_map(|ranks| powers().map(move |threads| Layout { ranks, threads }));
+    let all = powers().flat_map(|ranks| powers().map(move |threads| Layout { ranks, threads, is_crowded: false }));
     let has_all = |layout: &Layout| layout.ranks * layout.threads * 2 > cores;
     let counts = |layout: &Layout| has_all(layout) || !report.is_long() && (layout.ranks == 1 || layout.threads == 1);
-    all.filter(|layout| layout.ranks * layout.threads <= cores && counts(layout)).collect()
+    let crowded = CROWDED.into_iter().filter(|&ranks| ranks > cores && !report.is_short() && !report.is_long());
+    let crowded = crowded.map(|ranks| Layout { ranks, threads: 1, is_crowded: true });
+    all.filter(|layout| layout.ranks * layout.threads <= cores && counts(layout)).chain(crowded).collect()
 }
 
 /// Figures of a layout by their names.
@@ -114,7 +121,7 @@ impl Layout {
             _ if !cfg!(feature = "mpi") => return Ok(None),
             ranks => {
                 let mut command = Command::new("mpirun");
-                command.args(["-n", &ranks.to_string(), "--bind-to", "none"]).arg(program);
+                command.args(["-n", &ranks.to_string(), "--bind-to", "none", "--oversubscribe"]).arg(program);
                 command
             }
         };
@@ -146,6 +153,11 @@ impl Measured {
     fn tell(&self, report: &mut Report, subject: &Subject, layout: &Layout, base: Option<&(Layout, Measured)>) {
         for (name, &value) in &self.0 {
             let full = format!("{}/{layout}/{name}", subject.name);
+            let is_path = name.ends_with(ON_PATH);
+            // a path knows of one thread, and what ranks take by the clock without a core each says nothing
+            if is_path && layout.threads > 1 || !is_path && layout.is_crowded && is_timed(name) {
+                continue;
+            }
             let of_base = base.and_then(|(_, base)| base.0.get(name)).copied();
             if name.starts_with(RESULT) {
                 if !subject.is_for_each {
@@ -160,10 +172,9 @@ impl Measured {
                 let [own, first] = [layout, first].map(|layout| base.0.get(&predicted_on(layout)));
                 Some(own? / first?)
             });
-            if let (Some(of_base), Some(predicted), "factorization [s]") = (of_base, predicted, &name[..])
-                // the short form has no figure that depends on the clock
-                && !(subject.is_for_each || report.is_short())
-            {
+            // the short form has no figure that depends on the clock
+            let is_held = name.starts_with("factorization") && !(subject.is_for_each || report.is_short());
+            if let (Some(of_base), Some(predicted), true) = (of_base, predicted, is_held) {
                 report.compare(
                     format!("{full}, speed by the one that the model predicts"),
                     of_base / value / predicted,
@@ -171,7 +182,8 @@ impl Measured {
                     MODEL_ERROR,
                 );
             }
-            if let (Some(of_base), true) = (of_base, name.ends_with("[s]") && name != ON_PROCESSORS) {
+            if let (Some(of_base), true) = (of_base, name.ends_with("[s]") && ![ON_PROCESSORS, WAITING].contains(&&name[..]))
+            {
                 let what = if subject.is_for_each { "share of its speed alone" } else { "times as fast" };
                 report.inform(format!("{full}, {what}"), of_base / value);
             }
@@ -182,12 +194,20 @@ impl Measured {
 /// Names of figures that are told apart.
 const RESULT: &str = "result";
 const ON_PROCESSORS: &str = "time on processors, all ranks [s]";
+const ON_PATH: &str = ", longest path [s]";
+const WAITING: &str = "waiting, of the rank that waits most [s]";
+const SECOND: &str = "second functional by the first";
 /// What a model says of more ranks, and by how much it may be wrong.
 const MODEL: &str = "model";
 const MODEL_ERROR: f64 = 0.15;
 /// Numbers of ranks, and of threads of each, of which it is asked.
 const RANKS: [usize; 8] = [1, 2, 4, 8, 16, 24, 64, 256];
 const THREADS: [usize; 4] = [1, 2, 4, 16];
+
+/// Whether a figure depends on what the clock says.
+fn is_timed(name: &str) -> bool {
+    name.ends_with("[s]") || name == SECOND
+}
 
 /// Name of the speed of a layout by the model.
 fn predicted_on(layout: &Layout) -> String {
@@ -205,14 +225,15 @@ impl Subject {
         let own = Phases::measure(&plate, self.effort).map_err(|error| error.to_string())?;
         let (after, on_processor) = (traffic(), processor_seconds() - on_processor);
         report.inform("unknowns", own.unknowns);
-        for (what, seconds) in own.of_a_system {
+        let mut tell = |what: &str, [seconds, path]: Times| {
             report.inform(format!("{what} [s]"), seconds);
-        }
-        let (residual, matrix) = (own.of_a_system[0].1, own.of_a_system[1].1);
-        report.inform("residual and matrix [s]", residual + matrix);
-        report.inform("forward step [s]", own.step);
-        report.inform("adjoint of a step [s]", own.adjoint[0]);
-        report.inform("second functional by the first", own.adjoint[1] / own.adjoint[0] - 1.0);
+            report.inform(format!("{what}{ON_PATH}"), path);
+        };
+        own.of_a_system.iter().for_each(|&(what, times)| tell(what, times));
+        tell("residual and matrix", [0, 1].map(|time| own.of_a_system[0].1[time] + own.of_a_system[1].1[time]));
+        tell("forward step", own.step);
+        tell("adjoint of a step", own.adjoint[0]);
+        report.inform(SECOND, own.adjoint[1][0] / own.adjoint[0][0] - 1.0);
         for (place, &value) in own.results.iter().enumerate() {
             report.inform(format!("{RESULT} {place}"), value);
         }
@@ -221,7 +242,7 @@ impl Subject {
             let systems = Systems::new(one.problem().model, &one.method, &[]);
             let (all, bound) = predicted(&systems.stage.pattern, &RANKS, &THREADS);
             for OnRanks { ranks, threads, speed, sent } in all {
-                let layout = Layout { ranks, threads };
+                let layout = Layout { ranks, threads, is_crowded: false };
                 report.inform(predicted_on(&layout), speed);
                 if threads == 1 && ranks > 1 {
                     report.inform(format!("{MODEL}/{layout}/sent by the one that sends most [MB]"), 8e-6 * sent);
@@ -241,7 +262,7 @@ impl Subject {
         report.inform(ON_PROCESSORS, of(0).sum());
         report.inform("memory of the fullest rank [MB]", 1e-6 * of(3).fold(0.0, f64::max));
         if all.len() > 1 {
-            report.inform("waiting, of the rank that waits most", of(1).fold(0.0, f64::max));
+            report.inform(WAITING, of(1).fold(0.0, f64::max));
             report.inform("sent by all [MB]", 1e-6 * of(2).sum::<f64>());
             let again = of(4).sum::<f64>() / elements.iter().product::<usize>() as f64 - 1.0;
             report.inform("elements of a matrix that are evaluated again [%]", 100.0 * again.max(0.0));

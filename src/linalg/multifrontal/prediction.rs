@@ -3,11 +3,8 @@
 use super::multifrontal_lu::roles;
 use super::stretches::{Stretches, front_time, team_time};
 use super::symbolic::Symbolic;
+use crate::exchange::{MESSAGE, NUMBER};
 use crate::linalg::SparsePattern;
-
-/// Time of a message on the way, and for each number in it \[ns\]: a network of 2 microseconds and 10 GB/s.
-const MESSAGE: f64 = 2000.0;
-const NUMBER: f64 = 0.8;
 
 /// A factorization on some ranks with some threads each, beside one of one.
 #[derive(Clone, Copy, Debug)]
