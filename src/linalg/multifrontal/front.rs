@@ -31,16 +31,16 @@ pub struct Contribution<'c> {
 /// Lists that are used in one front after the other.
 #[derive(Default)]
 pub struct Workspace {
-    runs: Vec<Run>,
+    pub runs: Vec<Run>,
     /// First run of each child, first that does not belong to rows whose pivots are looked for, and end.
-    bounds: Vec<[usize; 3]>,
+    pub bounds: Vec<[usize; 3]>,
     exchanges: Vec<(u32, u32)>,
     scratch: Scratch,
 }
 
 impl Workspace {
     /// Where the rows of each child stand in a front; those of delayed pivots follow the front's own, and are noted there.
-    fn place(
+    pub fn place(
         &mut self,
         symbolic: &Symbolic,
         front: &Front,
@@ -162,7 +162,7 @@ pub fn factor_front(
 
 /// target += source, without a loop for the unknowns of one or two nodes.
 #[inline(always)]
-fn add(target: &mut [f64], source: &[f64]) {
+pub fn add(target: &mut [f64], source: &[f64]) {
     #[inline(always)]
     fn of<const W: usize>(target: &mut [f64], source: &[f64]) {
         if let (Some(target), Some(source)) = (target.first_chunk_mut::<W>(), source.first_chunk::<W>()) {

@@ -13,9 +13,27 @@ const SMALL_PRODUCT: usize = 1 << 17;
 /// Columns of the result below which copies never pay: each entry of A is used too seldom.
 const FEW_COLUMNS: usize = 12;
 
-/// C <- C - A B or C <- -A B; the same bits with any number of threads.
-pub fn subtract_product(c: MatrixViewMut<'_>, target: Target, a: MatrixView<'_>, b: MatrixView<'_>, threads: usize) {
-    if c.columns() < FEW_COLUMNS || c.rows() * c.columns() * a.columns() <= SMALL_PRODUCT {
+/// Who computes some columns of a result.
+#[derive(Clone, Copy, Debug)]
+pub struct Crew {
+    /// Threads of this process.
+    pub threads: usize,
+    /// Columns that others compute: kernels, which round in different ways, are chosen by all.
+    pub elsewhere: usize,
+}
+
+impl From<usize> for Crew {
+    /// Threads that compute all columns.
+    fn from(threads: usize) -> Self {
+        Crew { threads, elsewhere: 0 }
+    }
+}
+
+/// C <- C - A B or C <- -A B; the same bits with any number of threads, and whoever computes other columns.
+pub fn subtract_product(c: MatrixViewMut<'_>, target: Target, a: MatrixView<'_>, b: MatrixView<'_>, crew: impl Into<Crew>) {
+    let Crew { threads, elsewhere } = crew.into();
+    let columns = c.columns() + elsewhere;
+    if columns < FEW_COLUMNS || c.rows() * columns * a.columns() <= SMALL_PRODUCT {
         dispatch(Product { c, target, a, b });
     } else {
         subtract_large_product(c, target, a, b, threads);
@@ -321,8 +339,8 @@ fn sums_of<const FUSED: bool, const H: usize>(lanes: [[f64; LANES]; H]) -> [f64;
 const TRIANGLE: usize = 8;
 
 /// B <- L^-1 B with a unit lower triangle; what stands above it is not read.
-pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, threads: usize) {
-    let size = l.rows();
+pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, crew: impl Into<Crew>) {
+    let (size, crew) = (l.rows(), crew.into());
     if size <= 1 {
         return;
     }
@@ -332,9 +350,9 @@ pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, threads: usize)
     }
     let half = half_of(size);
     let (mut first, mut second) = b.split_rows(half);
-    solve_unit_lower(l.block(0..half, 0..half), first.reborrow(), threads);
-    subtract_product(second.reborrow(), Target::Reduced, l.block(half..size, 0..half), first.as_view(), threads);
-    solve_unit_lower(l.block(half..size, half..size), second, threads);
+    solve_unit_lower(l.block(0..half, 0..half), first.reborrow(), crew);
+    subtract_product(second.reborrow(), Target::Reduced, l.block(half..size, 0..half), first.as_view(), crew);
+    solve_unit_lower(l.block(half..size, half..size), second, crew);
 }
 
 /// B <- U^-1 B with an upper triangle; what stands below it is not read.
@@ -603,6 +621,29 @@ mod tests {
             residual(&|i, j| lower(j, i), &|b| solve_unit_lower_transposed(matrix, b)),
             residual(&|i, j| upper(j, i), &|b| solve_upper_transposed(matrix, b)),
         ]
+    }
+
+    #[test]
+    fn columns_have_the_bits_that_they_have_beside_others() {
+        let number = |i: usize| (1.0 + i as f64 * 2.3).sin();
+        for (size, columns, rows) in [(5, 14, 3), (32, 40, 9), (40, 200, 70), (300, 90, 310)] {
+            let scaled = |i: usize| number(i) / size as f64;
+            let left: Vec<f64> = (0..(size + rows) * size).map(scaled).collect();
+            let given: Vec<f64> = (0..(size + rows) * columns).map(|i| number(i + 5)).collect();
+            let left = MatrixView::new(&left, size + rows, size);
+            let change = |first: usize, end: usize| {
+                let mut all = given[first * (size + rows)..end * (size + rows)].to_vec();
+                let crew = Crew { threads: 1, elsewhere: columns - (end - first) };
+                let (mut upper, lower) = MatrixViewMut::new(&mut all, size + rows, end - first).split_rows(size);
+                solve_unit_lower(left.block(0..size, 0..size), upper.reborrow(), crew);
+                subtract_product(lower, Target::Reduced, left.block(size..size + rows, 0..size), upper.as_view(), crew);
+                all
+            };
+            let together = change(0, columns);
+            for cut in [1, columns / 3, columns - 2] {
+                assert!([change(0, cut), change(cut, columns)].concat() == together, "{size}, {cut} of {columns}");
+            }
+        }
     }
 
     #[test]

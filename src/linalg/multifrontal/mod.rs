@@ -30,6 +30,7 @@ mod pivots;
 mod prediction;
 mod product;
 mod rank_share;
+mod shared_front;
 mod small_front;
 mod small_substitution;
 mod stretch_solution;

@@ -524,29 +524,34 @@ mod tests {
 
     type Bits = Result<Vec<u64>, Singular>;
 
-    /// The same on ranks, whose stretches begin at given fronts or, without any, where they should; and how many pivots waited for another rank.
+    /// The same on ranks, whose stretches begin at given fronts or, without any, where they should, and which share all fronts or those that take
+    /// long; how many pivots waited for another rank, how many shared fronts had several panels, and how many of their pivots waited.
     fn bits_on_ranks(
         pattern: &SparsePattern,
         all: &[Vec<f64>],
         b: &[f64],
         (ranks, cuts): (usize, &[usize]),
-    ) -> (Vec<Bits>, usize) {
+        shares_all: bool,
+    ) -> (Vec<Bits>, [usize; 3]) {
         let per_rank = crate::exchange::on_ranks(ranks, |world| {
             let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
             let stretches = match cuts {
                 [] => Stretches::new(&symbolic, ranks),
                 cuts => Stretches::at(&symbolic, cuts),
             };
+            let stretches = if shares_all { stretches.sharing_all() } else { stretches };
             let mut lu = MultifrontalLu::shared(symbolic, stretches, 1, world);
-            let mut across = 0;
+            let mut counts = [0; 3];
             let mut one = |values: &Vec<f64>| {
                 let bits = bits(&mut lu, values, b);
                 if let (Ok(_), Work::Shared(share)) = (&bits, &lu.work) {
-                    across += share.delayed_across_ranks();
+                    let [with_panels, waiting] = share.shared_fronts(&lu.symbolic);
+                    let own = [share.delayed_across_ranks(), with_panels, waiting];
+                    counts.iter_mut().zip(own).for_each(|(all, own)| *all += own);
                 }
                 bits
             };
-            (all.iter().map(&mut one).collect::<Vec<Bits>>(), across)
+            (all.iter().map(&mut one).collect::<Vec<Bits>>(), counts)
         });
         assert!(per_rank.iter().all(|other| *other == per_rank[0]), "ranks differ");
         per_rank.into_iter().next().expect("a rank")
@@ -572,16 +577,39 @@ mod tests {
         vec![regular.clone(), weak, once, often, regular]
     }
 
+    /// Values without those of some columns in rows up to the front of each: their pivots wait for the front above.
+    fn with_late_columns(noise: &mut Noise, pattern: &SparsePattern, symbolic: &Symbolic) -> Vec<f64> {
+        let mut values = dominant(noise, pattern);
+        let mut place = vec![0; symbolic.size];
+        symbolic.order.iter().enumerate().for_each(|(own, &unknown)| place[unknown as usize] = own);
+        let above = symbolic.fronts.iter().filter(|front| !front.is_small() && !front.is_last());
+        for front in above {
+            let end = front.first + front.pivots;
+            let column = symbolic.order[front.first + noise.below(front.pivots)] as usize;
+            for at in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                if place[pattern.rows[at] as usize] < end {
+                    values[at] = 0.0;
+                }
+            }
+        }
+        values
+    }
+
     #[test]
     fn ranks_and_threads_have_the_bits_of_one() {
         let mut noise = Noise(21);
-        let (mut delayed, mut across, mut singular) = (0, 0, 0);
+        let (mut delayed, mut singular, mut shared) = (0, 0, [0; 3]);
         for case in 0..60 {
             let nodes = 4 + noise.below(40);
-            let pattern = if case % 10 == 0 { shell(9 + case / 5, 10) } else { random_pattern(&mut noise, nodes, case % 5) };
-            let matrices = matrices_of(&mut noise, &pattern);
-            let b = noise.vector(7 * pattern.size);
+            let pattern = if case % 10 == 0 {
+                shell([9, 11, 33][case / 10 % 3], 10)
+            } else {
+                random_pattern(&mut noise, nodes, case % 5)
+            };
             let mut alone = MultifrontalLu::new(&pattern, &[], 1);
+            let mut matrices = matrices_of(&mut noise, &pattern);
+            matrices.insert(1, with_late_columns(&mut noise, &pattern, &alone.symbolic));
+            let b = noise.vector(7 * pattern.size);
             alone.cut_solutions(1, &[]);
             let mut one = |values: &Vec<f64>| {
                 let bits = bits(&mut alone, values, &b);
@@ -595,9 +623,14 @@ mod tests {
                 let mut cuts: Vec<usize> = (1..ranks).map(|_| noise.below(fronts + 1)).collect();
                 cuts.sort_unstable();
                 for cuts in [&[], &cuts[..]] {
-                    let (given, waited) = bits_on_ranks(&pattern, &matrices, &b, (ranks, cuts));
-                    assert!(given == expected, "case {case}, {ranks} ranks, cuts {cuts:?} of {fronts} fronts");
-                    across += waited;
+                    for shares_all in [false, true] {
+                        let (given, counts) = bits_on_ranks(&pattern, &matrices, &b, (ranks, cuts), shares_all);
+                        assert!(
+                            given == expected,
+                            "case {case}, {ranks} ranks, cuts {cuts:?}, {shares_all}, {fronts} fronts"
+                        );
+                        shared.iter_mut().zip(counts).for_each(|(all, own)| *all += own);
+                    }
                     let mut on_threads = MultifrontalLu::new(&pattern, &[], 1);
                     on_threads.cut_solutions(ranks, cuts);
                     let given: Vec<Bits> = matrices.iter().map(|values| bits(&mut on_threads, values, &b)).collect();
@@ -605,8 +638,11 @@ mod tests {
                 }
             }
         }
+        let [across, with_panels, waiting] = shared;
         let counts = format!("{delayed} delayed pivots, {across} across ranks, {singular} singular matrices");
-        assert!(delayed > 300 && across > 100 && singular > 50, "{counts}");
+        let of_shared = format!("{with_panels} shared fronts of several panels, {waiting} pivots of shared ones delayed");
+        println!("{counts}, {of_shared}");
+        assert!(delayed > 300 && across > 100 && singular > 50 && with_panels > 50 && waiting > 50, "{counts}, {of_shared}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The elimination inside a front: blocks of columns, and a search for pivots among the rows that no later contribution changes.
 
-use super::kernels::{largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
+use super::kernels::{Crew, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::product::Target;
 use crate::linalg::simd::{Kernel, dispatch};
@@ -40,20 +40,37 @@ impl PivotBlock<'_> {
     ///
     /// Afterwards the columns hold L below the diagonal and U on and above it; the others, their Schur complement below.
     pub fn eliminate(&mut self) -> usize {
-        let count = self.columns.len();
-        // columns from `end` on found no pivot in this round
-        let (mut done, mut end, mut done_before) = (0, count, 0);
-        while done < end {
-            let panel = done..(done + PANEL).min(end);
-            let found = dispatch(Panel { block: self, columns: panel.clone() });
-            self.subtract(done..found, panel.end..count);
-            self.postpone(found..panel.end, &mut end);
-            done = found;
-            if done == end && done > done_before {
+        self.eliminate_behind(0, self.columns.len())
+    }
+
+    /// The same behind columns that have their pivots; those from `end` on have found none in this round.
+    fn eliminate_behind(&mut self, mut done: usize, mut end: usize) -> usize {
+        let (count, mut done_before) = (self.columns.len(), 0);
+        loop {
+            if done == end {
+                if done == done_before || done == count {
+                    return done;
+                }
                 (end, done_before) = (count, done);
             }
+            let panel = done..(done + PANEL).min(end);
+            let found = self.eliminate_panel(panel.clone());
+            self.subtract(done..found, panel.end..count, 0);
+            self.postpone(found..panel.end, &mut end);
+            done = found;
         }
-        done
+    }
+
+    /// The same from the first panel on in which a column has no pivot, whose pivots are subtracted already.
+    pub fn eliminate_behind_first_failure(&mut self, panel: Range<usize>, found: usize) -> usize {
+        let mut end = self.columns.len();
+        self.postpone(found..panel.end, &mut end);
+        self.eliminate_behind(found, end)
+    }
+
+    /// Eliminates the columns of a panel that have a pivot, and moves the others to its end; returns the end of the pivots.
+    pub fn eliminate_panel(&mut self, panel: Range<usize>) -> usize {
+        dispatch(Panel { block: self, columns: panel })
     }
 
     /// Moves columns without a pivot to the end of those that are still tried.
@@ -65,19 +82,19 @@ impl PivotBlock<'_> {
         }
     }
 
-    /// Subtracts pivots from columns.
-    fn subtract(&mut self, pivots: Range<usize>, columns: Range<usize>) {
+    /// Subtracts pivots from columns, while others subtract them from more columns.
+    pub fn subtract(&mut self, pivots: Range<usize>, columns: Range<usize>, elsewhere: usize) {
         if pivots.is_empty() || columns.is_empty() {
             return;
         }
-        let size = self.size;
+        let (size, crew) = (self.size, Crew { threads: self.threads, elsewhere });
         let (done, rest) = self.values[..columns.end * size].split_at_mut(columns.start * size);
         let done = MatrixView::new(done, size, columns.start).block(pivots.start..size, pivots.clone());
         let rest = MatrixViewMut::new(rest, size, columns.len()).block(pivots.start..size, 0..columns.len());
         let (mut upper, lower) = rest.split_rows(pivots.len());
-        solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), self.threads);
+        solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), crew);
         let below = done.block(pivots.len()..done.rows(), 0..pivots.len());
-        subtract_product(lower, Target::Reduced, below, upper.as_view(), self.threads);
+        subtract_product(lower, Target::Reduced, below, upper.as_view(), crew);
     }
 
     /// Exchanges two unknowns, rows and columns.
@@ -92,8 +109,9 @@ impl PivotBlock<'_> {
         self.exchange_rows(a, b);
     }
 
+    /// Exchanges two rows of all columns, and notes it.
     #[inline(always)]
-    fn exchange_rows(&mut self, a: usize, b: usize) {
+    pub fn exchange_rows(&mut self, a: usize, b: usize) {
         if a != b {
             self.values.chunks_exact_mut(self.size).for_each(|column| column.swap(a, b));
             self.rows.swap(a, b);

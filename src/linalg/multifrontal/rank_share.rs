@@ -1,10 +1,14 @@
 //! What one rank does of a factorization and of solutions: its stretch of the sequence of fronts.
 //!
-//! Of a factorization these are subtrees of its own, and fronts above with the contributions of other ranks, in the order of children.
+//! Of a factorization these are subtrees of its own, and fronts above with the contributions of other ranks, in the order of children, of which those
+//! that take long are shared.
 //! Every number is the sum of the same terms in the same order as in one process, and has the same bits.
 
-use super::factors::{Factors, Part};
+use super::factors::Factors;
 use super::front::Contribution;
+#[cfg(test)]
+use super::pivots::PANEL;
+use super::shared_front::{Columns, Deal, Inbox, SharedFront, Team};
 use super::stretch_solution::{Delayed, StretchSolution, delayed, end_out_of_step};
 use super::stretches::Stretches;
 use super::substitution::{BLOCK, Side, Substitution};
@@ -12,24 +16,35 @@ use super::symbolic::Symbolic;
 use super::traversal::Piece;
 use crate::exchange::{Exchange, digest};
 use crate::linalg::{OwnUnknowns, Singular};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// The stretch of one rank.
 pub struct RankShare {
-    exchange: &'static dyn Exchange,
-    pieces: Vec<Piece>,
-    /// Contributions of other ranks that came before they were needed.
-    early: Vec<Received>,
+    mail: Mail,
+    /// Subtrees of its own, and then fronts with some of other ranks below them that it factors, or helps to.
+    tasks: Vec<Task>,
+    shared: SharedFront,
+    /// How fronts with some of several ranks below them are dealt, by their numbers.
+    deals: BTreeMap<usize, Deal>,
     solution: StretchSolution,
+    threads: usize,
 }
 
-/// A contribution of another rank.
-struct Received {
-    front: usize,
-    places: [Vec<u32>; 2],
-    message: Vec<f64>,
-    first: usize,
+/// What a rank does, one after the other.
+enum Task {
+    /// All alone, for children of its own or of others.
+    Own(Piece),
+    /// A front with others.
+    Shared(usize),
+}
+
+/// Messages of other ranks.
+struct Mail {
+    exchange: &'static dyn Exchange,
+    /// Contributions that came before they were needed, and own ones, with their senders.
+    early: Vec<(usize, Columns)>,
 }
 
 /// First number of its message.
@@ -41,24 +56,32 @@ impl RankShare {
     /// The stretch of this rank, for so many threads.
     pub fn new(symbolic: &Symbolic, stretches: Stretches, threads: usize, exchange: &'static dyn Exchange) -> Self {
         let solution = StretchSolution::new(symbolic, Arc::new(stretches), exchange.rank());
+        let stretches = &solution.stretches;
+        let parted = (0..symbolic.fronts.len()).filter(|&front| stretches.is_parted(symbolic, front));
+        let deals: BTreeMap<usize, Deal> = parted.map(|front| (front, Deal::new(symbolic, stretches, front))).collect();
         let flops = symbolic.subtree_flops();
-        let piece = |(fronts, is_parted): &(Range<usize>, bool)| match is_parted {
-            true => Piece::front(symbolic, fronts.start, threads),
-            false => Piece::subtree(symbolic, fronts.end - 1, &flops, threads),
-        };
-        let pieces = solution.subtrees.iter().map(piece).collect();
-        RankShare { exchange, pieces, early: Vec::new(), solution }
+        let subtrees = solution.subtrees.iter().filter(|(_, is_parted)| !is_parted);
+        let subtrees = subtrees.map(|(fronts, _)| Task::Own(Piece::subtree(symbolic, fronts.end - 1, &flops, threads)));
+        // what waits for nobody comes first
+        let with_others = deals.values().filter(|deal| deal.member(exchange.rank()).is_some());
+        let with_others = with_others.map(|deal| match deal.is_shared() {
+            true => Task::Shared(deal.front),
+            false => Task::Own(Piece::front(symbolic, deal.front, threads)),
+        });
+        let tasks = subtrees.chain(with_others).collect();
+        let mail = Mail { exchange, early: Vec::new() };
+        RankShare { mail, tasks, shared: SharedFront::default(), deals, solution, threads }
     }
 
     /// Number of all ranks.
     pub fn ranks(&self) -> usize {
-        self.exchange.ranks()
+        self.mail.exchange.ranks()
     }
 
     /// Unknowns whose pivots each rank looks for, but for those that wait for another one.
     pub fn own_unknowns(&self, symbolic: &Symbolic) -> OwnUnknowns {
         let of_rank = |rank| symbolic.order[self.solution.stretches.places(symbolic, rank)].to_vec();
-        OwnUnknowns::new(self.exchange, (0..self.ranks()).map(of_rank).collect())
+        OwnUnknowns::new(self.mail.exchange, (0..self.ranks()).map(of_rank).collect())
     }
 
     /// Pivots of the last factorization that wait for a front of another rank.
@@ -69,9 +92,20 @@ impl RankShare {
         across.map(|delayed| delayed.places[0].len()).sum()
     }
 
+    /// Fronts of several panels that ranks share, and pivots of the last factorization that wait for a front above one that is shared.
+    #[cfg(test)]
+    pub fn shared_fronts(&self, symbolic: &Symbolic) -> [usize; 2] {
+        let is_shared = |front: &usize| self.deals.get(front).is_some_and(Deal::is_shared);
+        let has_panels = |front: &usize| is_shared(front) && symbolic.fronts[*front].pivots > 3 * PANEL;
+        let waiting = self.solution.delayed.iter().filter(|delayed| is_shared(&delayed.front));
+        let waiting = waiting.map(|delayed| delayed.places[0].len()).sum();
+        [(0..symbolic.fronts.len()).filter(has_panels).count(), waiting]
+    }
+
     /// Bytes of waiting contributions at their peak.
     pub fn bytes(&self) -> usize {
-        self.pieces.iter().map(Piece::bytes).sum()
+        let of_task = |task: &Task| if let Task::Own(piece) = task { piece.bytes() } else { 0 };
+        self.tasks.iter().map(of_task).sum()
     }
 
     /// Factors values given in the order of the pattern.
@@ -82,70 +116,68 @@ impl RankShare {
     /// # Errors
     /// [`Singular`] with the column that has no pivot, on all ranks.
     pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
-        let own = self.solution.stretches.fronts(self.exchange.rank());
+        let RankShare { mail, tasks, shared, deals, solution, threads } = self;
+        let (exchange, stretches) = (mail.exchange, &*solution.stretches);
+        let own = stretches.fronts(exchange.rank());
         let (_, rest) = factors.part(symbolic).split_at(symbolic, own.start);
         let (mut part, _) = rest.split_at(symbolic, own.end);
         let mut failure: Option<(usize, Singular)> = None;
-        // what waits for nobody comes first
-        let is_parted = |index: &usize| self.solution.subtrees[*index].1;
-        let mut order: Vec<usize> = (0..self.pieces.len()).collect();
-        order.sort_by_key(is_parted);
-        for index in order {
-            let (root, first) = (self.pieces[index].root(), self.pieces[index].fronts().start);
-            let is_parted = self.solution.stretches.is_parted(symbolic, root);
-            let taken = if is_parted { self.take_children(symbolic, root) } else { Vec::new() };
-            let (before, rest) = self.pieces.split_at_mut(index);
-            let (below, mut fronts) = part.reborrow().split_at(symbolic, first);
-            let result = if is_parted {
-                let children = children(symbolic, root, &taken, before, &below);
-                rest[0].factor_front(symbolic, values, &mut fronts, &children)
-            } else {
-                rest[0].factor(symbolic, values, fronts)
+        for task in tasks {
+            let (number, result) = match task {
+                Task::Own(piece) => {
+                    let (root, first) = (piece.root(), piece.fronts().start);
+                    let (_, mut fronts) = part.reborrow().split_at(symbolic, first);
+                    let result = if deals.contains_key(&root) {
+                        let mut taken = mail.take_children(symbolic, deals, stretches, root);
+                        taken.iter_mut().for_each(join);
+                        let children: Vec<_> = taken.iter().map(|child| child[0].whole()).collect();
+                        piece.factor_front(symbolic, values, &mut fronts, &children)
+                    } else {
+                        piece.factor(symbolic, values, fronts)
+                    };
+                    if result.is_ok() {
+                        let contribution = piece.contribution(symbolic, &part);
+                        let waiting = contribution.delayed_rows.len();
+                        let there = 0..waiting + symbolic.fronts[root].others();
+                        mail.hand_on(symbolic, deals, contribution, there);
+                    }
+                    (root, result)
+                }
+                Task::Shared(number) => {
+                    let number = *number;
+                    let children = mail.take_children(symbolic, deals, stretches, number);
+                    let deal = &deals[&number];
+                    let member = deal.member(exchange.rank()).expect("a task of the team");
+                    let team = Team { exchange, deal, member, threads: *threads };
+                    let result = if member == 0 {
+                        let delayed = children.iter().map(|pieces| pieces[0].waiting[0].len()).sum();
+                        let storage = part.prepare(symbolic, number, delayed);
+                        let found = shared.factor(symbolic, team, mail, &children, Some((storage, values)));
+                        part.set_eliminated(number, found);
+                        match shared.waiting[1].first() {
+                            Some(&place) if symbolic.fronts[number].is_last() => {
+                                Err(Singular { unknown: symbolic.order[place as usize] as usize })
+                            }
+                            _ => Ok(()),
+                        }
+                    } else {
+                        shared.factor(symbolic, team, mail, &children, None);
+                        Ok(())
+                    };
+                    let [delayed_rows, delayed_columns] = &shared.waiting;
+                    let contribution =
+                        Contribution { front: number, delayed_rows, delayed_columns, values: &shared.contribution };
+                    mail.hand_on(symbolic, deals, contribution, deal.contributed(member, delayed_rows.len()));
+                    (number, result)
+                }
             };
-            match result {
-                Ok(()) => self.hand_on(symbolic, root, self.pieces[index].contribution(symbolic, &part)),
-                Err(singular) => failure = failure.filter(|&(earlier, _)| earlier < root).or(Some((root, singular))),
+            if let Err(singular) = result {
+                failure = failure.filter(|&(earlier, _)| earlier < number).or(Some((number, singular)));
             }
-            self.exchange.hurry();
+            exchange.hurry();
         }
-        let delayed = if failure.is_some() { Vec::new() } else { delayed(symbolic, &part, &self.solution.pieces) };
+        let delayed = if failure.is_some() { Vec::new() } else { delayed(symbolic, &part, &solution.pieces) };
         self.agree(symbolic, failure.map(|(_, singular)| singular), delayed)
-    }
-
-    /// Contributions of other ranks to a front, whenever they come.
-    fn take_children(&mut self, symbolic: &Symbolic, parent: usize) -> Vec<Received> {
-        let mut taken = Vec::new();
-        for &child in &symbolic.children[symbolic.fronts[parent].children.clone()] {
-            let (child, owner) = (child as usize, self.solution.stretches.owner(child as usize));
-            if owner == self.exchange.rank() {
-                continue;
-            }
-            loop {
-                if let Some(place) = self.early.iter().position(|early| early.front == child) {
-                    taken.push(self.early.swap_remove(place));
-                    break;
-                }
-                let received = Received::new(self.exchange.receive(owner));
-                match received {
-                    Some(received) => self.early.push(received),
-                    None => end_out_of_step(self.exchange, owner),
-                }
-            }
-        }
-        taken
-    }
-
-    /// Sends the contribution of a front to the rank that needs it.
-    fn hand_on(&self, symbolic: &Symbolic, front: usize, contribution: Contribution<'_>) {
-        let Some(parent) = symbolic.fronts[front].parent else { return };
-        let to = self.solution.stretches.owner(parent);
-        if to != self.exchange.rank() {
-            let Contribution { delayed_rows, delayed_columns, values, .. } = contribution;
-            let mut message = vec![CONTRIBUTION, front as f64, delayed_rows.len() as f64];
-            message.extend([delayed_rows, delayed_columns].into_iter().flatten().map(|&place| f64::from(place)));
-            message.extend_from_slice(values);
-            self.exchange.send(to, message);
-        }
     }
 
     /// All ranks know of the first failure, and of pivots that were delayed.
@@ -156,7 +188,7 @@ impl RankShare {
             own.extend([front as f64, rows.len() as f64]);
             own.extend(rows.iter().chain(&columns).map(|&place| f64::from(place)));
         }
-        let all = self.exchange.gather_lists(&own);
+        let all = self.mail.exchange.gather_lists(&own);
         // stretches follow each other as the fronts do
         if let Some(failed) = all.iter().find(|other| other[0] != REGULAR) {
             return Err(Singular { unknown: failed[0] as usize });
@@ -189,8 +221,8 @@ impl RankShare {
             factors.transpose(symbolic);
         }
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            self.solution.forward(self.exchange, (symbolic, factors), substitution, side, block);
-            self.solution.backward(self.exchange, (symbolic, factors), substitution, side);
+            self.solution.forward(self.mail.exchange, (symbolic, factors), substitution, side, block);
+            self.solution.backward(self.mail.exchange, (symbolic, factors), substitution, side);
             self.gather(symbolic, substitution, block);
             substitution.store(symbolic, block);
         }
@@ -198,21 +230,21 @@ impl RankShare {
 
     /// Brings the unknowns of all ranks together, and compares what they were asked for.
     fn gather(&self, symbolic: &Symbolic, substitution: &mut Substitution, rhs: &[f64]) {
-        let ranks = self.exchange.ranks();
+        let ranks = self.mail.exchange.ranks();
         let places = |rank: usize| self.solution.stretches.places(symbolic, rank);
         let columns = rhs.len() / symbolic.size;
         let mut own = vec![digest(rhs)];
         for solution in substitution.solutions(symbolic) {
-            own.extend_from_slice(&solution[places(self.exchange.rank())]);
+            own.extend_from_slice(&solution[places(self.mail.exchange.rank())]);
         }
         let counts: Vec<usize> = (0..ranks).map(|rank| 1 + columns * places(rank).len()).collect();
-        let all = self.exchange.gather(&own, &counts);
+        let all = self.mail.exchange.gather(&own, &counts);
         let mut rest = &all[..];
         for (rank, count) in counts.into_iter().enumerate() {
             let (others, after) = rest.split_at(count);
             rest = after;
             if others[0] != all[0] {
-                self.exchange.end(&format!("rank {rank} has other numbers than rank 0: are all processors the same?"));
+                self.mail.exchange.end(&format!("rank {rank} has other numbers than rank 0: are all processors the same?"));
             }
             let lists = others[1..].chunks_exact(places(rank).len().max(1));
             for (solution, list) in substitution.solutions(symbolic).zip(lists) {
@@ -222,39 +254,105 @@ impl RankShare {
     }
 }
 
-/// Contributions to a front in the order of its children: those of other ranks, and those of pieces before it, whose factors are `below`.
-fn children<'c>(
-    symbolic: &Symbolic,
-    parent: usize,
-    taken: &'c [Received],
-    before: &'c [Piece],
-    below: &'c Part<'_>,
-) -> Vec<Contribution<'c>> {
-    let of_child = |child: &u32| {
-        let child = *child as usize;
-        match taken.iter().find(|taken| taken.front == child) {
-            Some(taken) => taken.contribution(),
-            None => {
-                let place =
-                    before.binary_search_by_key(&child, Piece::root).expect("a child of a parted front ends a piece");
-                before[place].contribution(symbolic, below)
-            }
-        }
-    };
-    symbolic.children[symbolic.fronts[parent].children.clone()].iter().map(of_child).collect()
+/// The columns of a child's contribution that several ranks have, in one list.
+fn join(pieces: &mut Vec<Columns>) {
+    let mut others = pieces.split_off(1);
+    let first = &mut pieces[0];
+    for other in &mut others {
+        first.message.extend_from_slice(other.values());
+        first.there.end = other.there.end;
+    }
 }
 
-impl Received {
+impl Columns {
     /// What a message says; nothing if it is no contribution.
-    fn new(message: Vec<f64>) -> Option<Self> {
-        let &[CONTRIBUTION, front, delayed, ..] = &message[..] else { return None };
-        let count = delayed as usize;
-        let places = [0, 1].map(|list| message[3 + list * count..][..count].iter().map(|&place| place as u32).collect());
-        Some(Received { front: front as usize, places, message, first: 3 + 2 * count })
+    fn of(message: Vec<f64>) -> Option<Self> {
+        let &[CONTRIBUTION, child, start, end, waiting, ..] = &message[..] else { return None };
+        let count = waiting as usize;
+        let waiting = [0, 1].map(|list| message[5 + list * count..][..count].iter().map(|&place| place as u32).collect());
+        Some(Columns { child: child as usize, waiting, there: start as usize..end as usize, message, first: 5 + 2 * count })
     }
 
-    fn contribution(&self) -> Contribution<'_> {
-        let [delayed_rows, delayed_columns] = &self.places;
-        Contribution { front: self.front, delayed_rows, delayed_columns, values: &self.message[self.first..] }
+    /// The whole contribution, where all columns are there.
+    fn whole(&self) -> Contribution<'_> {
+        let [delayed_rows, delayed_columns] = &self.waiting;
+        Contribution { front: self.child, delayed_rows, delayed_columns, values: self.values() }
+    }
+}
+
+impl Mail {
+    /// Contributions of all children to a front, whenever they come, each in the order of those who have its columns.
+    fn take_children(
+        &mut self,
+        symbolic: &Symbolic,
+        deals: &BTreeMap<usize, Deal>,
+        stretches: &Stretches,
+        parent: usize,
+    ) -> Vec<Vec<Columns>> {
+        let children = &symbolic.children[symbolic.fronts[parent].children.clone()];
+        let of_child = |&child: &u32| {
+            let (child, alone) = (child as usize, [stretches.owner(child as usize)]);
+            let senders = deals.get(&child).map_or(&alone[..], |deal| &deal.team);
+            senders.iter().map(|&sender| self.take(sender, child)).collect()
+        };
+        children.iter().map(of_child).collect()
+    }
+
+    /// Columns of a front's contribution that a rank has.
+    fn take(&mut self, sender: usize, child: usize) -> Columns {
+        loop {
+            if let Some(place) = self.early.iter().position(|(from, early)| (*from, early.child) == (sender, child)) {
+                return self.early.swap_remove(place).1;
+            }
+            match Columns::of(self.exchange.receive(sender)) {
+                Some(columns) => self.early.push((sender, columns)),
+                None => end_out_of_step(self.exchange, sender),
+            }
+        }
+    }
+
+    /// Sends each rank that works on the front above the columns that it has there, of those that are there.
+    fn hand_on(
+        &mut self,
+        symbolic: &Symbolic,
+        deals: &BTreeMap<usize, Deal>,
+        contribution: Contribution<'_>,
+        there: Range<usize>,
+    ) {
+        let Contribution { front, delayed_rows, delayed_columns, values } = contribution;
+        let Some(deal) = symbolic.fronts[front].parent.and_then(|parent| deals.get(&parent)) else { return };
+        let waiting = delayed_rows.len();
+        let order = waiting + symbolic.fronts[front].others();
+        for (member, &rank) in deal.team.iter().enumerate() {
+            let mut message = vec![CONTRIBUTION, front as f64, there.start as f64, there.end as f64, waiting as f64];
+            message.extend([delayed_rows, delayed_columns].into_iter().flatten().map(|&place| f64::from(place)));
+            if deal.is_shared() {
+                for (column, _) in deal.wanted(symbolic, (front, waiting), &there, member) {
+                    message.extend_from_slice(&values[(column - there.start) * order..][..order]);
+                }
+            } else {
+                message.extend_from_slice(values);
+            }
+            match rank == self.exchange.rank() {
+                true => self.early.extend(Columns::of(message).map(|columns| (rank, columns))),
+                false => self.exchange.send(rank, message),
+            }
+        }
+    }
+}
+
+impl Inbox for Mail {
+    fn expect(&mut self, from: usize, head: [f64; 2]) -> Vec<f64> {
+        loop {
+            let mut message = self.exchange.receive(from);
+            if message.starts_with(&head) {
+                message.drain(..head.len());
+                return message;
+            }
+            match Columns::of(message) {
+                Some(columns) => self.early.push((from, columns)),
+                None => end_out_of_step(self.exchange, from),
+            }
+        }
     }
 }

@@ -36,7 +36,12 @@ pub fn pieces(symbolic: &Symbolic) -> Vec<Range<usize>> {
 pub struct Stretches {
     /// The first front of each, and the end.
     starts: Vec<usize>,
+    /// Time from which on a front is shared by ranks \[ns\].
+    shared_from: f64,
 }
+
+/// Time from which on a front is worth the messages of ranks that share it \[ns\]: some for each panel of it.
+const SHARED: f64 = 5e5;
 
 /// Time of a front \[ns\], as measured on one core of 2023 where fronts are large: calls, assembly of the entries, arithmetic.
 pub fn front_time(front: &Front) -> f64 {
@@ -76,7 +81,7 @@ impl Stretches {
             starts.push(cuts.min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(count));
         }
         starts.push(count);
-        Stretches { starts }
+        Stretches { starts, shared_from: SHARED }
     }
 
     /// Cut before the pieces of given fronts.
@@ -84,7 +89,13 @@ impl Stretches {
     pub fn at(symbolic: &Symbolic, cuts: &[usize]) -> Self {
         let (pieces, count) = (pieces(symbolic), symbolic.fronts.len());
         let start = |cut: &usize| pieces.iter().find(|piece| piece.contains(cut)).map_or(count, |piece| piece.start);
-        Stretches { starts: [&[0], &cuts.iter().map(start).collect::<Vec<_>>()[..], &[count]].concat() }
+        Stretches { starts: [&[0], &cuts.iter().map(start).collect::<Vec<_>>()[..], &[count]].concat(), shared_from: SHARED }
+    }
+
+    /// With all fronts shared that can be.
+    #[cfg(test)]
+    pub fn sharing_all(self) -> Self {
+        Stretches { shared_from: 0.0, ..self }
     }
 
     /// How many they are.
@@ -105,6 +116,15 @@ impl Stretches {
     /// Whether another rank has fronts below one.
     pub fn is_parted(&self, symbolic: &Symbolic, front: usize) -> bool {
         symbolic.fronts[front].subtree < self.starts[self.owner(front)]
+    }
+
+    /// Ranks that factor a front: the one that has it and, where it takes long, all others with fronts below it.
+    pub fn team(&self, symbolic: &Symbolic, front: usize) -> Vec<usize> {
+        let (owner, planned) = (self.owner(front), &symbolic.fronts[front]);
+        let is_shared = !planned.is_small() && front_time(planned) > self.shared_from;
+        let first = if is_shared { self.owner(planned.subtree) } else { owner };
+        let others = (first..owner).filter(|&rank| !self.fronts(rank).is_empty());
+        std::iter::once(owner).chain(others).collect()
     }
 
     /// Places of the unknowns of a rank.
