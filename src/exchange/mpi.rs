@@ -406,7 +406,10 @@ impl Exchange for Mpi {
 
     fn traffic(&self) -> Traffic {
         let [waited, sent] = self.traffic.each_ref().map(|number| number.load(Ordering::Relaxed) as f64);
-        Traffic { waited: 1e-9 * waited, sent, path: self.calls().path }
+        let mut calls = self.calls();
+        calls.enter();
+        calls.leave(0.0, 0.0, 0);
+        Traffic { waited: 1e-9 * waited, sent, path: calls.path }
     }
 
     fn end(&self, reason: &str) -> ! {

@@ -15,6 +15,7 @@
 //!
 //! Source: Duff & Reid (1983, 1984); Liu (1992), The multifrontal method for sparse matrix solution.
 
+mod balance;
 mod dissection;
 mod elimination_tree;
 mod entries;

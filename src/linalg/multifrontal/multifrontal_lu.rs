@@ -1,6 +1,7 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use super::balance::balanced;
 use super::factors::Factors;
 use super::graph::Role;
 use super::inertia::{Inertia, shifted_inertia};
@@ -52,7 +53,7 @@ impl MultifrontalLu {
     fn of(symbolic: Arc<Symbolic>, threads: usize) -> Self {
         let world = exchange::world();
         if world.ranks() > 1 && symbolic.analysis(0).entries > SMALL_FILL {
-            let stretches = Stretches::new(&symbolic, world.ranks());
+            let stretches = balanced(&symbolic, world.ranks());
             return Self::shared(symbolic, stretches, threads, world);
         }
         let work = Work::Alone(Traversal::new(&symbolic, threads), ThreadSolution::new(&symbolic, threads));
@@ -68,7 +69,7 @@ impl MultifrontalLu {
     #[cfg(test)]
     pub(crate) fn on(pattern: &SparsePattern, world: &'static dyn Exchange) -> Self {
         let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
-        let stretches = Stretches::new(&symbolic, world.ranks());
+        let stretches = balanced(&symbolic, world.ranks());
         Self::shared(symbolic, stretches, 1, world)
     }
 
@@ -536,7 +537,7 @@ mod tests {
         let per_rank = crate::exchange::on_ranks(ranks, |world| {
             let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
             let stretches = match cuts {
-                [] => Stretches::new(&symbolic, ranks),
+                [] => balanced(&symbolic, ranks),
                 cuts => Stretches::at(&symbolic, cuts),
             };
             let stretches = if shares_all { stretches.sharing_all() } else { stretches };

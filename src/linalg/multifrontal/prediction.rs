@@ -1,7 +1,8 @@
 //! What a factorization would take on ranks of a machine that is not at hand: a model of the times of fronts and of messages.
 
+use super::balance::balanced;
 use super::multifrontal_lu::roles;
-use super::stretches::{Stretches, front_time, team_time};
+use super::stretches::{front_time, shared_time, team_time};
 use super::symbolic::Symbolic;
 use crate::exchange::{MESSAGE, NUMBER};
 use crate::linalg::SparsePattern;
@@ -21,9 +22,9 @@ pub struct OnRanks {
 
 /// Predicts a factorization of a pattern on numbers of ranks, with numbers of threads each.
 ///
-/// A rank factors its subtrees, then its fronts with some of other ranks below, for whose contributions it waits. Its threads take subtrees, and
-/// form a team for each front above these that is as large as its share of the time. The last number is the bound of any number of ranks with
-/// one thread, of which one has each front: the longest chain of fronts.
+/// A rank factors its subtrees, then its fronts with some of other ranks below, for whose contributions it waits, those that take long together
+/// with these. Its threads take subtrees, and form a team for each front above these that is as large as its share of the time. The last number
+/// is the bound of any number of ranks with one thread, if one had each front: the longest chain of fronts.
 pub fn predicted(pattern: &SparsePattern, ranks: &[usize], threads: &[usize]) -> (Vec<OnRanks>, f64) {
     let symbolic = Symbolic::new(pattern, &roles(pattern, &[]));
     let mut chains: Vec<f64> = symbolic.fronts.iter().map(front_time).collect();
@@ -38,7 +39,7 @@ pub fn predicted(pattern: &SparsePattern, ranks: &[usize], threads: &[usize]) ->
 }
 
 fn on_ranks(symbolic: &Symbolic, ranks: usize, threads: usize, total: f64) -> OnRanks {
-    let stretches = Stretches::new(symbolic, ranks);
+    let stretches = balanced(symbolic, ranks);
     let (mut clocks, mut sent) = (vec![0.0_f64; ranks], vec![0.0; ranks]);
     let (mut ends, mut below) = (vec![0.0; symbolic.fronts.len()], vec![0.0; symbolic.fronts.len()]);
     let children =
@@ -65,17 +66,31 @@ fn on_ranks(symbolic: &Symbolic, ranks: usize, threads: usize, total: f64) -> On
     }
     for number in parted {
         let (front, owner) = (&symbolic.fronts[number], stretches.owner(number));
-        let mut start = clocks[owner];
+        let team = stretches.team(symbolic, number);
+        let share = 1.0 / team.len() as f64;
+        let mut start = team.iter().map(|&rank| clocks[rank]).fold(0.0, f64::max);
         for child in children(number) {
-            let sender = stretches.owner(child);
-            if sender != owner {
-                let numbers = symbolic.fronts[child].others().pow(2) as f64;
-                sent[sender] += numbers;
-                start = start.max(ends[child] + MESSAGE + NUMBER * numbers);
+            let senders = match stretches.is_parted(symbolic, child) {
+                true => stretches.team(symbolic, child),
+                false => vec![stretches.owner(child)],
+            };
+            let numbers = symbolic.fronts[child].others().pow(2) as f64;
+            let is_there = team == [owner] && senders == [owner];
+            start = start.max(ends[child] + if is_there { 0.0 } else { MESSAGE + NUMBER * share * numbers });
+            for &sender in &senders {
+                let kept = if team.contains(&sender) { share } else { 0.0 };
+                sent[sender] += numbers / senders.len() as f64 * (1.0 - kept);
             }
         }
-        clocks[owner] = start + team_time(front, threads as f64);
-        ends[number] = clocks[owner];
+        let end = start + shared_time(front, team.len(), threads as f64);
+        for (member, &rank) in team.iter().enumerate() {
+            clocks[rank] = end;
+            // panels to all others, and the rows of pivots to the first
+            let panels = front.pivots * front.size() * (team.len() - 1);
+            let rows = if member > 0 { front.pivots * front.others() } else { 0 };
+            sent[rank] += share * (panels + rows) as f64;
+        }
+        ends[number] = end;
     }
     let most = |all: Vec<f64>| all.into_iter().fold(0.0, f64::max);
     OnRanks { ranks, threads, speed: total / most(clocks), sent: most(sent) }

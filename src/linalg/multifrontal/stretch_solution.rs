@@ -161,7 +161,9 @@ impl StretchSolution {
             let places = self.places_of(symbolic, front, side);
             put(exchange, &message, [UNKNOWNS, front as f64], &places, substitution.solutions(symbolic), owner);
         }
-        for (fronts, _) in self.subtrees.iter().rev() {
+        // others wait for those that have some of theirs below
+        let (parted, whole): (Vec<_>, Vec<_>) = self.subtrees.iter().rev().partition(|(_, is_parted)| *is_parted);
+        for (fronts, _) in parted.into_iter().chain(whole) {
             exchange.hurry();
             substitution.backward(symbolic, factors, side, fronts.clone());
             let front = fronts.end - 1;

@@ -3,6 +3,7 @@
 use super::pivots::PANEL;
 use super::supernodes::elimination_flops;
 use super::symbolic::{Front, Symbolic};
+use crate::exchange::{MESSAGE, NUMBER};
 use std::ops::Range;
 
 /// Share of the time of all fronts that a piece has at most.
@@ -36,12 +37,16 @@ pub fn pieces(symbolic: &Symbolic) -> Vec<Range<usize>> {
 pub struct Stretches {
     /// The first front of each, and the end.
     starts: Vec<usize>,
-    /// Time from which on a front is shared by ranks \[ns\].
-    shared_from: f64,
+    /// Whether ranks share all fronts that they can, or those that are worth it.
+    shares_all: bool,
 }
 
 /// Time from which on a front is worth the messages of ranks that share it \[ns\]: some for each panel of it.
 const SHARED: f64 = 5e5;
+
+const FRONT: f64 = 1000.0;
+const ENTRY: f64 = 0.43;
+const FLOP: f64 = 0.0101;
 
 /// Time of a front \[ns\], as measured on one core of 2023 where fronts are large: calls, assembly of the entries, arithmetic.
 pub fn front_time(front: &Front) -> f64 {
@@ -50,13 +55,25 @@ pub fn front_time(front: &Front) -> f64 {
 
 /// The same with a team of threads, which share the products alone.
 pub fn team_time(front: &Front, threads: f64) -> f64 {
-    const FRONT: f64 = 1000.0;
-    const ENTRY: f64 = 0.43;
-    const FLOP: f64 = 0.0101;
-    let flops = elimination_flops(front.pivots, front.size());
+    shared_time(front, 1, threads)
+}
+
+/// The same of ranks that share it: they have entries and products of their own, and send each other panels of pivots, one after the other.
+pub fn shared_time(front: &Front, ranks: usize, threads: f64) -> f64 {
+    let (size, flops) = (front.size(), elimination_flops(front.pivots, front.size()));
     // of panels, one column after the other
-    let alone = ((2 * PANEL * front.pivots * front.size()) as f64).min(flops);
-    FRONT + ENTRY * front.size().pow(2) as f64 + FLOP * (alone + (flops - alone) / threads)
+    let alone = ((2 * PANEL * front.pivots * size) as f64).min(flops);
+    let shared = ENTRY * size.pow(2) as f64 + FLOP * (flops - alone) / threads;
+    let messages = match ranks {
+        1 => 0.0,
+        _ => front.pivots.div_ceil(PANEL) as f64 * MESSAGE + NUMBER * (front.pivots * (size + front.others())) as f64,
+    };
+    FRONT + FLOP * alone + messages + shared / ranks as f64
+}
+
+/// Whether it is worth the messages to share a front.
+pub fn is_worth_sharing(front: &Front) -> bool {
+    !front.is_small() && front_time(front) > SHARED
 }
 
 impl Stretches {
@@ -81,7 +98,7 @@ impl Stretches {
             starts.push(cuts.min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(count));
         }
         starts.push(count);
-        Stretches { starts, shared_from: SHARED }
+        Stretches { starts, shares_all: false }
     }
 
     /// Cut before the pieces of given fronts.
@@ -89,13 +106,19 @@ impl Stretches {
     pub fn at(symbolic: &Symbolic, cuts: &[usize]) -> Self {
         let (pieces, count) = (pieces(symbolic), symbolic.fronts.len());
         let start = |cut: &usize| pieces.iter().find(|piece| piece.contains(cut)).map_or(count, |piece| piece.start);
-        Stretches { starts: [&[0], &cuts.iter().map(start).collect::<Vec<_>>()[..], &[count]].concat(), shared_from: SHARED }
+        Stretches { starts: [&[0], &cuts.iter().map(start).collect::<Vec<_>>()[..], &[count]].concat(), shares_all: false }
     }
 
     /// With all fronts shared that can be.
     #[cfg(test)]
     pub fn sharing_all(self) -> Self {
-        Stretches { shared_from: 0.0, ..self }
+        Stretches { shares_all: true, ..self }
+    }
+
+    /// The same that begin at other fronts.
+    pub fn with_starts(self, mut starts: Vec<usize>) -> Self {
+        starts.extend(self.starts.last());
+        Stretches { starts, ..self }
     }
 
     /// How many they are.
@@ -121,7 +144,7 @@ impl Stretches {
     /// Ranks that factor a front: the one that has it and, where it takes long, all others with fronts below it.
     pub fn team(&self, symbolic: &Symbolic, front: usize) -> Vec<usize> {
         let (owner, planned) = (self.owner(front), &symbolic.fronts[front]);
-        let is_shared = !planned.is_small() && front_time(planned) > self.shared_from;
+        let is_shared = is_worth_sharing(planned) || self.shares_all && !planned.is_small();
         let first = if is_shared { self.owner(planned.subtree) } else { owner };
         let others = (first..owner).filter(|&rank| !self.fronts(rank).is_empty());
         std::iter::once(owner).chain(others).collect()

@@ -1,0 +1,146 @@
+//! Where the sequence of fronts is cut for ranks that share some of them: a model of the times that they take, and a search.
+
+use super::stretches::{Stretches, front_time, is_worth_sharing, pieces, shared_time};
+use super::supernodes::factor_entries;
+use super::symbolic::Symbolic;
+use crate::exchange::{MESSAGE, NUMBER};
+use std::ops::Range;
+
+/// How many pieces a cut is moved at a time.
+const MOVES: [isize; 8] = [1, -1, 2, -2, 4, -4, 8, -8];
+/// Times that all cuts are tried.
+const ROUNDS: usize = 20;
+/// Solutions for each factorization, and the time of one for each entry of the factors; that of the matrix for each unknown \[ns\].
+const SOLUTIONS: f64 = 5.0;
+const OF_ENTRY: f64 = 0.46;
+const OF_UNKNOWN: f64 = 560.0;
+/// How many times as many unknowns elements have beside those of a front between two stretches, which two ranks evaluate.
+const AGAIN: usize = 4;
+
+/// A piece of the tree of fronts.
+struct Piece {
+    fronts: Range<usize>,
+    /// The first piece below it, or itself.
+    first: usize,
+    /// Pieces whose last fronts contribute to it.
+    below: Vec<usize>,
+    /// Of its factorization, and of solutions \[ns\].
+    time: f64,
+    solutions: f64,
+    unknowns: usize,
+    /// Rows that it contributes to.
+    others: usize,
+    is_worth_sharing: bool,
+}
+
+/// All pieces, in their order.
+struct Pieces<'s> {
+    symbolic: &'s Symbolic,
+    all: Vec<Piece>,
+}
+
+impl<'s> Pieces<'s> {
+    fn new(symbolic: &'s Symbolic) -> Self {
+        let ranges = pieces(symbolic);
+        let of_front = |front: usize| ranges.partition_point(|piece| piece.end <= front);
+        let piece = |fronts: &Range<usize>| {
+            let root = &symbolic.fronts[fronts.end - 1];
+            let is_subtree = root.subtree == fronts.start;
+            let children = symbolic.children[root.children.clone()].iter().map(|&child| of_front(child as usize));
+            let own = || symbolic.fronts[fronts.clone()].iter();
+            let entries: usize = own().map(|front| factor_entries(front.pivots, front.size())).sum();
+            Piece {
+                fronts: fronts.clone(),
+                first: of_front(root.subtree),
+                below: if is_subtree { Vec::new() } else { children.collect() },
+                time: own().map(front_time).sum(),
+                solutions: SOLUTIONS * OF_ENTRY * entries as f64,
+                unknowns: own().map(|front| front.pivots).sum(),
+                others: root.others(),
+                is_worth_sharing: !is_subtree && is_worth_sharing(root),
+            }
+        };
+        Pieces { symbolic, all: ranges.iter().map(piece).collect() }
+    }
+
+    /// What a matrix, its factorization and solutions take if ranks begin at given pieces \[ns\].
+    fn cost(&self, starts: &[usize]) -> f64 {
+        let owners: Vec<usize> =
+            (0..self.all.len()).map(|piece| starts.partition_point(|&start| start <= piece) - 1).collect();
+        let mut unknowns = vec![0; starts.len()];
+        for (piece, &owner) in self.all.iter().zip(&owners) {
+            let again = if owners[piece.first] < owner { AGAIN } else { 1 };
+            unknowns[owner] += again * piece.unknowns;
+        }
+        let matrix = OF_UNKNOWN * unknowns.into_iter().max().unwrap_or(0) as f64;
+        let factorization = |piece: &Piece, ranks: usize| match ranks > 1 && piece.is_worth_sharing {
+            true => (shared_time(&self.symbolic.fronts[piece.fronts.end - 1], ranks, 1.0), true),
+            false => (piece.time, false),
+        };
+        let factorization = self.path(&owners, starts.len(), factorization, |child| child.others.pow(2));
+        // each front by its owner alone
+        let solutions = self.path(&owners, starts.len(), |piece, _| (piece.solutions, false), |child| child.others);
+        matrix + factorization + solutions
+    }
+
+    /// The time after which all pieces are done. Those that have some of others below them take a time that depends on the number of these ranks,
+    /// which may share it; each takes so many numbers from others.
+    fn path(
+        &self,
+        owners: &[usize],
+        ranks: usize,
+        time: impl Fn(&Piece, usize) -> (f64, bool),
+        numbers: impl Fn(&Piece) -> usize,
+    ) -> f64 {
+        let is_parted = |&number: &usize| owners[self.all[number].first] < owners[number];
+        let (mut clocks, mut ends) = (vec![0.0_f64; ranks], vec![0.0; self.all.len()]);
+        // what waits for nobody comes first
+        for number in (0..self.all.len()).filter(|number| !is_parted(number)) {
+            clocks[owners[number]] += time(&self.all[number], 1).0;
+            ends[number] = clocks[owners[number]];
+        }
+        for number in (0..self.all.len()).filter(is_parted) {
+            let (piece, owner) = (&self.all[number], owners[number]);
+            let (time, is_shared) = time(piece, owner + 1 - owners[piece.first]);
+            let team = if is_shared { owners[piece.first]..owner + 1 } else { owner..owner + 1 };
+            let share = 1.0 / team.len() as f64;
+            let arrival = |&child: &usize| match owners[child] == owner && team.len() == 1 {
+                true => ends[child],
+                false => ends[child] + MESSAGE + NUMBER * share * numbers(&self.all[child]) as f64,
+            };
+            let start = piece.below.iter().map(arrival).chain(clocks[team.clone()].iter().copied()).fold(0.0, f64::max);
+            ends[number] = start + time;
+            clocks[team].fill(ends[number]);
+        }
+        clocks.into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// Stretches for ranks: those that share no front, with each cut moved as long as a model says that less time is taken.
+pub fn balanced(symbolic: &Symbolic, ranks: usize) -> Stretches {
+    let pieces = Pieces::new(symbolic);
+    let first = Stretches::new(symbolic, ranks);
+    let of_front = |front: usize| pieces.all.partition_point(|piece| piece.fronts.end <= front);
+    let mut starts: Vec<usize> = (0..ranks).map(|rank| of_front(first.fronts(rank).start)).collect();
+    let mut least = pieces.cost(&starts);
+    for _ in 0..ROUNDS {
+        let before = least;
+        for (rank, by) in (1..ranks).flat_map(|rank| MOVES.map(|by| (rank, by))) {
+            let was = starts[rank];
+            let range = starts[rank - 1]..=starts.get(rank + 1).copied().unwrap_or(pieces.all.len());
+            let Some(moved) = was.checked_add_signed(by).filter(|moved| range.contains(moved)) else { continue };
+            starts[rank] = moved;
+            let cost = pieces.cost(&starts);
+            if cost < least {
+                least = cost;
+            } else {
+                starts[rank] = was;
+            }
+        }
+        if least == before {
+            break;
+        }
+    }
+    let start = |&piece: &usize| pieces.all.get(piece).map_or(symbolic.fronts.len(), |piece| piece.fronts.start);
+    first.with_starts(starts.iter().map(start).collect())
+}
