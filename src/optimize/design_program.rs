@@ -59,6 +59,8 @@ pub(super) struct DesignProgram<'o, 'w> {
     linear: Vec<Combination>,
     kinds: Vec<ConstraintKind>,
     latest: Option<Latest<'o>>,
+    /// Times of one rank that each case has taken last; equal before.
+    costs: Vec<f64>,
     pub history: DesignHistory,
     /// Points of an earlier run of the same optimization that are still to come, in their order: they are not simulated again.
     recorded: VecDeque<DesignPoint>,
@@ -103,6 +105,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             linear,
             kinds: kinds.map(|limit| sided(limit).0).collect(),
             latest: None,
+            costs: vec![1.0; optimization.cases.len()],
             history: DesignHistory {
                 variables,
                 functionals: names.clone(),
@@ -149,9 +152,9 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
     }
 
     /// Builds a design and simulates it.
-    fn simulate(&self, design: &[f64]) -> Result<Simulated<'o>, RunError> {
-        let watcher = &self.watcher;
-        self.optimization.simulate(design, &|| watcher.wants_to_stop())
+    fn simulate(&mut self, design: &[f64]) -> Result<Simulated<'o>, RunError> {
+        let DesignProgram { optimization, watcher, costs, .. } = self;
+        optimization.simulate(design, costs, &|| watcher.wants_to_stop())
     }
 
     fn values_at(&self, y: &[f64], functionals: &[f64]) -> Values {
