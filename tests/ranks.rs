@@ -344,6 +344,51 @@ fn scenarios_and_starts_that_are_dealt_have_the_bits_of_one_process() {
     }
 }
 
+/// Scenarios of a plate, one of them with more steps than the others.
+const FALLS: &str = r#"
+[[scenario]]
+name = "short"
+settings.steps = 1
+[[scenario]]
+name = "long"
+settings.steps = 5
+[[scenario]]
+name = "upwards"
+gravity = [0, 0, 9.81]
+[optimization]
+minimize = "mass [short]"
+constraint = [{ functional = "strain energy, integral", at_most = 1e-9 }]
+"#;
+
+#[test]
+fn scenarios_and_starts_that_groups_of_ranks_share_have_the_bits_of_one_process() {
+    let folder = Folder::new("groups", 2);
+    fs::write(folder.0.join("falls.toml"), plate(2) + FALLS).unwrap();
+    let optimize = |ranks: usize, further: &[&str]| {
+        let out = format!("of-{ranks}-{}", further.len());
+        let common = ["optimize", "falls.toml", "--iterations", "2", "--no-report", "--json", "--out", &out];
+        let mut command = folder.command(ranks, &[&common[..], further].concat());
+        let output = command.env("RAYON_NUM_THREADS", "1").output().unwrap();
+        let object: Value = serde_json::from_str(text(&output.stdout).lines().last().unwrap_or_default())
+            .unwrap_or_else(|_| panic!("{}{}", text(&output.stdout), text(&output.stderr)));
+        let table = fs::read_to_string(folder.0.join(out).join("optimization.csv")).unwrap();
+        let table: Vec<String> = untimed(&table).iter().map(|row| row.join(",")).collect();
+        ((output.status.code(), object["design"].clone(), error_of(&output)), table)
+    };
+    // groups of two, two and one; later the long one has more
+    let one = optimize(1, &[]);
+    assert!(one.1.len() > 3, "{:?}", one.1);
+    for ranks in 4..=5 {
+        assert_eq!(optimize(ranks, &[]), one, "{ranks} ranks");
+    }
+    // starts of two ranks each, which deal scenarios among them, and of four, some of which share them
+    let starts = ["--starts", "2"];
+    let one = optimize(1, &starts);
+    for ranks in [4, 8] {
+        assert_eq!(optimize(ranks, &starts), one, "{ranks} ranks");
+    }
+}
+
 #[test]
 fn a_scenario_that_fails_on_one_rank_is_told_by_all() {
     let folder = Folder::new("failing", 1);
@@ -395,6 +440,7 @@ fn end_of(folder: &Folder, mut command: Command, begun: &str, happens: impl FnOn
 const RUN: &[&str] = &["run", "plate.toml", "--no-report", "--out", "results"];
 const KEPT: &[&str] = &["run", "plate.toml", "--no-report", "--out", "results", "--history", "file:kept"];
 const OPTIMIZE: &[&str] = &["optimize", "short.toml", "--no-report", "--out", "results"];
+const GROUPS: &[&str] = &["optimize", "falls.toml", "--no-report", "--out", "results"];
 const SWEEP: &[&str] = &["sweep", "stone.toml", "--vary", "load=0:1:300", "--vary", "lift=1:8:300", "--out", "results"];
 const STEPS: &str = "results/histories.unfinished.csv";
 
@@ -417,10 +463,12 @@ fn all_ranks_end_where_one_fails_at_work() {
         ("killed at the start", RUN, "", KILLED, "process"),
         ("killed", RUN, STEPS, KILLED, "signal 9"),
         ("killed, forward or back", OPTIMIZE, "results/optimization.csv", KILLED, "signal 9"),
+        ("killed in a group", GROUPS, "results/optimization.csv", KILLED, "signal 9"),
         ("killed in a sweep", SWEEP, "results/sweep.csv", KILLED, "signal 9"),
         ("asleep at the start", SWEEP, "", ASLEEP, "within"),
         ("asleep", RUN, STEPS, ASLEEP, "within"),
         ("asleep in a sweep", SWEEP, "results/sweep.csv", ASLEEP, "within"),
+        ("asleep in a group", GROUPS, "results/optimization.csv", ASLEEP, "within"),
         ("asleep, forward or back", OPTIMIZE, "results/optimization.csv", ASLEEP, "within"),
         ("no memory", RUN, STEPS, NO_MEMORY, "memory allocation of"),
         ("no memory, forward or back", OPTIMIZE, "results/optimization.csv", NO_MEMORY, "memory allocation of"),
@@ -433,7 +481,12 @@ fn all_ranks_end_where_one_fails_at_work() {
             let folder = Folder::new("at-work", 10_000);
             fs::write(folder.0.join("stone.toml"), STONE).unwrap();
             fs::write(folder.0.join("short.toml"), plate(4) + OPTIMIZATION).unwrap();
-            let ranks = if begun.is_empty() { 2 + time % 2 } else { 2 + time % 3 };
+            fs::write(folder.0.join("falls.toml"), plate(4) + FALLS).unwrap();
+            let ranks = match begun {
+                "" => 2 + time % 2,
+                _ if arguments == GROUPS => 4 + time % 2,
+                _ => 2 + time % 3,
+            };
             // a file that is too large is an error, and no signal
             let mut command = folder.by_shell(&[(ranks, "trap '' XFSZ; exec \"$0\" \"$@\"")], arguments);
             command.env("COSTATE_LONGEST_WAIT", if happens == ASLEEP { LONGEST_WAIT } else { "100" });

@@ -63,7 +63,14 @@ pub(crate) trait Exchange: Sync {
         let own_rank = self.rank();
         assert_eq!(own.len(), counts[own_rank], "numbers of rank {own_rank}");
         (0..self.ranks()).filter(|&rank| rank != own_rank).for_each(|rank| self.send(rank, own.to_vec()));
-        (0..self.ranks()).flat_map(|rank| if rank == own_rank { own.to_vec() } else { self.receive(rank) }).collect()
+        let of_rank = |rank: usize| {
+            let numbers = if rank == own_rank { own.to_vec() } else { self.receive(rank) };
+            match numbers.len() == counts[rank] {
+                true => numbers,
+                false => self.end(&format!("rank {rank} did something else at the same time")),
+            }
+        };
+        (0..self.ranks()).flat_map(of_rank).collect()
     }
     /// What this rank has spent on the others so far.
     fn traffic(&self) -> Traffic {

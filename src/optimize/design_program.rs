@@ -3,6 +3,7 @@ use super::optimization::{Optimization, Watcher};
 use super::scaling::Scaling;
 use super::simulated::{Differentiation, Simulated};
 use super::{ConstraintKind, DesignHistory, DesignPoint, Gradients, NoValue, NonlinearProgram, Values, Work};
+use crate::exchange::of_first;
 use crate::integrators::RunError;
 use crate::scenes::{Limit, Sense};
 use std::collections::VecDeque;
@@ -227,7 +228,9 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
 
     /// Tells the watcher of a change.
     fn tell(&mut self) {
-        self.stopped |= !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
+        let stops = !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
+        // that of the first rank alone has files, whose disk may be full
+        self.stopped |= of_first(f64::from(u8::from(stops))) != 0.0;
     }
 
     /// Functionals whose gradients count: those of the objective, and those near or beyond their limits.
