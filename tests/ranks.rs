@@ -169,6 +169,37 @@ fn states_values_and_gradients_have_the_bits_of_one_process() {
     }
 }
 
+/// A plate that is held along its edge: it bends under its weight step by step, or is released from its equilibrium.
+fn shelf(settings: &str) -> String {
+    let hinge = "type = \"revolute\"\nbetween = [\"ground\", \"plate[0, {i}]\"]\naxis = [0, 1, 0]";
+    let held = "type = \"fixed\"\nbetween = [\"ground\", \"plate[0, {i}]\"]";
+    let text = plate(2);
+    assert!(text.contains(hinge), "{text}");
+    text.replace(hinge, held).replace("[settings]", &format!("[settings]\n{settings}"))
+}
+
+#[test]
+fn equilibria_and_their_stability_have_the_bits_of_one_process() {
+    for (name, settings, words) in
+        [("loaded", "method = \"static\"", "stable"), ("released", "start = \"equilibrium\"", "equilibrium")]
+    {
+        let folder = Folder::new(name, 2);
+        fs::write(folder.0.join("shelf.toml"), shelf(settings)).unwrap();
+        let gradient = |ranks: usize| {
+            let out = format!("of-{ranks}");
+            let output = folder.run(ranks, &["gradient", "shelf.toml", "--json", "--no-report", "--out", &out]);
+            let said = text(&output.stdout);
+            assert_eq!(said.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{said}");
+            assert!(said.contains(words), "{said}");
+            (json(&output)["functionals"].clone(), fs::read(folder.0.join(out).join("histories.csv")).unwrap())
+        };
+        let one = gradient(1);
+        for ranks in 2..=3 {
+            assert!(gradient(ranks) == one, "{name}: {ranks} ranks");
+        }
+    }
+}
+
 #[test]
 fn systems_that_are_too_small_are_solved_by_each_rank() {
     let folder = Folder::new("small", 1);
