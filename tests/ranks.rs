@@ -382,7 +382,7 @@ name = "short"
 settings.steps = 1
 [[scenario]]
 name = "long"
-settings.steps = 5
+settings.steps = 4
 [[scenario]]
 name = "upwards"
 gravity = [0, 0, 9.81]
@@ -394,10 +394,12 @@ constraint = [{ functional = "strain energy, integral", at_most = 1e-9 }]
 #[test]
 fn scenarios_and_starts_that_groups_of_ranks_share_have_the_bits_of_one_process() {
     let folder = Folder::new("groups", 2);
-    fs::write(folder.0.join("falls.toml"), plate(2) + FALLS).unwrap();
+    // a comma would part the columns of the table
+    let scene = (plate(1) + FALLS).replace("strain energy, integral", "strain energy");
+    fs::write(folder.0.join("falls.toml"), scene).unwrap();
     let optimize = |ranks: usize, further: &[&str]| {
         let out = format!("of-{ranks}-{}", further.len());
-        let common = ["optimize", "falls.toml", "--iterations", "2", "--no-report", "--json", "--out", &out];
+        let common = ["optimize", "falls.toml", "--no-report", "--json", "--out", &out];
         let mut command = folder.command(ranks, &[&common[..], further].concat());
         let output = command.env("RAYON_NUM_THREADS", "1").output().unwrap();
         let object: Value = serde_json::from_str(text(&output.stdout).lines().last().unwrap_or_default())
@@ -407,13 +409,14 @@ fn scenarios_and_starts_that_groups_of_ranks_share_have_the_bits_of_one_process(
         ((output.status.code(), object["design"].clone(), error_of(&output)), table)
     };
     // groups of two, two and one; later the long one has more
-    let one = optimize(1, &[]);
+    let iterations = ["--iterations", "2"];
+    let one = optimize(1, &iterations);
     assert!(one.1.len() > 3, "{:?}", one.1);
     for ranks in 4..=5 {
-        assert_eq!(optimize(ranks, &[]), one, "{ranks} ranks");
+        assert_eq!(optimize(ranks, &iterations), one, "{ranks} ranks");
     }
     // starts of two ranks each, which deal scenarios among them, and of four, some of which share them
-    let starts = ["--starts", "2"];
+    let starts = ["--starts", "2", "--iterations", "1"];
     let one = optimize(1, &starts);
     for ranks in [4, 8] {
         assert_eq!(optimize(ranks, &starts), one, "{ranks} ranks");
@@ -421,14 +424,18 @@ fn scenarios_and_starts_that_groups_of_ranks_share_have_the_bits_of_one_process(
 }
 
 #[test]
-fn a_scenario_that_fails_on_one_rank_is_told_by_all() {
+fn a_scenario_that_fails_on_some_ranks_is_told_by_all() {
     let folder = Folder::new("failing", 1);
     let bad = BRACKET.replace("define.push = 30\n", "settings.steps = 1\ndefine.push = 1e12\n");
     fs::write(folder.0.join("bracket.toml"), bad).unwrap();
     let run = |ranks: usize| folder.run(ranks, &["optimize", "bracket.toml", "--no-report", "--out", "failed"]);
-    let (one, three) = (run(1), run(3));
+    let one = run(1);
     assert!(text(&one.stderr).contains("scenario \"little\""), "{}", text(&one.stderr));
-    assert_eq!((error_of(&one), one.status.code()), (error_of(&three), three.status.code()));
+    // three, and a group that others wait for
+    for ranks in [3, 4] {
+        let several = run(ranks);
+        assert_eq!((error_of(&one), one.status.code()), (error_of(&several), several.status.code()), "{ranks} ranks");
+    }
 }
 
 /// Brings a fault about as often as `COSTATE_FAULTS` says, each time otherwise, and says how long its ranks took at most to end.

@@ -73,7 +73,7 @@ fn all_at_once<T: Sent + Send>(
 
 impl<'o> Optimization<'o> {
     /// Builds a design and simulates it in the cases of which the problem names a functional. `costs` are the times of one rank that each case has
-    /// taken last, for all ranks the same numbers.
+    /// taken last; for all ranks the same numbers, unless there is only one case.
     pub(super) fn simulate(
         &'o self,
         design: &[f64],
