@@ -409,9 +409,9 @@ fn scenarios_and_starts_that_groups_of_ranks_share_have_the_bits_of_one_process(
         ((output.status.code(), object["design"].clone(), error_of(&output)), table)
     };
     // groups of two, two and one; later the long one has more
-    let iterations = ["--iterations", "2"];
+    let iterations = ["--iterations", "1"];
     let one = optimize(1, &iterations);
-    assert!(one.1.len() > 3, "{:?}", one.1);
+    assert!(one.1.len() > 2, "{:?}", one.1);
     for ranks in 4..=5 {
         assert_eq!(optimize(ranks, &iterations), one, "{ranks} ranks");
     }
