@@ -169,6 +169,37 @@ fn states_values_and_gradients_have_the_bits_of_one_process() {
     }
 }
 
+/// A plate that is held along its edge: it bends under its weight step by step, or is released from its equilibrium.
+fn shelf(settings: &str) -> String {
+    let hinge = "type = \"revolute\"\nbetween = [\"ground\", \"plate[0, {i}]\"]\naxis = [0, 1, 0]";
+    let held = "type = \"fixed\"\nbetween = [\"ground\", \"plate[0, {i}]\"]";
+    let text = plate(2);
+    assert!(text.contains(hinge), "{text}");
+    text.replace(hinge, held).replace("[settings]", &format!("[settings]\n{settings}"))
+}
+
+#[test]
+fn equilibria_and_their_stability_have_the_bits_of_one_process() {
+    for (name, settings, words) in
+        [("loaded", "method = \"static\"", "stable"), ("released", "start = \"equilibrium\"", "equilibrium")]
+    {
+        let folder = Folder::new(name, 2);
+        fs::write(folder.0.join("shelf.toml"), shelf(settings)).unwrap();
+        let gradient = |ranks: usize| {
+            let out = format!("of-{ranks}");
+            let output = folder.run(ranks, &["gradient", "shelf.toml", "--json", "--no-report", "--out", &out]);
+            let said = text(&output.stdout);
+            assert_eq!(said.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{said}");
+            assert!(said.contains(words), "{said}");
+            (json(&output)["functionals"].clone(), fs::read(folder.0.join(out).join("histories.csv")).unwrap())
+        };
+        let one = gradient(1);
+        for ranks in 2..=3 {
+            assert!(gradient(ranks) == one, "{name}: {ranks} ranks");
+        }
+    }
+}
+
 #[test]
 fn systems_that_are_too_small_are_solved_by_each_rank() {
     let folder = Folder::new("small", 1);
@@ -344,15 +375,67 @@ fn scenarios_and_starts_that_are_dealt_have_the_bits_of_one_process() {
     }
 }
 
+/// Scenarios of a plate, one of them with more steps than the others.
+const FALLS: &str = r#"
+[[scenario]]
+name = "short"
+settings.steps = 1
+[[scenario]]
+name = "long"
+settings.steps = 4
+[[scenario]]
+name = "upwards"
+gravity = [0, 0, 9.81]
+[optimization]
+minimize = "mass [short]"
+constraint = [{ functional = "strain energy, integral", at_most = 1e-9 }]
+"#;
+
 #[test]
-fn a_scenario_that_fails_on_one_rank_is_told_by_all() {
+fn scenarios_and_starts_that_groups_of_ranks_share_have_the_bits_of_one_process() {
+    let folder = Folder::new("groups", 2);
+    // a comma would part the columns of the table
+    let scene = (plate(1) + FALLS).replace("strain energy, integral", "strain energy");
+    fs::write(folder.0.join("falls.toml"), scene).unwrap();
+    let optimize = |ranks: usize, further: &[&str]| {
+        let out = format!("of-{ranks}-{}", further.len());
+        let common = ["optimize", "falls.toml", "--no-report", "--json", "--out", &out];
+        let mut command = folder.command(ranks, &[&common[..], further].concat());
+        let output = command.env("RAYON_NUM_THREADS", "1").output().unwrap();
+        let object: Value = serde_json::from_str(text(&output.stdout).lines().last().unwrap_or_default())
+            .unwrap_or_else(|_| panic!("{}{}", text(&output.stdout), text(&output.stderr)));
+        let table = fs::read_to_string(folder.0.join(out).join("optimization.csv")).unwrap();
+        let table: Vec<String> = untimed(&table).iter().map(|row| row.join(",")).collect();
+        ((output.status.code(), object["design"].clone(), error_of(&output)), table)
+    };
+    // groups of two, two and one; later the long one has more
+    let iterations = ["--iterations", "1"];
+    let one = optimize(1, &iterations);
+    assert!(one.1.len() > 2, "{:?}", one.1);
+    for ranks in 4..=5 {
+        assert_eq!(optimize(ranks, &iterations), one, "{ranks} ranks");
+    }
+    // starts of two ranks each, which deal scenarios among them, and of four, some of which share them
+    let starts = ["--starts", "2", "--iterations", "1"];
+    let one = optimize(1, &starts);
+    for ranks in [4, 8] {
+        assert_eq!(optimize(ranks, &starts), one, "{ranks} ranks");
+    }
+}
+
+#[test]
+fn a_scenario_that_fails_on_some_ranks_is_told_by_all() {
     let folder = Folder::new("failing", 1);
     let bad = BRACKET.replace("define.push = 30\n", "settings.steps = 1\ndefine.push = 1e12\n");
     fs::write(folder.0.join("bracket.toml"), bad).unwrap();
     let run = |ranks: usize| folder.run(ranks, &["optimize", "bracket.toml", "--no-report", "--out", "failed"]);
-    let (one, three) = (run(1), run(3));
+    let one = run(1);
     assert!(text(&one.stderr).contains("scenario \"little\""), "{}", text(&one.stderr));
-    assert_eq!((error_of(&one), one.status.code()), (error_of(&three), three.status.code()));
+    // three, and a group that others wait for
+    for ranks in [3, 4] {
+        let several = run(ranks);
+        assert_eq!((error_of(&one), one.status.code()), (error_of(&several), several.status.code()), "{ranks} ranks");
+    }
 }
 
 /// Brings a fault about as often as `COSTATE_FAULTS` says, each time otherwise, and says how long its ranks took at most to end.
@@ -395,6 +478,7 @@ fn end_of(folder: &Folder, mut command: Command, begun: &str, happens: impl FnOn
 const RUN: &[&str] = &["run", "plate.toml", "--no-report", "--out", "results"];
 const KEPT: &[&str] = &["run", "plate.toml", "--no-report", "--out", "results", "--history", "file:kept"];
 const OPTIMIZE: &[&str] = &["optimize", "short.toml", "--no-report", "--out", "results"];
+const GROUPS: &[&str] = &["optimize", "falls.toml", "--no-report", "--out", "results"];
 const SWEEP: &[&str] = &["sweep", "stone.toml", "--vary", "load=0:1:300", "--vary", "lift=1:8:300", "--out", "results"];
 const STEPS: &str = "results/histories.unfinished.csv";
 
@@ -417,10 +501,12 @@ fn all_ranks_end_where_one_fails_at_work() {
         ("killed at the start", RUN, "", KILLED, "process"),
         ("killed", RUN, STEPS, KILLED, "signal 9"),
         ("killed, forward or back", OPTIMIZE, "results/optimization.csv", KILLED, "signal 9"),
+        ("killed in a group", GROUPS, "results/optimization.csv", KILLED, "signal 9"),
         ("killed in a sweep", SWEEP, "results/sweep.csv", KILLED, "signal 9"),
         ("asleep at the start", SWEEP, "", ASLEEP, "within"),
         ("asleep", RUN, STEPS, ASLEEP, "within"),
         ("asleep in a sweep", SWEEP, "results/sweep.csv", ASLEEP, "within"),
+        ("asleep in a group", GROUPS, "results/optimization.csv", ASLEEP, "within"),
         ("asleep, forward or back", OPTIMIZE, "results/optimization.csv", ASLEEP, "within"),
         ("no memory", RUN, STEPS, NO_MEMORY, "memory allocation of"),
         ("no memory, forward or back", OPTIMIZE, "results/optimization.csv", NO_MEMORY, "memory allocation of"),
@@ -433,7 +519,12 @@ fn all_ranks_end_where_one_fails_at_work() {
             let folder = Folder::new("at-work", 10_000);
             fs::write(folder.0.join("stone.toml"), STONE).unwrap();
             fs::write(folder.0.join("short.toml"), plate(4) + OPTIMIZATION).unwrap();
-            let ranks = if begun.is_empty() { 2 + time % 2 } else { 2 + time % 3 };
+            fs::write(folder.0.join("falls.toml"), plate(4) + FALLS).unwrap();
+            let ranks = match begun {
+                "" => 2 + time % 2,
+                _ if arguments == GROUPS => 4 + time % 2,
+                _ => 2 + time % 3,
+            };
             // a file that is too large is an error, and no signal
             let mut command = folder.by_shell(&[(ranks, "trap '' XFSZ; exec \"$0\" \"$@\"")], arguments);
             command.env("COSTATE_LONGEST_WAIT", if happens == ASLEEP { LONGEST_WAIT } else { "100" });

@@ -159,6 +159,13 @@ impl Jacobian {
         }
     }
 
+    /// Brings the entries of all ranks together, where the matrix is divided.
+    pub fn complete(&mut self, system: &System) {
+        if let Some(own) = &self.own {
+            own.unknowns.complete_all(&mut self.values, &system.pattern);
+        }
+    }
+
     /// How many elements this rank evaluates for its rows and columns, where the matrix is divided.
     pub fn own_elements(&self) -> Option<usize> {
         self.own.as_ref()?.count()

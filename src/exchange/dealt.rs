@@ -1,6 +1,8 @@
-//! Work that is dealt: each rank does other parts of it, for itself, however long it takes.
+//! Work that is dealt: each rank, or each team of some, does other parts of it, for itself, however long it takes.
 
-use super::{Exchange, Sent, apart, new_thread};
+use super::group::in_group;
+use super::{Exchange, Sent, new_thread};
+use std::ops::Range;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
@@ -14,10 +16,17 @@ const PAUSE: Duration = Duration::from_millis(5);
 const RESULT: f64 = 1.0;
 const DONE: f64 = 2.0;
 
-/// Does the work of this rank while the others do theirs, and returns what came of all, by ranks.
-pub(crate) fn gather_work<T: Sent>(world: &dyn Exchange, work: impl FnOnce() -> T) -> Vec<T> {
+/// Does the work of a team of ranks, which share it, while the others do theirs, and returns what came of all, by ranks. Messages between ranks of a
+/// team are those of its work; the others tell each other that they are at it.
+pub(crate) fn gather_work<T: Sent>(
+    world: &'static dyn Exchange,
+    team: Range<usize>,
+    work: impl FnOnce(&'static dyn Exchange) -> T,
+) -> Vec<T> {
     let mut early = vec![Vec::new(); world.ranks()];
-    let mut own = Some(at_work(world, others(world), others(world), |rank, result| early[rank] = result, work));
+    let of_others = others(world).filter(|rank| !team.contains(rank));
+    let takes = |rank: usize, result| early[rank] = result;
+    let mut own = Some(at_work(world, team.clone(), (of_others.clone(), of_others), takes, work));
     tell(world, &own);
     let of = |rank: usize| match rank == world.rank() {
         true => own.take(),
@@ -30,18 +39,19 @@ pub(crate) fn gather_work<T: Sent>(world: &dyn Exchange, work: impl FnOnce() -> 
 /// wants no more; true if it saw all. The function that the work is given shows them. [`of_first_at_work`] has to follow, which reads what signs
 /// of life the first one has sent.
 pub(crate) fn see_work<T: Sent>(
-    world: &dyn Exchange,
+    world: &'static dyn Exchange,
     work: impl FnOnce(&(dyn Fn(usize, T) + Sync)),
     see: impl FnMut(usize, T) -> bool + Send,
 ) -> bool {
+    let own = world.rank()..world.rank() + 1;
     if world.rank() > 0 {
         // the first one tells nothing else before all are done
         at_work(
             world,
-            0..1,
-            0..1,
+            own,
+            (0..1, 0..1),
             |_, _| {},
-            || {
+            |_| {
                 work(&|number, result| {
                     let mut message = vec![RESULT];
                     (number, result).write(&mut message);
@@ -60,10 +70,10 @@ pub(crate) fn see_work<T: Sent>(
     };
     at_work(
         world,
-        others(world),
-        0..0,
+        own,
+        (others(world), 0..0),
         |_, _| {},
-        || {
+        |_| {
             let panicked = Flag::default();
             std::thread::scope(|scope| {
                 let listener = (world.ranks() > 1).then(|| start(world, scope, || listen(world, &shown, &panicked)));
@@ -140,16 +150,17 @@ fn hear(world: &dyn Exchange, at_work: &mut Vec<(usize, Instant)>, mut goes_on: 
     });
 }
 
-/// Work that takes as long as it takes: some others are told that this rank is at it, and of some it hears that they are, until one says more.
+/// Work of a team that takes as long as it takes: some others are told that this rank is at it, and of some it hears that they are, until one says
+/// more.
 fn at_work<R>(
-    world: &dyn Exchange,
-    told: impl Iterator<Item = usize> + Clone + Sync,
-    heard: impl Iterator<Item = usize>,
+    world: &'static dyn Exchange,
+    team: Range<usize>,
+    (told, heard): (impl Iterator<Item = usize> + Clone + Sync, impl Iterator<Item = usize>),
     mut takes: impl FnMut(usize, Vec<f64>) + Send,
-    work: impl FnOnce() -> R,
+    work: impl FnOnce(&'static dyn Exchange) -> R,
 ) -> R {
-    if world.ranks() == 1 {
-        return work();
+    if team.len() == world.ranks() {
+        return work(world);
     }
     let ended = Flag::default();
     let mut heard: Vec<(usize, Instant)> = heard.map(|rank| (rank, Instant::now())).collect();
@@ -173,7 +184,7 @@ fn at_work<R>(
         });
         // a panic ends it, too
         let _raised = Raised(&ended);
-        apart(work)
+        in_group(world, team, work)
     })
 }
 
@@ -216,7 +227,7 @@ mod tests {
     #[test]
     fn results_of_all_ranks_come_in_their_order() {
         let per_rank = on_ranks(4, |world| {
-            gather_work(world, || {
+            gather_work(world, world.rank()..world.rank() + 1, |_| {
                 std::thread::sleep(Duration::from_millis(10 * (4 - world.rank() as u64)));
                 vec![world.rank(); 2 * world.rank()]
             })
@@ -246,9 +257,10 @@ mod tests {
     #[test]
     fn work_may_take_longer_than_ranks_wait() {
         let limit = Duration::from_millis(800);
+        let own = |world: &dyn Exchange| world.rank()..world.rank() + 1;
         let work = |world: &dyn Exchange| std::thread::sleep(if world.rank() == 1 { 3 * limit } else { Duration::ZERO });
         let gathered = on_ranks_within(limit, 3, |world| {
-            let all = gather_work(world, || {
+            let all = gather_work(world, own(world), |_| {
                 work(world);
                 world.rank()
             });
@@ -268,6 +280,34 @@ mod tests {
             (all, of_first_at_work(world, (world.rank() == 0).then_some(seen)))
         });
         assert_eq!(gathered, vec![(vec![0, 1, 2], 3); 3]);
+    }
+
+    #[test]
+    fn teams_share_their_work_while_others_are_at_theirs() {
+        let limit = Duration::from_millis(500);
+        let teams = [0..2, 2..3, 3..6];
+        let per_rank = on_ranks_within(limit, 6, |world| {
+            let place = teams.iter().position(|team| team.contains(&world.rank())).expect("a team of each");
+            // one team after the other takes longer than ranks wait, while messages go to and fro in it
+            [0, 2].map(|late| {
+                gather_work(world, teams[place].clone(), |team| {
+                    let mut sums = Vec::new();
+                    for round in 0..12 {
+                        if place == late {
+                            std::thread::sleep(limit / 4);
+                        }
+                        let own = (10 * world.rank() + round) as f64;
+                        sums.push(team.gather(&[own], &vec![1; team.ranks()]).iter().sum::<f64>());
+                    }
+                    sums
+                })
+            })
+        });
+        let sums = |team: &Range<usize>| -> Vec<f64> {
+            (0..12).map(|round| team.clone().map(|rank| (10 * rank + round) as f64).sum()).collect()
+        };
+        let expected: Vec<Vec<f64>> = teams.iter().flat_map(|team| vec![sums(team); team.len()]).collect();
+        assert!(per_rank.iter().flatten().all(|all| *all == expected), "{per_rank:?}");
     }
 
     #[test]

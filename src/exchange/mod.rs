@@ -1,8 +1,8 @@
 //! Ranks: processes that run the same program on the same numbers, and share the work of it.
 //!
 //! Every rank has all vectors, and decides what it does next by the same bits as the others. Between them go results of elements, pieces of factors and of
-//! solutions, which come back to all of them, and what comes of work that is dealt, of which each rank does other parts for itself: what uses a
-//! solver does not know of ranks. One process is all there is unless the program was built with the feature `mpi`, started by `mpirun`, and
+//! solutions, which come back to all of them, and what comes of work that is dealt, of which each rank, or each group of some, does other parts for
+//! itself: what uses a solver does not know of ranks. One process is all there is unless the program was built with the feature `mpi`, started by `mpirun`, and
 //! asked for ranks with [`start`].
 
 // the library of MUMPS for one process brings functions of MPI of its own, and which ones are called would be chance
@@ -10,6 +10,7 @@
 compile_error!("the features mpi and mumps exclude each other");
 
 mod dealt;
+mod group;
 #[cfg(feature = "mpi")]
 mod mpi;
 mod sent;
@@ -21,7 +22,6 @@ pub(crate) use sent::{Sent, sent_by_fields, sent_by_variants};
 pub(crate) use threads::{STARTED_AT_MOST, on_ranks, on_ranks_within};
 pub(crate) use threads::{new_thread, on_threads};
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// What a rank has spent on others so far.
@@ -59,7 +59,19 @@ pub(crate) trait Exchange: Sync {
     /// The longest wait for a message.
     fn longest_wait(&self) -> Duration;
     /// Numbers of all ranks, one after the other; each gives so many.
-    fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64>;
+    fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {
+        let own_rank = self.rank();
+        assert_eq!(own.len(), counts[own_rank], "numbers of rank {own_rank}");
+        (0..self.ranks()).filter(|&rank| rank != own_rank).for_each(|rank| self.send(rank, own.to_vec()));
+        let of_rank = |rank: usize| {
+            let numbers = if rank == own_rank { own.to_vec() } else { self.receive(rank) };
+            match numbers.len() == counts[rank] {
+                true => numbers,
+                false => self.end(&format!("rank {rank} did something else at the same time")),
+            }
+        };
+        (0..self.ranks()).flat_map(of_rank).collect()
+    }
     /// What this rank has spent on the others so far.
     fn traffic(&self) -> Traffic {
         Traffic::default()
@@ -106,32 +118,27 @@ impl Exchange for Alone {
     fn longest_wait(&self) -> Duration {
         Duration::MAX
     }
-    fn gather(&self, own: &[f64], _: &[usize]) -> Vec<f64> {
-        own.to_vec()
-    }
     fn end(&self, reason: &str) -> ! {
         panic!("{reason}")
     }
 }
 
-/// How many calls of [`apart`] go on.
-static APART: AtomicUsize = AtomicUsize::new(0);
-
 /// All ranks of this program that share the work of now.
 pub(crate) fn world() -> &'static dyn Exchange {
     #[cfg(feature = "mpi")]
-    if let (Some(ranks), 0) = (mpi::started(), APART.load(Ordering::Relaxed)) {
-        return ranks;
+    if let Some(ranks) = mpi::started() {
+        return match group::now() {
+            Some(group) => group,
+            None => ranks,
+        };
     }
     &Alone
 }
 
 /// Runs what several threads do at once, so that no order of messages is the same on all ranks: each rank does all of it for itself.
 pub(crate) fn apart<R>(work: impl FnOnce() -> R) -> R {
-    APART.fetch_add(1, Ordering::Relaxed);
-    let result = work();
-    APART.fetch_sub(1, Ordering::Relaxed);
-    result
+    let world = world();
+    group::in_group(world, world.rank()..world.rank() + 1, |_| work())
 }
 
 /// How many processes `mpirun` started, whatever they do now.

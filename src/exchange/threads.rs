@@ -97,13 +97,6 @@ impl Exchange for Thread<'_> {
     fn longest_wait(&self) -> Duration {
         self.post.longest_wait
     }
-    fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {
-        assert_eq!(own.len(), counts[self.rank]);
-        let others = || (0..self.post.ranks).filter(|&rank| rank != self.rank);
-        others().for_each(|rank| self.send(rank, own.to_vec()));
-        let of = |rank: usize| if rank == self.rank { own.to_vec() } else { self.receive(rank) };
-        (0..self.post.ranks).flat_map(of).collect()
-    }
     fn end(&self, reason: &str) -> ! {
         panic!("{reason}")
     }

@@ -64,7 +64,7 @@ impl<S: RunScalar> RestingStart<S> {
         let resting = problem.model.at_rest();
         let (model, p) = (&resting.model, resting.parameters(&problem.p));
         let system = Arc::new(System::new(model, method.system_options(dropped, false)));
-        let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend);
+        let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend).map(Newton::divided);
         let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         newton.counters = Counters::measuring(method.measures_phases);
         let v = model.velocities_at_rest(&problem.start.v);

@@ -66,9 +66,10 @@ impl StabilityCourse {
 
 impl<S: RunScalar> Newton<'_, S> {
     /// Stability of the equilibrium at which the matrix was assembled last.
-    pub(super) fn stability(&self) -> Stability {
+    pub(super) fn stability(&mut self) -> Stability {
         let size = self.system.size();
         let first = self.system.multiplier_places().iter().flatten().min().copied().unwrap_or(size);
+        self.jacobian.complete(&self.system);
         let values = &self.jacobian.values;
         let Signs { inertia: Inertia { negative, zero, .. }, is_symmetric } = self.factorization.signs(values, first);
         let constraints = size - first;

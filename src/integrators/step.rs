@@ -372,7 +372,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Whether the equilibrium at the end of the step made last stands; `None` of motions.
-    pub(super) fn stability(&self) -> Option<Stability> {
+    pub(super) fn stability(&mut self) -> Option<Stability> {
         (self.method.table.is_static() && S::PARTS == 0).then(|| self.stage.stability())
     }
 

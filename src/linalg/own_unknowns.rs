@@ -79,6 +79,12 @@ impl OwnUnknowns {
         self.exchange_at(values, &places, &mut []);
     }
 
+    /// Brings all entries of a matrix together.
+    pub fn complete_all(&self, values: &mut [f64], pattern: &SparsePattern) {
+        let columns: Vec<u32> = (0..pattern.size as u32).collect();
+        self.complete(values, pattern, &[], &columns);
+    }
+
     /// The largest of numbers of all ranks and the first of unknowns, if there is one; all ranks have the same mark.
     pub fn agree(&self, largest: f64, first: Option<usize>, mark: f64) -> (f64, Option<usize>) {
         let own = [largest, first.map_or(f64::INFINITY, |unknown| unknown as f64), mark];

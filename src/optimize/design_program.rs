@@ -3,6 +3,7 @@ use super::optimization::{Optimization, Watcher};
 use super::scaling::Scaling;
 use super::simulated::{Differentiation, Simulated};
 use super::{ConstraintKind, DesignHistory, DesignPoint, Gradients, NoValue, NonlinearProgram, Values, Work};
+use crate::exchange::of_first;
 use crate::integrators::RunError;
 use crate::scenes::{Limit, Sense};
 use std::collections::VecDeque;
@@ -59,6 +60,8 @@ pub(super) struct DesignProgram<'o, 'w> {
     linear: Vec<Combination>,
     kinds: Vec<ConstraintKind>,
     latest: Option<Latest<'o>>,
+    /// Times of one rank that each case has taken last; equal before.
+    costs: Vec<f64>,
     pub history: DesignHistory,
     /// Points of an earlier run of the same optimization that are still to come, in their order: they are not simulated again.
     recorded: VecDeque<DesignPoint>,
@@ -103,6 +106,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             linear,
             kinds: kinds.map(|limit| sided(limit).0).collect(),
             latest: None,
+            costs: vec![1.0; optimization.cases.len()],
             history: DesignHistory {
                 variables,
                 functionals: names.clone(),
@@ -149,9 +153,9 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
     }
 
     /// Builds a design and simulates it.
-    fn simulate(&self, design: &[f64]) -> Result<Simulated<'o>, RunError> {
-        let watcher = &self.watcher;
-        self.optimization.simulate(design, &|| watcher.wants_to_stop())
+    fn simulate(&mut self, design: &[f64]) -> Result<Simulated<'o>, RunError> {
+        let DesignProgram { optimization, watcher, costs, .. } = self;
+        optimization.simulate(design, costs, &|| watcher.wants_to_stop())
     }
 
     fn values_at(&self, y: &[f64], functionals: &[f64]) -> Values {
@@ -224,7 +228,9 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
 
     /// Tells the watcher of a change.
     fn tell(&mut self) {
-        self.stopped |= !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
+        let stops = !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
+        // that of the first rank alone has files, whose disk may be full
+        self.stopped |= of_first(f64::from(u8::from(stops))) != 0.0;
     }
 
     /// Functionals whose gradients count: those of the objective, and those near or beyond their limits.

@@ -2,7 +2,7 @@
 
 use super::Work;
 use super::optimization::{Case, GradientBy, Optimization};
-use super::runs_at_once::{owners, results_of_all};
+use super::runs_at_once::{results_of_all, teams};
 use super::scaling::Scaling;
 use crate::exchange::{Sent, sent_by_fields};
 use crate::functionals::Extremes;
@@ -10,7 +10,9 @@ use crate::history::Watch;
 use crate::integrators::{Counters, RunError, StepRecord};
 use crate::scenes::{ModeMeasure, Prepared};
 use crate::sensitivity::Forward;
+use std::ops::Range;
 use std::sync::OnceLock;
+use std::time::Instant;
 
 /// A simulated design, as its gradient needs it.
 pub(super) struct Simulated<'s> {
@@ -25,8 +27,8 @@ pub(super) struct Simulated<'s> {
 /// A case in which the problem measures something.
 struct CaseRun<'s> {
     found: Found,
-    /// The rank that has its steps, if not all have them.
-    owner: Option<usize>,
+    /// The ranks that have its steps.
+    team: Range<usize>,
     kept: OnceLock<Kept<'s>>,
 }
 
@@ -46,8 +48,10 @@ struct Found {
     /// Their numbers among those of the problem.
     places: Vec<usize>,
     counters: Counters,
+    /// What it took.
+    seconds: f64,
 }
-sent_by_fields!(Found { values, extremes, places, counters });
+sent_by_fields!(Found { values, extremes, places, counters, seconds });
 
 /// What a gradient is made with.
 pub(super) struct Differentiation<'p> {
@@ -60,31 +64,37 @@ pub(super) struct Differentiation<'p> {
 
 /// Calls a function for each job, several at once where there are several; the first error counts.
 fn all_at_once<T: Sent + Send>(
-    owners: &[Option<usize>],
+    teams: &[Range<usize>],
     run: impl Fn(usize) -> Result<T, RunError> + Sync,
 ) -> Result<Vec<T>, RunError> {
     let missing = || Err(RunError::Input("a case was not run".into()));
-    results_of_all(owners, run).into_iter().map(|own| own.unwrap_or_else(missing)).collect()
+    results_of_all(teams, run).into_iter().map(|own| own.unwrap_or_else(missing)).collect()
 }
 
 impl<'o> Optimization<'o> {
-    /// Builds a design and simulates it in the cases of which the problem names a functional.
+    /// Builds a design and simulates it in the cases of which the problem names a functional. `costs` are the times of one rank that each case has
+    /// taken last; for all ranks the same numbers, unless there is only one case.
     pub(super) fn simulate(
         &'o self,
         design: &[f64],
+        costs: &mut [f64],
         wants_to_stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Simulated<'o>, RunError> {
         let measures = |case: &usize| self.places.iter().any(|place| place.0 == *case);
         let cases: Vec<usize> = (0..self.cases.len()).filter(measures).collect();
-        let owners = owners(cases.len());
+        let teams = teams(&cases.iter().map(|&case| costs[case]).collect::<Vec<_>>());
         let mut kept: Vec<OnceLock<Kept>> = cases.iter().map(|_| OnceLock::new()).collect();
-        let found = all_at_once(&owners, |number| {
-            let case = &self.cases[cases[number]];
+        let found = all_at_once(&teams, |number| {
+            let (case, begun) = (&self.cases[cases[number]], Instant::now());
             let run = self.case_run(cases[number], design, wants_to_stop);
-            let (own, found) = run.map_err(|error| in_case(case, error))?;
+            let (own, mut found) = run.map_err(|error| in_case(case, error))?;
+            found.seconds = begun.elapsed().as_secs_f64();
             kept[number].get_or_init(|| own);
             Ok(found)
         })?;
+        for ((&case, own), team) in cases.iter().zip(&found).zip(&teams) {
+            costs[case] = own.seconds * team.len() as f64;
+        }
         let (mut values, mut extremes) = (vec![f64::NAN; self.places.len()], vec![None; self.places.len()]);
         for own in &found {
             for (&place, (&value, extreme)) in own.places.iter().zip(own.values.iter().zip(&own.extremes)) {
@@ -92,8 +102,8 @@ impl<'o> Optimization<'o> {
                 extremes[place] = extreme.clone();
             }
         }
-        let runs = found.into_iter().zip(owners).zip(kept.drain(..));
-        let runs = runs.map(|((found, owner), kept)| CaseRun { found, owner, kept }).collect();
+        let runs = found.into_iter().zip(teams).zip(kept.drain(..));
+        let runs = runs.map(|((found, team), kept)| CaseRun { found, team, kept }).collect();
         Ok(Simulated { design: design.to_vec(), values, extremes, runs })
     }
 
@@ -112,7 +122,8 @@ impl<'o> Optimization<'o> {
         let modes = scene.modes().into_iter().filter(|mode| known(&mode.name).is_some()).collect::<Vec<_>>();
         let names = prepared.functionals().iter().map(|own| &own.name).chain(modes.iter().map(|mode| &mode.name));
         let places = names.filter_map(|name| known(name)).collect();
-        let mut found = Found { values: Vec::new(), extremes: Vec::new(), places, counters: Counters::default() };
+        let (values, extremes, counters) = Default::default();
+        let mut found = Found { values, extremes, places, counters, seconds: 0.0 };
         let mut forward = None;
         if !prepared.functionals().is_empty() {
             let mut watch = Watch(|_: &StepRecord<f64>| !wants_to_stop());
@@ -139,8 +150,8 @@ impl<'o> Optimization<'o> {
     ) -> Result<Vec<Vec<f64>>, RunError> {
         let counts = |run: &&CaseRun| run.found.places.iter().any(|&place| how.wanted[place]);
         let runs: Vec<&CaseRun> = simulated.runs.iter().filter(counts).collect();
-        let owners: Vec<Option<usize>> = runs.iter().map(|run| run.owner).collect();
-        let made = all_at_once(&owners, |number| {
+        let teams: Vec<Range<usize>> = runs.iter().map(|run| run.team.clone()).collect();
+        let made = all_at_once(&teams, |number| {
             let (mut own, CaseRun { found, kept, .. }) = (Work::default(), runs[number]);
             let kept = kept.get().ok_or_else(|| RunError::Input("a case was not kept".into()))?;
             let rows = kept.rows(&found.places, self.gradient, how, &mut own)?;

@@ -1,4 +1,4 @@
-use super::runs_at_once::{owners, results_of_all};
+use super::runs_at_once::{results_of_all, teams};
 use super::{Optimization, Optimized, Optimizer, Watcher};
 use crate::design::latin_hypercube;
 use crate::integrators::RunError;
@@ -22,7 +22,7 @@ impl Optimization<'_> {
         starts
     }
 
-    /// Optimizes from each of some designs, several at once on all threads: what comes of each is what [`Optimization::run`] gives. Each has a
+    /// Optimizes from each of some designs, several at once on all threads, on ranks dealt to teams of them: what comes of each is what [`Optimization::run`] gives. Each has a
     /// watcher of its own.
     ///
     /// # Errors
@@ -34,15 +34,15 @@ impl Optimization<'_> {
         watchers: &mut [impl Watcher + Send],
     ) -> Vec<Result<Optimized, RunError>> {
         let jobs: Vec<Mutex<_>> = starts.iter().zip(watchers).map(Mutex::new).collect();
-        let owners = owners(jobs.len());
-        let ended = results_of_all(&owners, |number| {
+        let teams = teams(&vec![1.0; jobs.len()]);
+        let ended = results_of_all(&teams, |number| {
             // each job is taken once, so that none waits for another
             let (start, watcher) = &mut *jobs[number].lock().ok()?;
             Some(self.run(optimizer, start, &mut **watcher))
         });
         // the first rank has seen its own optimizations alone
-        for ((owner, job), ended) in owners.iter().zip(jobs).zip(&ended) {
-            if let (Some(1..), Ok((_, watcher)), Some(Some(Ok(optimized)))) = (owner, job.into_inner(), ended) {
+        for ((team, job), ended) in teams.iter().zip(jobs).zip(&ended) {
+            if let (1.., Ok((_, watcher)), Some(Some(Ok(optimized)))) = (team.start, job.into_inner(), ended) {
                 watcher.changed(&optimized.history);
             }
         }

@@ -19,7 +19,7 @@ use crate::exchange::{is_first, of_first_at_work, see_work, world};
 use crate::history::{Keep, Watch};
 use crate::integrators::{Method, StepRecord};
 use crate::io::{Progress, write_file};
-use crate::optimize::runs_at_once::{owners, run_at_once};
+use crate::optimize::runs_at_once::run_at_once;
 use crate::scenes::{AnyScene, Prepared, Settings, check_modes};
 use clap::Args;
 use rows::{Outcome, Outcomes, Rows, row};
@@ -306,8 +306,7 @@ impl<'s> Sweep<'s> {
             }
             unwritten.is_none()
         };
-        let owners = places.iter().zip(owners(places.len()));
-        let own: Vec<usize> = owners.filter(|own| own.1.unwrap_or(0) == world().rank()).map(|own| *own.0).collect();
+        let own: Vec<usize> = places.iter().copied().skip(world().rank()).step_by(world().ranks()).collect();
         let wanted = || !guard.requested() && lock().1.is_none();
         see_work(world(), |found| self.run_own(&own, guard, &wanted, found), see);
         let (rows, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);

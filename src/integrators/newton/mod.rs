@@ -117,7 +117,7 @@ pub struct Newton<'m, S> {
     pub(super) coordinate_scales: Vec<f64>,
     /// The lever of the latter that stands there.
     pub(super) turning_length: f64,
-    /// Whether ranks that share a system share its matrix, too, of which none has all then.
+    /// Whether ranks that share a system share its matrix, too, of which none has all then, unless its stability is asked for.
     divides: bool,
 }
 
@@ -143,7 +143,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Ok(Newton { divides: self.divides, ..another })
     }
 
-    /// The same for systems whose matrix nobody looks at as a whole.
+    /// The same for systems whose matrix nobody looks at as a whole, but for [`Newton::stability`].
     pub(in crate::integrators) fn divided(self) -> Self {
         Newton { divides: true, ..self }
     }
@@ -277,8 +277,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let before = self.jacobian.evaluated;
         self.keep_numbers(p, t);
         let Newton { counters, residual, jacobian, factorization, system, p, divides, .. } = &mut *self;
-        // whether an equilibrium is stable is seen from all of the matrix
-        jacobian.divide(factorization.own_unknowns().filter(|_| *divides && !equations.is_static()));
+        jacobian.divide(factorization.own_unknowns().filter(|_| *divides));
         jacobian.divide_by_threads(factorization.thread_owners());
         counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
         counters.blocks += jacobian.evaluated - before;
