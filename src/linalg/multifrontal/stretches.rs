@@ -44,9 +44,12 @@ pub struct Stretches {
 /// Time from which on a front is worth the messages of ranks that share it \[ns\]: some for each panel of it.
 const SHARED: f64 = 5e5;
 
-const FRONT: f64 = 1000.0;
+/// Time of a front for its calls, small and large, for an entry, and for an operation \[ns\].
+const FRONT: [f64; 2] = [1000.0, 5800.0];
 const ENTRY: f64 = 0.43;
 const FLOP: f64 = 0.0101;
+/// Time for an operation in panels, column by column, by that in products.
+const SLOWER: f64 = 2.5;
 
 /// Time of a front \[ns\], as measured on one core of 2023 where fronts are large: calls, assembly of the entries, arithmetic.
 pub fn front_time(front: &Front) -> f64 {
@@ -61,14 +64,14 @@ pub fn team_time(front: &Front, threads: f64) -> f64 {
 /// The same of ranks that share it: they have entries and products of their own, and send each other panels of pivots, one after the other.
 pub fn shared_time(front: &Front, ranks: usize, threads: f64) -> f64 {
     let (size, flops) = (front.size(), elimination_flops(front.pivots, front.size()));
-    // of panels, one column after the other
-    let alone = ((2 * PANEL * front.pivots * size) as f64).min(flops);
-    let shared = ENTRY * size.pow(2) as f64 + FLOP * (flops - alone) / threads;
+    let alone = (SLOWER * FLOP * (2 * PANEL * front.pivots * size) as f64).min(FLOP * flops);
+    let products = FLOP * flops - alone;
     let messages = match ranks {
         1 => 0.0,
         _ => front.pivots.div_ceil(PANEL) as f64 * MESSAGE + NUMBER * (front.pivots * (size + front.others())) as f64,
     };
-    FRONT + FLOP * alone + messages + shared / ranks as f64
+    let shared = ENTRY * size.pow(2) as f64 + products / threads;
+    FRONT[usize::from(!front.is_small())] + alone + messages + shared / ranks as f64
 }
 
 /// Whether it is worth the messages to share a front.
