@@ -7,13 +7,16 @@ use crate::exchange::{MESSAGE, NUMBER};
 use std::ops::Range;
 
 /// How many pieces a cut is moved at a time.
-const MOVES: [isize; 8] = [1, -1, 2, -2, 4, -4, 8, -8];
+const MOVES: [isize; 10] = [1, -1, 2, -2, 4, -4, 8, -8, 16, -16];
 /// Times that all cuts are tried.
 const ROUNDS: usize = 20;
 /// Solutions for each factorization, and the time of one for each entry of the factors; that of the matrix for each unknown \[ns\].
 const SOLUTIONS: f64 = 5.0;
 const OF_ENTRY: f64 = 0.46;
 const OF_UNKNOWN: f64 = 560.0;
+/// What it counts that some ranks have more to do for themselves than others, for which nobody waits yet: else a search would not see on which side of a
+/// cut there is room.
+const UNEVEN: f64 = 0.1;
 /// How many times as many unknowns elements have beside those of a front between two stretches, which two ranks evaluate.
 const AGAIN: usize = 4;
 
@@ -80,7 +83,43 @@ impl<'s> Pieces<'s> {
         let factorization = self.path(&owners, starts.len(), factorization, |child| child.others.pow(2));
         // each front by its owner alone
         let solutions = self.path(&owners, starts.len(), |piece, _| (piece.solutions, false), |child| child.others);
-        matrix + factorization + solutions
+        let own = self.own_times(&owners, starts.len(), |piece| piece.time);
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        let uneven = own.iter().map(|time| (time - mean).abs()).sum::<f64>() / own.len() as f64;
+        matrix + factorization + solutions + UNEVEN * uneven
+    }
+
+    /// Moves cuts as long as that costs less; returns the cost with them.
+    fn searched(&self, mut starts: Vec<usize>) -> (f64, Vec<usize>) {
+        let (ranks, mut least) = (starts.len(), self.cost(&starts));
+        for _ in 0..ROUNDS {
+            let before = least;
+            for (rank, by) in (1..ranks).flat_map(|rank| MOVES.map(|by| (rank, by))) {
+                let was = starts[rank];
+                let range = starts[rank - 1]..=starts.get(rank + 1).copied().unwrap_or(self.all.len());
+                let Some(moved) = was.checked_add_signed(by).filter(|moved| range.contains(moved)) else { continue };
+                starts[rank] = moved;
+                let cost = self.cost(&starts);
+                if cost < least {
+                    least = cost;
+                } else {
+                    starts[rank] = was;
+                }
+            }
+            if least == before {
+                break;
+            }
+        }
+        (least, starts)
+    }
+
+    /// Times of ranks for pieces without some of others below them.
+    fn own_times(&self, owners: &[usize], ranks: usize, time: impl Fn(&Piece) -> f64) -> Vec<f64> {
+        let mut times = vec![0.0; ranks];
+        for (piece, &owner) in self.all.iter().zip(owners).filter(|(piece, owner)| owners[piece.first] == **owner) {
+            times[owner] += time(piece);
+        }
+        times
     }
 
     /// The time after which all pieces are done. Those that have some of others below them take a time that depends on the number of these ranks,
@@ -116,31 +155,22 @@ impl<'s> Pieces<'s> {
     }
 }
 
-/// Stretches for ranks: those that share no front, with each cut moved as long as a model says that less time is taken.
+/// Stretches for ranks: those that share no front, or equal ones, with each cut moved as long as a model says that less time is taken.
 pub fn balanced(symbolic: &Symbolic, ranks: usize) -> Stretches {
     let pieces = Pieces::new(symbolic);
     let first = Stretches::new(symbolic, ranks);
     let of_front = |front: usize| pieces.all.partition_point(|piece| piece.fronts.end <= front);
-    let mut starts: Vec<usize> = (0..ranks).map(|rank| of_front(first.fronts(rank).start)).collect();
-    let mut least = pieces.cost(&starts);
-    for _ in 0..ROUNDS {
-        let before = least;
-        for (rank, by) in (1..ranks).flat_map(|rank| MOVES.map(|by| (rank, by))) {
-            let was = starts[rank];
-            let range = starts[rank - 1]..=starts.get(rank + 1).copied().unwrap_or(pieces.all.len());
-            let Some(moved) = was.checked_add_signed(by).filter(|moved| range.contains(moved)) else { continue };
-            starts[rank] = moved;
-            let cost = pieces.cost(&starts);
-            if cost < least {
-                least = cost;
-            } else {
-                starts[rank] = was;
-            }
-        }
-        if least == before {
-            break;
-        }
-    }
+    let of_first = (0..ranks).map(|rank| of_front(first.fronts(rank).start)).collect();
+    let total: f64 = pieces.all.iter().map(|piece| piece.time).sum();
+    let ends = pieces.all.iter().scan(0.0, |end, piece| {
+        *end += piece.time;
+        Some(*end)
+    });
+    let ends: Vec<f64> = ends.collect();
+    let equal = (0..ranks).map(|rank| ends.partition_point(|&end| end <= total * rank as f64 / ranks as f64)).collect();
+    let found = [of_first, equal].map(|starts| pieces.searched(starts));
+    let [(one, starts), (other, others)] = found;
+    let starts = if other < one { others } else { starts };
     let start = |&piece: &usize| pieces.all.get(piece).map_or(symbolic.fronts.len(), |piece| piece.fronts.start);
     first.with_starts(starts.iter().map(start).collect())
 }
