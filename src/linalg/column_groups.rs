@@ -6,7 +6,12 @@
 
 use super::SparsePattern;
 use super::vectors::{Instructions, Vector, VectorKernel, dispatch_vectors};
+use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
+
+/// Entries that a thread takes at once.
+pub const AT_ONCE: usize = 1 << 16;
 
 /// Most rows whose numbers are fetched for a group.
 pub const FETCHED: usize = 64;
@@ -36,9 +41,60 @@ impl ColumnGroups {
         self.starts.partition_point(|&start| start <= column)
     }
 
-    /// Multiplies values of the pattern by scales of their rows and columns.
-    pub fn scale(&self, values: &[f64], rows: &[f64], columns: &[f64], scaled: &mut [f64]) {
-        dispatch_vectors(Scale { groups: self, values, rows, columns, scaled });
+    /// Groups of which something holds that depends on their columns and rows, in ranges.
+    pub fn chosen(&self, holds: impl Fn(Range<usize>, &[u32]) -> bool) -> Vec<Range<usize>> {
+        let mut chosen: Vec<Range<usize>> = Vec::new();
+        for (number, bounds) in self.starts.windows(2).enumerate() {
+            let columns = bounds[0] as usize..bounds[1] as usize;
+            let rows = &self.pattern.rows[self.entries(number)..][..self.rows_of(number)];
+            match chosen.last_mut() {
+                _ if !holds(columns, rows) => {}
+                Some(last) if last.end == number => last.end += 1,
+                _ => chosen.push(number..number + 1),
+            }
+        }
+        chosen
+    }
+
+    /// All groups.
+    pub fn all(&self) -> Range<usize> {
+        0..self.starts.len() - 1
+    }
+
+    /// Place of the first entry of a group.
+    fn entries(&self, group: usize) -> usize {
+        self.pattern.column_starts[self.starts[group] as usize]
+    }
+
+    /// Rows of a group.
+    fn rows_of(&self, group: usize) -> usize {
+        self.pattern.column_starts[self.starts[group] as usize + 1] - self.entries(group)
+    }
+
+    /// Multiplies values of some groups by scales of their rows and columns, on all threads where they are many.
+    pub fn scale(&self, groups: &[Range<usize>], values: &[f64], rows: &[f64], columns: &[f64], scaled: &mut [f64]) {
+        let (mut parts, mut rest, mut at) = (Vec::new(), scaled, 0);
+        for groups in groups {
+            let mut first = groups.start;
+            while first < groups.end {
+                let begin = self.entries(first);
+                let behind = self.starts[first..=groups.end]
+                    .partition_point(|&start| self.pattern.column_starts[start as usize] <= begin + AT_ONCE);
+                let end = (first + behind.max(2) - 1).min(groups.end);
+                let (_, from) = rest.split_at_mut(begin - at);
+                let (own, after) = from.split_at_mut(self.entries(end) - begin);
+                parts.push((first..end, own));
+                (rest, at, first) = (after, self.entries(end), end);
+            }
+        }
+        let scale = |(numbers, scaled): (Range<usize>, &mut [f64])| {
+            dispatch_vectors(Scale { groups: self, numbers, values, rows, columns, scaled });
+        };
+        if parts.len() > 1 && rayon::current_num_threads() > 1 {
+            parts.into_par_iter().for_each(scale);
+        } else {
+            parts.into_iter().for_each(scale);
+        }
     }
 }
 
@@ -57,6 +113,8 @@ pub unsafe fn fetch(numbers: &[f64], rows: &[u32], fetched: &mut [f64; FETCHED])
 /// Scales values.
 struct Scale<'s> {
     groups: &'s ColumnGroups,
+    /// Which groups; `scaled` has their entries.
+    numbers: Range<usize>,
     values: &'s [f64],
     rows: &'s [f64],
     columns: &'s [f64],
@@ -67,15 +125,18 @@ impl VectorKernel for Scale<'_> {
     type Output = ();
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        let Scale { groups: ColumnGroups { pattern, starts }, values, rows: row_scales, columns, scaled } = self;
+        let Scale { groups, numbers, values, rows: row_scales, columns, scaled } = self;
+        let ColumnGroups { pattern, starts } = groups;
+        let origin = groups.entries(numbers.start);
         assert!(row_scales.len() == pattern.size && columns.len() == pattern.size, "scales of a matrix");
-        assert!(values.len() == pattern.rows.len() && scaled.len() == values.len(), "values and entries of the pattern");
+        assert!(values.len() == pattern.rows.len(), "values and entries of the pattern");
+        assert!(origin + scaled.len() == groups.entries(numbers.end), "entries of groups");
         let mut scales = [0.0; FETCHED];
-        for bounds in starts.windows(2) {
+        for bounds in starts[numbers.start..=numbers.end].windows(2) {
             let (first, end) = (bounds[0] as usize, bounds[1] as usize);
             let mut place = pattern.column_starts[first];
             let rows = &pattern.rows[place..pattern.column_starts[first + 1]];
-            assert!(place + (end - first) * rows.len() <= values.len(), "entries of columns with the same rows");
+            assert!(place + (end - first) * rows.len() <= origin + scaled.len(), "entries of columns with the same rows");
             if rows.len() <= FETCHED {
                 // SAFETY: a scale for each row; rows of the pattern are below its size.
                 unsafe { fetch(row_scales, rows, &mut scales) };
@@ -84,12 +145,12 @@ impl VectorKernel for Scale<'_> {
                 if rows.len() <= FETCHED {
                     // SAFETY: so many scales and values, as was asserted.
                     unsafe {
-                        let (values, scaled) = (values.as_ptr().add(place), scaled.as_mut_ptr().add(place));
+                        let (values, scaled) = (values.as_ptr().add(place), scaled.as_mut_ptr().add(place - origin));
                         scale_column::<I>(values, scales.as_ptr(), column, scaled, rows.len());
                     }
                 } else {
                     for (offset, &row) in rows.iter().enumerate() {
-                        scaled[place + offset] = values[place + offset] * (row_scales[row as usize] * column);
+                        scaled[place - origin + offset] = values[place + offset] * (row_scales[row as usize] * column);
                     }
                 }
                 place += rows.len();
@@ -157,7 +218,17 @@ mod tests {
         let scales = |offset: usize| (0..size).map(|i| number(i + offset)).collect::<Vec<f64>>();
         let (row_scales, column_scales) = (scales(3), scales(5));
         let mut scaled = vec![0.0; values.len()];
-        groups.scale(&values, &row_scales, &column_scales, &mut scaled);
+        // all of them, and those with a row
+        let chosen = groups.chosen(|_, rows| rows.contains(&7));
+        assert!(chosen.len() > 3 && chosen.iter().map(Range::len).sum::<usize>() < groups.all().len());
+        let mut some = scaled.clone();
+        groups.scale(&chosen, &values, &row_scales, &column_scales, &mut some);
+        groups.scale(&[groups.all()], &values, &row_scales, &column_scales, &mut scaled);
+        for number in groups.all() {
+            let own = groups.entries(number)..groups.entries(number + 1);
+            let is_chosen = chosen.iter().any(|chosen| chosen.contains(&number));
+            assert!(some[own.clone()].iter().zip(&scaled[own]).all(|(a, b)| *a == if is_chosen { *b } else { 0.0 }));
+        }
         for column in 0..size {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
                 assert_eq!(

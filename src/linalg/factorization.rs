@@ -7,6 +7,7 @@ mod symmetric;
 
 pub use symmetric::Signs;
 
+use super::column_groups::AT_ONCE;
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
 use super::simd::multiply_add;
@@ -173,7 +174,8 @@ impl Factorization {
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks };
-        Ok(Self { own, threads, ..Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())) })
+        let scaling = Scaling::new(pattern.clone(), own.as_deref());
+        Ok(Self { own, threads, ..Self::of(solver, plan, pattern.clone(), scaling) })
     }
 
     /// Shared by ranks, whatever its size.
@@ -184,7 +186,8 @@ impl Factorization {
         let (unknowns, entries) = (pattern.size, pattern.rows.len());
         let work = Some(work_of(&solver));
         let plan = SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work, ranks: world.ranks() };
-        Self { own, ..Self::of(Box::new(solver), plan, pattern.clone(), Scaling::new(pattern.clone())) }
+        let scaling = Scaling::new(pattern.clone(), own.as_deref());
+        Self { own, ..Self::of(Box::new(solver), plan, pattern.clone(), scaling) }
     }
 
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>, scaling: Scaling) -> Self {
@@ -276,7 +279,7 @@ impl Factorization {
             }
         };
         self.scaled.resize(values.len(), 0.0);
-        self.scaling.apply(values, &mut self.scaled);
+        self.scaling.apply_to_own(values, &mut self.scaled);
         self.solver.factor(&self.scaled)?;
         if !self.checked {
             self.examine()?;
@@ -305,7 +308,7 @@ impl Factorization {
         self.check_finite(values, || 0.0)?;
         if self.has_factors {
             self.is_stale = true;
-            self.scaling.apply(values, &mut self.scaled);
+            self.scaling.apply_to_own(values, &mut self.scaled);
         }
         Ok(self.has_factors)
     }
@@ -325,7 +328,8 @@ impl Factorization {
             self.largest = largest;
             return first.map_or(Ok(()), |unknown| Err(Singular { unknown }));
         }
-        if let Some(largest) = largest_finite(values) {
+        let parts = values.par_chunks(AT_ONCE).map(largest_finite);
+        if let Some(largest) = parts.try_reduce(|| 0.0, |a, b| Some(larger(a, b))) {
             self.largest = largest;
             return Ok(());
         }

@@ -60,17 +60,24 @@ pub struct Scaling {
 /// What all scalings of a pattern share.
 struct Layout {
     groups: ColumnGroups,
+    /// Groups of columns that are own ones or have own rows; all where no ranks share the matrix.
+    own: Vec<Range<usize>>,
     /// Place of each diagonal entry.
     diagonal: Vec<u32>,
 }
 
 impl Scaling {
     /// Of a pattern; there are no scales before values are given.
-    pub fn new(pattern: Arc<SparsePattern>) -> Self {
+    pub fn new(pattern: Arc<SparsePattern>, own: Option<&OwnUnknowns>) -> Self {
         assert!(pattern.rows.len() < NO_PLACE as usize, "{} entries are more than 2^32", pattern.rows.len());
         let place = |i: usize| pattern.position(i, i).map_or(NO_PLACE, |place| place as u32);
         let diagonal = (0..pattern.size).map(place).collect();
-        let layout = Arc::new(Layout { groups: ColumnGroups::new(pattern.clone()), diagonal });
+        let groups = ColumnGroups::new(pattern.clone());
+        let touches = |own: &OwnUnknowns, columns, rows: &[u32]| {
+            own.has_any(columns) || rows.iter().any(|&row| own.has_any(row as usize..row as usize + 1))
+        };
+        let own = own.map_or(vec![groups.all()], |own| groups.chosen(|columns, rows| touches(own, columns, rows)));
+        let layout = Arc::new(Layout { groups, own, diagonal });
         Self::of(pattern, layout)
     }
 
@@ -152,7 +159,12 @@ impl Scaling {
 
     /// The values in the scales of now.
     pub fn apply(&self, values: &[f64], scaled: &mut [f64]) {
-        self.layout.groups.scale(values, &self.rows, &self.columns, scaled);
+        self.layout.groups.scale(&[self.layout.groups.all()], values, &self.rows, &self.columns, scaled);
+    }
+
+    /// The same of columns that are own ones or have own rows, where ranks share the matrix.
+    pub fn apply_to_own(&self, values: &[f64], scaled: &mut [f64]) {
+        self.layout.groups.scale(&self.layout.own, values, &self.rows, &self.columns, scaled);
     }
 
     /// Largest entry of a row of a weak unknown in the columns scaled by now.
@@ -544,7 +556,7 @@ mod tests {
         for &(column, row, value) in &mirrored {
             values[pattern.position(row, column).expect("an entry")] = value;
         }
-        let mut scaling = Scaling::new(Arc::new(pattern));
+        let mut scaling = Scaling::new(Arc::new(pattern), None);
         scaling.set(&values, 2.0, false);
         for scale in scaling.rows.iter().chain(&scaling.columns) {
             assert!((0.1..10.0).contains(scale), "{:?} {:?}", scaling.rows, scaling.columns);
