@@ -200,8 +200,7 @@ impl Jacobian {
             let lists = [&point.at.a[..], &point.at.v, &point.at.q, &point.constraint_at.q, mu, eta, p, &[t]];
             self.mark = digest(&lists.map(digest));
         }
-        self.values.clear();
-        self.values.resize(system.pattern.rows.len(), 0.0);
+        self.clear(system);
         self.add_elements(system, (equations, Force::of(equations)), &point, p, t);
         if self.is_relieved {
             point.unknowns.local_mu.iter_mut().zip(&self.relief.local_mu).for_each(|(mu, own)| *mu += own);
@@ -216,6 +215,18 @@ impl Jacobian {
             self.add_rates(system);
         }
         self.point = point;
+    }
+
+    /// Sets the values to zero; on ranks those that this one has, while others stay any numbers.
+    fn clear(&mut self, system: &System) {
+        let entries = system.pattern.rows.len();
+        if self.values.len() != entries {
+            self.values = vec![0.0; entries];
+        } else if let Some(own) = &mut self.own {
+            own.entries(&system.pattern).iter().for_each(|own| self.values[own.clone()].fill(0.0));
+        } else {
+            self.values.par_chunks_mut(AT_ONCE).for_each(|values| values.fill(0.0));
+        }
     }
 
     /// Whether the matrix is the same at all states and times, as its programs show: a linear system without constraints.
@@ -525,6 +536,9 @@ impl ElementsAt<'_> {
         );
     }
 }
+
+/// Entries that a thread sets to zero at once.
+const AT_ONCE: usize = 1 << 16;
 
 /// Maxima that are looked for side by side.
 const LANES: usize = 8;

@@ -4,7 +4,7 @@ use super::batches::ElementBatch;
 use super::element_programs::Force;
 use super::evaluation::BatchWork;
 use super::numbering::{ScatterMap, System};
-use crate::linalg::{OwnUnknowns, Owners};
+use crate::linalg::{OwnUnknowns, Owners, SparsePattern};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -25,12 +25,29 @@ fn touching(system: &System, force: Force, has_any: impl Fn(Range<usize>) -> boo
 pub(super) struct OwnElements {
     pub unknowns: Arc<OwnUnknowns>,
     batches: [Option<Vec<ElementBatch>>; Force::KINDS],
+    entries: Option<Vec<Range<usize>>>,
 }
 
 impl OwnElements {
     /// Of this rank's unknowns.
     pub fn new(unknowns: &Arc<OwnUnknowns>) -> Self {
-        OwnElements { unknowns: Arc::clone(unknowns), batches: Default::default() }
+        OwnElements { unknowns: Arc::clone(unknowns), batches: Default::default(), entries: None }
+    }
+
+    /// Entries of the matrix in columns that are own ones or have own rows.
+    pub fn entries(&mut self, pattern: &SparsePattern) -> &[Range<usize>] {
+        self.entries.get_or_insert_with(|| {
+            let mut ranges: Vec<Range<usize>> = Vec::new();
+            for column in 0..pattern.size {
+                let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
+                match ranges.last_mut() {
+                    _ if !self.unknowns.touches(column..column + 1, &pattern.rows[own.clone()]) => {}
+                    Some(last) if last.end == own.start => last.end = own.end,
+                    _ => ranges.push(own),
+                }
+            }
+            ranges
+        })
     }
 
     /// Those of each batch of all.

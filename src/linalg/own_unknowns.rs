@@ -32,6 +32,11 @@ impl OwnUnknowns {
         self.owners.has_any(self.exchange.rank(), unknowns)
     }
 
+    /// Whether this rank needs some columns with the same rows: they are own ones, or have own rows.
+    pub fn touches(&self, columns: Range<usize>, rows: &[u32]) -> bool {
+        self.has_any(columns) || rows.iter().any(|&row| self.has_any(row as usize..row as usize + 1))
+    }
+
     /// Lists of all ranks, one after the other, in one: those of other ranks are written to places that `places` gives for each.
     fn exchange_at(&self, values: &mut [f64], places: &[Vec<u32>], further: &mut [f64]) {
         let own = places[self.exchange.rank()].iter().map(|&place| values[place as usize]);

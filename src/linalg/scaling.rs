@@ -73,10 +73,7 @@ impl Scaling {
         let place = |i: usize| pattern.position(i, i).map_or(NO_PLACE, |place| place as u32);
         let diagonal = (0..pattern.size).map(place).collect();
         let groups = ColumnGroups::new(pattern.clone());
-        let touches = |own: &OwnUnknowns, columns, rows: &[u32]| {
-            own.has_any(columns) || rows.iter().any(|&row| own.has_any(row as usize..row as usize + 1))
-        };
-        let own = own.map_or(vec![groups.all()], |own| groups.chosen(|columns, rows| touches(own, columns, rows)));
+        let own = own.map_or(vec![groups.all()], |own| groups.chosen(|columns, rows| own.touches(columns, rows)));
         let layout = Arc::new(Layout { groups, own, diagonal });
         Self::of(pattern, layout)
     }
