@@ -58,7 +58,7 @@ impl Study for Scaling {
         };
         for subject in subjects {
             let mut base: Option<(Layout, Measured)> = None;
-            for layout in layouts(report) {
+            for layout in layouts(report, subject) {
                 eprintln!("{}: {layout}", subject.name);
                 let Some(own) = layout.measured(subject, base.is_none())? else {
                     report.note(format!("{layout}: not measured; this needs the feature mpi, and mpirun"));
@@ -100,14 +100,16 @@ const CROWDED: [usize; 2] = [4, 8];
 
 /// Layouts that the cores of this machine have room for: powers of two of either, and all cores in between; of a large plate those with all
 /// cores alone. Of ranks without a core of their own the longest path is measured.
-fn layouts(report: &Report) -> Vec<Layout> {
+fn layouts(report: &Report, subject: &Subject) -> Vec<Layout> {
     let available = std::thread::available_parallelism().map_or(1, usize::from);
     let cores = if report.is_short() { available.min(2) } else { available };
     let powers = || (0..).map(|power| 1 << power).take_while(|&count| count <= cores);
     let all = powers().flat_map(|ranks| powers().map(move |threads| Layout { ranks, threads, is_crowded: false }));
     let has_all = |layout: &Layout| layout.ranks * layout.threads * 2 > cores;
     let counts = |layout: &Layout| has_all(layout) || !report.is_long() && (layout.ranks == 1 || layout.threads == 1);
-    let crowded = CROWDED.into_iter().filter(|&ranks| ranks > cores && !report.is_short() && !report.is_long());
+    // a plate that grows with eight of them takes too long
+    let crowded = if subject.is_for_each { &CROWDED[..1] } else { &CROWDED[..] };
+    let crowded = crowded.iter().copied().filter(|&ranks| ranks > cores && !report.is_short() && !report.is_long());
     let crowded = crowded.map(|ranks| Layout { ranks, threads: 1, is_crowded: true });
     all.filter(|layout| layout.ranks * layout.threads <= cores && counts(layout)).chain(crowded).collect()
 }

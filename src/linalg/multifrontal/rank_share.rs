@@ -4,7 +4,7 @@
 //! that take long are shared.
 //! Every number is the sum of the same terms in the same order as in one process, and has the same bits.
 
-use super::factors::Factors;
+use super::factors::{Factors, Part};
 use super::front::Contribution;
 #[cfg(test)]
 use super::pivots::PANEL;
@@ -104,8 +104,13 @@ impl RankShare {
 
     /// Bytes of waiting contributions at their peak.
     pub fn bytes(&self) -> usize {
-        let of_task = |task: &Task| if let Task::Own(piece) = task { piece.bytes() } else { 0 };
-        self.tasks.iter().map(of_task).sum()
+        let of_task = |task: &Task| match task {
+            Task::Own(piece) => piece.bytes(),
+            Task::Shared(front) => self.deals[front].bytes(),
+        };
+        // those of shared fronts have one room
+        let (alone, shared): (Vec<&Task>, Vec<&Task>) = self.tasks.iter().partition(|task| matches!(task, Task::Own(_)));
+        alone.into_iter().map(of_task).sum::<usize>() + shared.into_iter().map(of_task).max().unwrap_or(0)
     }
 
     /// Factors values given in the order of the pattern.
@@ -117,64 +122,28 @@ impl RankShare {
     /// [`Singular`] with the column that has no pivot, on all ranks.
     pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
         let RankShare { mail, tasks, shared, deals, solution, threads } = self;
-        let (exchange, stretches) = (mail.exchange, &*solution.stretches);
-        let own = stretches.fronts(exchange.rank());
+        let own = solution.stretches.fronts(mail.exchange.rank());
         let (_, rest) = factors.part(symbolic).split_at(symbolic, own.start);
         let (mut part, _) = rest.split_at(symbolic, own.end);
         let mut failure: Option<(usize, Singular)> = None;
         for task in tasks {
-            let (number, result) = match task {
-                Task::Own(piece) => {
-                    let (root, first) = (piece.root(), piece.fronts().start);
-                    let (_, mut fronts) = part.reborrow().split_at(symbolic, first);
-                    let result = if deals.contains_key(&root) {
-                        let mut taken = mail.take_children(symbolic, deals, stretches, root);
-                        taken.iter_mut().for_each(join);
-                        let children: Vec<_> = taken.iter().map(|child| child[0].whole()).collect();
-                        piece.factor_front(symbolic, values, &mut fronts, &children)
-                    } else {
-                        piece.factor(symbolic, values, fronts)
-                    };
-                    if result.is_ok() {
-                        let contribution = piece.contribution(symbolic, &part);
-                        let waiting = contribution.delayed_rows.len();
-                        let there = 0..waiting + symbolic.fronts[root].others();
-                        mail.hand_on(symbolic, deals, contribution, there);
-                    }
-                    (root, result)
-                }
-                Task::Shared(number) => {
-                    let number = *number;
-                    let children = mail.take_children(symbolic, deals, stretches, number);
-                    let deal = &deals[&number];
-                    let member = deal.member(exchange.rank()).expect("a task of the team");
-                    let team = Team { exchange, deal, member, threads: *threads };
-                    let result = if member == 0 {
-                        let delayed = children.iter().map(|pieces| pieces[0].waiting[0].len()).sum();
-                        let storage = part.prepare(symbolic, number, delayed);
-                        let found = shared.factor(symbolic, team, mail, &children, Some((storage, values)));
-                        part.set_eliminated(number, found);
-                        match shared.waiting[1].first() {
-                            Some(&place) if symbolic.fronts[number].is_last() => {
-                                Err(Singular { unknown: symbolic.order[place as usize] as usize })
-                            }
-                            _ => Ok(()),
-                        }
-                    } else {
-                        shared.factor(symbolic, team, mail, &children, None);
-                        Ok(())
-                    };
-                    let [delayed_rows, delayed_columns] = &shared.waiting;
-                    let contribution =
-                        Contribution { front: number, delayed_rows, delayed_columns, values: &shared.contribution };
-                    mail.hand_on(symbolic, deals, contribution, deal.contributed(member, delayed_rows.len()));
-                    (number, result)
-                }
+            let number = match task {
+                Task::Own(piece) => piece.root(),
+                Task::Shared(number) => *number,
+            };
+            let children = match deals.contains_key(&number) {
+                true => mail.take_children(symbolic, deals, &solution.stretches, number),
+                false => Vec::new(),
+            };
+            let handing = Handing { symbolic, deals, mail };
+            let result = match task {
+                Task::Own(piece) => handing.factor_own(piece, values, &mut part, children),
+                Task::Shared(_) => handing.factor_shared(shared, (number, *threads), values, &mut part, &children),
             };
             if let Err(singular) = result {
                 failure = failure.filter(|&(earlier, _)| earlier < number).or(Some((number, singular)));
             }
-            exchange.hurry();
+            mail.exchange.hurry();
         }
         let delayed = if failure.is_some() { Vec::new() } else { delayed(symbolic, &part, &solution.pieces) };
         self.agree(symbolic, failure.map(|(_, singular)| singular), delayed)
@@ -251,6 +220,69 @@ impl RankShare {
                 solution[places(rank)].copy_from_slice(list);
             }
         }
+    }
+}
+
+/// Fronts whose contributions go to those above.
+struct Handing<'h> {
+    symbolic: &'h Symbolic,
+    deals: &'h BTreeMap<usize, Deal>,
+    mail: &'h mut Mail,
+}
+
+impl Handing<'_> {
+    /// Factors a subtree, or a front alone with the contributions of its children, and hands on what it contributes.
+    fn factor_own(
+        self,
+        piece: &mut Piece,
+        values: &[f64],
+        part: &mut Part<'_>,
+        mut children: Vec<Vec<Columns>>,
+    ) -> Result<(), Singular> {
+        let Handing { symbolic, deals, mail } = self;
+        let root = piece.root();
+        let (_, mut fronts) = part.reborrow().split_at(symbolic, piece.fronts().start);
+        if deals.contains_key(&root) {
+            children.iter_mut().for_each(join);
+            let children: Vec<_> = children.iter().map(|child| child[0].whole()).collect();
+            piece.factor_front(symbolic, values, &mut fronts, &children)?;
+        } else {
+            piece.factor(symbolic, values, fronts)?;
+        }
+        let contribution = piece.contribution(symbolic, part);
+        let there = 0..contribution.delayed_rows.len() + symbolic.fronts[root].others();
+        mail.hand_on(symbolic, deals, contribution, there);
+        Ok(())
+    }
+
+    /// Factors a front with others, and hands on what own columns of it contribute.
+    fn factor_shared(
+        self,
+        shared: &mut SharedFront,
+        (number, threads): (usize, usize),
+        values: &[f64],
+        part: &mut Part<'_>,
+        children: &[Vec<Columns>],
+    ) -> Result<(), Singular> {
+        let Handing { symbolic, deals, mail } = self;
+        let (exchange, deal) = (mail.exchange, &deals[&number]);
+        let member = deal.member(exchange.rank()).expect("a task of the team");
+        let team = Team { exchange, deal, member, threads };
+        if member == 0 {
+            let delayed = children.iter().map(|pieces| pieces[0].waiting[0].len()).sum();
+            let storage = part.prepare(symbolic, number, delayed);
+            let found = shared.factor(symbolic, team, mail, children, Some((storage, values)));
+            part.set_eliminated(number, found);
+        } else {
+            shared.factor(symbolic, team, mail, children, None);
+        }
+        let [delayed_rows, delayed_columns] = &shared.waiting;
+        if let (0, true, Some(&place)) = (member, symbolic.fronts[number].is_last(), delayed_columns.first()) {
+            return Err(Singular { unknown: symbolic.order[place as usize] as usize });
+        }
+        let contribution = Contribution { front: number, delayed_rows, delayed_columns, values: &shared.contribution };
+        mail.hand_on(symbolic, deals, contribution, deal.contributed(member, delayed_rows.len()));
+        Ok(())
     }
 }
 

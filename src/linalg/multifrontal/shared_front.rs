@@ -45,6 +45,11 @@ impl Deal {
         self.team.len() > 1
     }
 
+    /// Memory of a rank for the front, at most \[bytes\].
+    pub fn bytes(&self) -> usize {
+        size_of::<f64>() * (self.pivots + self.others).pow(2)
+    }
+
     /// The place of a rank in the team.
     pub fn member(&self, rank: usize) -> Option<usize> {
         self.team.iter().position(|&own| own == rank)
@@ -166,16 +171,40 @@ pub trait Inbox {
 /// Room of a rank for the fronts that it shares.
 #[derive(Default)]
 pub struct SharedFront {
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    rows: Vec<u32>,
-    columns: Vec<u32>,
+    room: Room,
     exchanges: Vec<(u32, u32)>,
     workspace: Workspace,
     /// What its columns contribute.
     pub contribution: Vec<f64>,
     /// Places of rows and columns whose pivots wait.
     pub waiting: [Vec<u32>; 2],
+}
+
+/// Columns of a front that another rank is the master of.
+#[derive(Default)]
+struct Room {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    rows: Vec<u32>,
+    columns: Vec<u32>,
+}
+
+impl Room {
+    /// Own columns all zero, places those of the front's own pivots.
+    fn prepare(&mut self, front: &Front, team: Team<'_>, summed: usize) -> FrontStorage<'_> {
+        let Room { lower, upper, rows, columns } = self;
+        let size = summed + front.others();
+        lower.resize(size * summed, 0.0);
+        let own = (0..summed).filter(|&column| team.deal.of_pivot(column) == team.member);
+        own.for_each(|column| lower[column * size..][..size].fill(0.0));
+        upper.clear();
+        upper.resize(summed * team.deal.others(team.member).len(), 0.0);
+        for list in [&mut *rows, &mut *columns] {
+            list.resize(summed, 0);
+            list.iter_mut().zip(front.first as u32..).take(front.pivots).for_each(|(own, place)| *own = place);
+        }
+        FrontStorage { lower, upper, rows, columns }
+    }
 }
 
 impl SharedFront {
@@ -189,48 +218,24 @@ impl SharedFront {
         children: &[Vec<Columns>],
         of_master: Option<(FrontStorage<'_>, &[f64])>,
     ) -> usize {
-        let SharedFront { lower, upper, rows, columns, exchanges, workspace, contribution, waiting } = self;
+        let SharedFront { room, exchanges, workspace, contribution, waiting } = self;
         let front = &symbolic.fronts[team.deal.front];
         let late: Vec<usize> = children.iter().map(|pieces| pieces[0].waiting[0].len()).collect();
-        let (others, own_others) = (front.others(), team.deal.others(team.member));
         let summed = front.pivots + late.iter().sum::<usize>();
-        let size = summed + others;
-        let entries = match &of_master {
-            Some((_, values)) => {
-                team.others_from(1).for_each(|member| team.send(member, entries_for(symbolic, team, member, values)));
-                entries_for(symbolic, team, 0, values)
-            }
-            None => Vec::new(),
-        };
-        let (storage, entries) = match of_master {
-            Some((storage, _)) => (storage, entries),
-            None => {
-                lower.resize(size * summed, 0.0);
-                upper.resize(summed * own_others.len(), 0.0);
-                rows.resize(summed, 0);
-                columns.resize(summed, 0);
-                upper.fill(0.0);
-                let own = (0..summed).filter(|&column| team.deal.of_pivot(column) == team.member);
-                own.for_each(|column| lower[column * size..][..size].fill(0.0));
-                for list in [&mut *rows, &mut *columns] {
-                    list.iter_mut().zip(front.first as u32..).take(front.pivots).for_each(|(own, place)| *own = place);
-                }
-                let head = [ENTRIES, team.deal.front as f64];
-                (FrontStorage { lower, upper, rows, columns }, inbox.expect(team.deal.team[0], head))
-            }
-        };
+        let entries = exchange_entries(symbolic, team, inbox, of_master.as_ref().map(|of_master| of_master.1));
+        let storage = of_master.map_or_else(|| room.prepare(front, team, summed), |of_master| of_master.0);
         let FrontStorage { lower, upper, rows, columns } = storage;
-        let mut own = Own { symbolic, front, team, late: &late, lower, upper, summed, own_others: own_others.clone() };
-        own.add_entries(&entries);
+
         let bare: Vec<Contribution<'_>> = children.iter().map(|pieces| bare(&pieces[0])).collect();
         workspace.place(symbolic, front, &bare, rows, columns);
-        own.add_children(children, workspace);
+        let mut own = Own { symbolic, front, team, lower, upper, summed, others: team.deal.others(team.member) };
+        own.add_entries(&entries);
+        own.add_children(children, &late, workspace);
 
         exchanges.clear();
-        let Own { lower, upper, .. } = own;
         let mut block = PivotBlock {
-            values: &mut *lower,
-            size,
+            values: own.lower,
+            size: summed + front.others(),
             rows: &mut *rows,
             columns: &mut *columns,
             exchanges,
@@ -239,51 +244,20 @@ impl SharedFront {
         };
         let found = eliminate(&mut block, team, inbox);
         *waiting = [&*rows, &*columns].map(|list| list[found..].to_vec());
-        if others == 0 {
-            contribution.clear();
-            return found;
-        }
-        let (own_upper, _) = upper.split_at_mut(summed * own_others.len());
-        for column in own_upper.chunks_exact_mut(summed) {
-            exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
-        }
-        let crew = Crew { threads: team.threads, elsewhere: others - own_others.len() };
-        let pivots = MatrixView::new(&*lower, size, summed);
-        let (mut known, unknown) = MatrixViewMut::new(own_upper, summed, own_others.len()).split_rows(found);
-        solve_unit_lower(pivots.block(0..found, 0..found), known.reborrow(), crew);
-
-        let (left, first) = (summed - found, team.deal.contributed(team.member, summed - found).start);
-        let (order, width) = (left + others, team.deal.contributed(team.member, left).len());
-        let own_left = width - own_others.len();
-        contribution.resize(order * width, 0.0);
-        let (mut late_columns, matrix) = MatrixViewMut::new(&mut *contribution, order, width).split_columns(own_left);
-        if own_left > 0 {
-            late_columns.copy_from(pivots.block(found..size, found..summed));
-        }
-        let (mut top, bottom) = matrix.split_rows(left);
-        if left > 0 {
-            top.copy_from(unknown.as_view());
-            subtract_product(top, Target::Reduced, pivots.block(found..summed, 0..found), known.as_view(), crew);
-        }
-        subtract_product(bottom, Target::Replaced, pivots.block(summed..size, 0..found), known.as_view(), crew);
-        for_each_column(symbolic, team, children, |number, place, source| {
-            let Some(other) = place.and_then(|place| place.checked_sub(front.pivots)) else { return };
-            let target = &mut contribution[(left + other - first) * order..][..order];
-            let [_, middle, end] = workspace.bounds[number];
-            dispatch(AddRows { runs: &workspace.runs[middle..end], source, target, shift: found });
-        });
-
-        if team.member > 0 {
-            team.send(0, [team.head(UPPER), own_upper.to_vec()].concat());
-        } else {
-            for member in team.others_from(1) {
-                let of_member = inbox.expect(team.deal.team[member], [UPPER, team.deal.front as f64]);
-                let places = team.deal.others(member);
-                upper[places.start * summed..places.end * summed].copy_from_slice(&of_member);
-            }
-        }
+        own.reduce_others(found, exchanges, contribution);
+        own.add_others(children, workspace, found, contribution);
+        own.gather_upper(inbox);
         found
     }
+}
+
+/// Entries of the matrix in own columns, which the master has and sends.
+fn exchange_entries(symbolic: &Symbolic, team: Team<'_>, inbox: &mut impl Inbox, values: Option<&[f64]>) -> Vec<f64> {
+    let Some(values) = values else {
+        return inbox.expect(team.deal.team[0], [ENTRIES, team.deal.front as f64]);
+    };
+    team.others_from(1).for_each(|member| team.send(member, entries_for(symbolic, team, member, values)));
+    entries_for(symbolic, team, 0, values)
 }
 
 /// A contribution without its numbers.
@@ -319,47 +293,51 @@ fn for_each_column(
     }
 }
 
-/// Own columns of a front while they are filled.
+/// Own columns of a front.
 struct Own<'o> {
     symbolic: &'o Symbolic,
     front: &'o Front,
     team: Team<'o>,
-    /// Pivots of each child that wait.
-    late: &'o [usize],
+    /// All columns in which pivots are looked for, of which others fill their own.
     lower: &'o mut [f64],
-    /// Of the own ones of the other columns.
+    /// Rows in which they are, of the other columns: first the own ones, and of the master those of all.
     upper: &'o mut [f64],
+    /// Columns in which pivots are looked for.
     summed: usize,
-    own_others: Range<usize>,
+    /// The own ones of the other columns.
+    others: Range<usize>,
 }
 
 impl Own<'_> {
+    fn size(&self) -> usize {
+        self.summed + self.front.others()
+    }
+
     /// Adds entries of the matrix, in their order.
     fn add_entries(&mut self, mut values: &[f64]) {
-        let (pivots, size) = (self.front.pivots, self.summed + self.front.others());
+        let (pivots, summed, size) = (self.front.pivots, self.summed, self.size());
         for (block, column) in self.team.deal.entries(self.symbolic, self.team.member) {
             let (own, rest) = values.split_at(block.height as usize);
             values = rest;
             let (row, column) = (block.row as usize, block.column as usize + column);
             let target = match column.checked_sub(pivots) {
-                None => &mut self.lower[column * size + if row < pivots { row } else { row + self.summed - pivots }..],
-                Some(other) => &mut self.upper[(other - self.own_others.start) * self.summed + row..],
+                None => &mut self.lower[column * size + if row < pivots { row } else { row + summed - pivots }..],
+                Some(other) => &mut self.upper[(other - self.others.start) * summed + row..],
             };
             add(&mut target[..own.len()], own);
         }
     }
 
     /// Adds what children contribute to own columns, but to rows and columns of which both have no pivot here.
-    fn add_children(&mut self, children: &[Vec<Columns>], Workspace { runs, bounds, .. }: &Workspace) {
-        let (pivots, summed, size) = (self.front.pivots, self.summed, self.summed + self.front.others());
+    fn add_children(&mut self, children: &[Vec<Columns>], late: &[usize], Workspace { runs, bounds, .. }: &Workspace) {
+        let (pivots, summed, size) = (self.front.pivots, self.summed, self.size());
         // those of pivots that wait stand behind the front's own, child by child
-        let mut next: Vec<usize> =
-            self.late.iter().scan(pivots, |end, late| Some(std::mem::replace(end, *end + late))).collect();
+        let mut next: Vec<usize> = late.iter().scan(pivots, |end, late| Some(std::mem::replace(end, *end + late))).collect();
         for_each_column(self.symbolic, self.team, children, |number, place, source| {
             let [start, middle, end] = bounds[number];
             let other = place.and_then(|place| place.checked_sub(pivots));
             let (target, end) = match other {
-                Some(other) => (&mut self.upper[(other - self.own_others.start) * summed..][..summed], middle),
+                Some(other) => (&mut self.upper[(other - self.others.start) * summed..][..summed], middle),
                 None => {
                     let column = place.unwrap_or(next[number]);
                     next[number] += usize::from(place.is_none());
@@ -368,6 +346,65 @@ impl Own<'_> {
             };
             dispatch(AddRows { runs: &runs[start..end], source, target, shift: 0 });
         });
+    }
+
+    /// Solves and reduces the own ones of the other columns with all pivots, after exchanges of rows: U, and what they contribute.
+    fn reduce_others(&mut self, found: usize, exchanges: &[(u32, u32)], contribution: &mut Vec<f64>) {
+        let (size, summed, own) = (self.size(), self.summed, self.others.len());
+        let left = summed - found;
+        let (order, width) = (left + self.front.others(), self.team.deal.contributed(self.team.member, left).len());
+        contribution.resize(order * width, 0.0);
+        if self.front.others() == 0 {
+            return;
+        }
+        let upper = &mut self.upper[..summed * own];
+        for column in upper.chunks_exact_mut(summed) {
+            exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
+        }
+        let crew = Crew { threads: self.team.threads, elsewhere: self.front.others() - own };
+        let pivots = MatrixView::new(&*self.lower, size, summed);
+        let (mut known, unknown) = MatrixViewMut::new(upper, summed, own).split_rows(found);
+        solve_unit_lower(pivots.block(0..found, 0..found), known.reborrow(), crew);
+        let matrix = MatrixViewMut::new(&mut *contribution, order, width);
+        let (mut late, matrix) = matrix.split_columns(width - own);
+        if width > own {
+            late.copy_from(pivots.block(found..size, found..summed));
+        }
+        let (mut top, bottom) = matrix.split_rows(left);
+        if left > 0 {
+            top.copy_from(unknown.as_view());
+            subtract_product(top, Target::Reduced, pivots.block(found..summed, 0..found), known.as_view(), crew);
+        }
+        subtract_product(bottom, Target::Replaced, pivots.block(summed..size, 0..found), known.as_view(), crew);
+    }
+
+    /// Adds what children contribute to rows and columns without a pivot here.
+    fn add_others(&self, children: &[Vec<Columns>], workspace: &Workspace, found: usize, contribution: &mut [f64]) {
+        let left = self.summed - found;
+        let (order, first) = (left + self.front.others(), self.team.deal.contributed(self.team.member, left).start);
+        for_each_column(self.symbolic, self.team, children, |number, place, source| {
+            let Some(other) = place.and_then(|place| place.checked_sub(self.front.pivots)) else { return };
+            let target = &mut contribution[(left + other - first) * order..][..order];
+            let [_, middle, end] = workspace.bounds[number];
+            dispatch(AddRows { runs: &workspace.runs[middle..end], source, target, shift: found });
+        });
+    }
+
+    /// The master gets U of all.
+    fn gather_upper(&mut self, inbox: &mut impl Inbox) {
+        let (team, summed) = (self.team, self.summed);
+        if self.front.others() == 0 {
+            return;
+        }
+        if team.member > 0 {
+            let own = &self.upper[..summed * self.others.len()];
+            return team.send(0, [&team.head(UPPER)[..], own].concat());
+        }
+        for member in team.others_from(1) {
+            let of_member = inbox.expect(team.deal.team[member], [UPPER, team.deal.front as f64]);
+            let places = team.deal.others(member);
+            self.upper[places.start * summed..places.end * summed].copy_from_slice(&of_member);
+        }
     }
 }
 
