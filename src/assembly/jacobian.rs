@@ -13,7 +13,7 @@ use super::reduction::Columns;
 use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::exchange::digest;
-use crate::linalg::{Factorization, OwnUnknowns, Owners, Singular};
+use crate::linalg::{AT_ONCE, Factorization, OwnUnknowns, Owners, Singular, is_shared_by_threads};
 use crate::program::Program;
 use crate::scalar::larger;
 use rayon::prelude::*;
@@ -224,8 +224,10 @@ impl Jacobian {
             self.values = vec![0.0; entries];
         } else if let Some(own) = &mut self.own {
             own.entries(&system.pattern).iter().for_each(|own| self.values[own.clone()].fill(0.0));
-        } else {
+        } else if is_shared_by_threads(entries) {
             self.values.par_chunks_mut(AT_ONCE).for_each(|values| values.fill(0.0));
+        } else {
+            self.values.fill(0.0);
         }
     }
 
@@ -536,9 +538,6 @@ impl ElementsAt<'_> {
         );
     }
 }
-
-/// Entries that a thread sets to zero at once.
-const AT_ONCE: usize = 1 << 16;
 
 /// Maxima that are looked for side by side.
 const LANES: usize = 8;

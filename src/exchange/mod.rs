@@ -32,7 +32,7 @@ pub struct Traffic {
     /// Sent to other ranks \[bytes\].
     pub sent: f64,
     /// Time on processors along the longest path of work and messages that leads here \[s\]: what it would take if each rank had a core of its
-    /// own, and the network of [`MESSAGE`] and [`NUMBER`] between them. It knows of one thread of each rank.
+    /// own, and a network of 2 microseconds and 10 GB/s between them. It knows of one thread of each rank.
     pub path: f64,
 }
 

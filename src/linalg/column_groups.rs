@@ -12,6 +12,13 @@ use std::sync::Arc;
 
 /// Entries that a thread takes at once.
 pub const AT_ONCE: usize = 1 << 16;
+/// Entries of a matrix from which on threads share a pass over it: waking them takes as long as less.
+const MANY: usize = 1 << 20;
+
+/// Whether threads share a pass over some entries.
+pub fn is_shared_by_threads(entries: usize) -> bool {
+    entries > MANY && rayon::current_num_threads() > 1
+}
 
 /// Most rows whose numbers are fetched for a group.
 pub const FETCHED: usize = 64;
@@ -73,6 +80,13 @@ impl ColumnGroups {
 
     /// Multiplies values of some groups by scales of their rows and columns, on all threads where they are many.
     pub fn scale(&self, groups: &[Range<usize>], values: &[f64], rows: &[f64], columns: &[f64], scaled: &mut [f64]) {
+        let scale = |(numbers, scaled): (Range<usize>, &mut [f64])| {
+            dispatch_vectors(Scale { groups: self, numbers, values, rows, columns, scaled });
+        };
+        if !is_shared_by_threads(values.len()) {
+            let places = |groups: &Range<usize>| self.entries(groups.start)..self.entries(groups.end);
+            return groups.iter().for_each(|groups| scale((groups.clone(), &mut scaled[places(groups)])));
+        }
         let (mut parts, mut rest, mut at) = (Vec::new(), scaled, 0);
         for groups in groups {
             let mut first = groups.start;
@@ -87,14 +101,7 @@ impl ColumnGroups {
                 (rest, at, first) = (after, self.entries(end), end);
             }
         }
-        let scale = |(numbers, scaled): (Range<usize>, &mut [f64])| {
-            dispatch_vectors(Scale { groups: self, numbers, values, rows, columns, scaled });
-        };
-        if parts.len() > 1 && rayon::current_num_threads() > 1 {
-            parts.into_par_iter().for_each(scale);
-        } else {
-            parts.into_iter().for_each(scale);
-        }
+        parts.into_par_iter().for_each(scale);
     }
 }
 

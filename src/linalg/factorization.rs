@@ -7,7 +7,7 @@ mod symmetric;
 
 pub use symmetric::Signs;
 
-use super::column_groups::AT_ONCE;
+use super::column_groups::{AT_ONCE, is_shared_by_threads};
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
 use super::simd::multiply_add;
@@ -328,8 +328,11 @@ impl Factorization {
             self.largest = largest;
             return first.map_or(Ok(()), |unknown| Err(Singular { unknown }));
         }
-        let parts = values.par_chunks(AT_ONCE).map(largest_finite);
-        if let Some(largest) = parts.try_reduce(|| 0.0, |a, b| Some(larger(a, b))) {
+        let all = match is_shared_by_threads(values.len()) {
+            true => values.par_chunks(AT_ONCE).map(largest_finite).try_reduce(|| 0.0, |a, b| Some(larger(a, b))),
+            false => largest_finite(values),
+        };
+        if let Some(largest) = all {
             self.largest = largest;
             return Ok(());
         }
