@@ -183,12 +183,12 @@ impl Measured {
             // the short form has no figure that depends on the clock
             let is_held = name.starts_with("factorization") && !(subject.is_for_each || report.is_short());
             if let (Some(of_base), Some(predicted), true) = (of_base, predicted, is_held) {
-                report.compare(
-                    format!("{full}, speed by the one that the model predicts"),
-                    of_base / value / predicted,
-                    1.0,
-                    MODEL_ERROR,
-                );
+                let (name, ratio) =
+                    (format!("{full}, speed by the one that the model predicts"), of_base / value / predicted);
+                match layout.ranks <= MOST_HELD {
+                    true => report.compare(name, ratio, 1.0, MODEL_ERROR),
+                    false => report.inform(name, ratio),
+                }
             }
             if let (Some(of_base), true) = (of_base, name.ends_with("[s]") && ![ON_PROCESSORS, WAITING].contains(&&name[..]))
             {
@@ -208,6 +208,8 @@ const SECOND: &str = "second functional by the first";
 /// What a model says of more ranks, and by how much it may be wrong.
 const MODEL: &str = "model";
 const MODEL_ERROR: f64 = 0.15;
+/// Ranks up to which it is held to that: more of them take caches from each other where they have no core each.
+const MOST_HELD: usize = 4;
 /// Numbers of ranks, and of threads of each, of which it is asked.
 const RANKS: [usize; 8] = [1, 2, 4, 8, 16, 24, 64, 256];
 const THREADS: [usize; 4] = [1, 2, 4, 16];
