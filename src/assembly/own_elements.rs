@@ -4,7 +4,7 @@ use super::batches::ElementBatch;
 use super::element_programs::Force;
 use super::evaluation::BatchWork;
 use super::numbering::{ScatterMap, System};
-use crate::linalg::{OwnUnknowns, Owners, SparsePattern};
+use crate::linalg::{OwnUnknowns, Owners, SparsePattern, ranges_where};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -37,16 +37,10 @@ impl OwnElements {
     /// Entries of the matrix in columns that are own ones or have own rows.
     pub fn entries(&mut self, pattern: &SparsePattern) -> &[Range<usize>] {
         self.entries.get_or_insert_with(|| {
-            let mut ranges: Vec<Range<usize>> = Vec::new();
-            for column in 0..pattern.size {
-                let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
-                match ranges.last_mut() {
-                    _ if !self.unknowns.touches(column..column + 1, &pattern.rows[own.clone()]) => {}
-                    Some(last) if last.end == own.start => last.end = own.end,
-                    _ => ranges.push(own),
-                }
-            }
-            ranges
+            let entries = |columns: Range<usize>| pattern.column_starts[columns.start]..pattern.column_starts[columns.end];
+            let touches =
+                |column: usize| self.unknowns.touches(column..column + 1, &pattern.rows[entries(column..column + 1)]);
+            ranges_where(pattern.size, touches).into_iter().map(entries).collect()
         })
     }
 

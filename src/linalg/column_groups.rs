@@ -50,17 +50,10 @@ impl ColumnGroups {
 
     /// Groups of which something holds that depends on their columns and rows, in ranges.
     pub fn chosen(&self, holds: impl Fn(Range<usize>, &[u32]) -> bool) -> Vec<Range<usize>> {
-        let mut chosen: Vec<Range<usize>> = Vec::new();
-        for (number, bounds) in self.starts.windows(2).enumerate() {
-            let columns = bounds[0] as usize..bounds[1] as usize;
-            let rows = &self.pattern.rows[self.entries(number)..][..self.rows_of(number)];
-            match chosen.last_mut() {
-                _ if !holds(columns, rows) => {}
-                Some(last) if last.end == number => last.end += 1,
-                _ => chosen.push(number..number + 1),
-            }
-        }
-        chosen
+        ranges_where(self.all().end, |number| {
+            let columns = self.starts[number] as usize..self.starts[number + 1] as usize;
+            holds(columns, &self.pattern.rows[self.entries(number)..][..self.rows_of(number)])
+        })
     }
 
     /// All groups.
@@ -103,6 +96,18 @@ impl ColumnGroups {
         }
         parts.into_par_iter().for_each(scale);
     }
+}
+
+/// Numbers below a count of which something holds, in ranges.
+pub fn ranges_where(count: usize, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for number in (0..count).filter(|&number| holds(number)) {
+        match ranges.last_mut() {
+            Some(last) if last.end == number => last.end += 1,
+            _ => ranges.push(number..number + 1),
+        }
+    }
+    ranges
 }
 
 /// The numbers of some rows.

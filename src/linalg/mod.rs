@@ -16,7 +16,7 @@ mod simd;
 mod sparse_pattern;
 mod vectors;
 
-pub(crate) use column_groups::{AT_ONCE, is_shared_by_threads};
+pub(crate) use column_groups::{AT_ONCE, is_shared_by_threads, ranges_where};
 pub use dense::DenseLu;
 pub(crate) use eigen::{Eigenpair, complex_eigenvalues, eigenpairs, symmetric_part_eigenpairs};
 pub use factorization::Backend;
