@@ -57,14 +57,14 @@ pub fn prepare(scene: &dyn AnyScene, steps: usize, functionals: usize) -> Result
     Ok(prepared)
 }
 
-/// What some work gives, and what it takes. Ranks begin it together, and the longest path is that to where all are at the end of it.
+/// What some work gives, and what it takes. Ranks begin it together, and it lasts, by the clock and along the longest path, until all of them have ended it.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Times) {
     let ranks = of_all_ranks(&[]).len();
     let (begun, clock, before) = (Instant::now(), Clock::start(), traffic().path);
     let done = work();
     let is_alone = ranks == 1 && rayon::current_num_threads() == 1;
-    let seconds = if is_alone { clock.seconds() } else { begun.elapsed().as_secs_f64() };
     of_all_ranks(&[]);
+    let seconds = if is_alone { clock.seconds() } else { begun.elapsed().as_secs_f64() };
     (done, [seconds, if is_alone { seconds } else { traffic().path - before }])
 }
 

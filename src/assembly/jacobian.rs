@@ -7,8 +7,8 @@ use super::lanes::LaneResults;
 use super::matrix_values::{MatrixValues, SharedValues};
 use super::node_programs;
 use super::null_spaces::NullSpaces;
-use super::numbering::{ScatterMap, System, add_at};
-use super::own_elements::{OwnElements, ThreadElements};
+use super::numbering::{ScatterMap, System};
+use super::own_parts::{OwnParts, PartsOfRank, PartsOfThreads};
 use super::reduction::Columns;
 use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
@@ -34,8 +34,8 @@ pub struct Jacobian {
     /// Stresses that a search keeps, less those at its point.
     relief: Relief,
     is_relieved: bool,
-    own: Option<OwnElements>,
-    threads: Option<ThreadElements>,
+    own: Option<PartsOfRank>,
+    threads: Option<PartsOfThreads>,
     /// By which ranks that have divided the matrix tell whether it is of the same point.
     mark: f64,
 }
@@ -148,14 +148,14 @@ impl Jacobian {
     /// From now on only what the rows and columns of this rank's unknowns take is evaluated, or all again. It is for one system.
     pub fn divide(&mut self, unknowns: Option<&Arc<OwnUnknowns>>) {
         if self.own.as_ref().map(|own| Arc::as_ptr(&own.unknowns)) != unknowns.map(Arc::as_ptr) {
-            self.own = unknowns.map(OwnElements::new);
+            self.own = unknowns.map(PartsOfRank::new);
         }
     }
 
     /// From now on each thread evaluates what the columns of its unknowns take, or all share every element again. It is for one system.
     pub fn divide_by_threads(&mut self, owners: Option<&Arc<Owners>>) {
         if self.threads.as_ref().map(|own| Arc::as_ptr(&own.owners)) != owners.map(Arc::as_ptr) {
-            self.threads = owners.map(ThreadElements::new);
+            self.threads = owners.map(PartsOfThreads::new);
         }
     }
 
@@ -168,7 +168,7 @@ impl Jacobian {
 
     /// How many elements this rank evaluates for its rows and columns, where the matrix is divided.
     pub fn own_elements(&self) -> Option<usize> {
-        self.own.as_ref()?.count()
+        self.own.as_ref()?.elements()
     }
 
     /// Factors the matrix, all of it or what this rank has.
@@ -201,15 +201,22 @@ impl Jacobian {
             self.mark = digest(&lists.map(digest));
         }
         self.clear(system);
-        self.add_elements(system, (equations, Force::of(equations)), &point, p, t);
-        if self.is_relieved {
-            point.unknowns.local_mu.iter_mut().zip(&self.relief.local_mu).for_each(|(mu, own)| *mu += own);
-            self.add_elements(system, (equations, Force::Stresses), &point, p, t);
+        let relief = self.is_relieved.then_some(&self.relief);
+        for force in [Some(Force::of(equations)), relief.map(|_| Force::Stresses)].into_iter().flatten() {
+            self.evaluated += system.element_batches(force).iter().map(|batch| batch.parts.len()).sum::<usize>();
         }
-        self.add_constraints(system, equations, &point, p, t);
-        // a reaction at the start of a step does not move
-        if !equations.parts_reactions() {
-            self.add_curvature(system, equations, &point);
+        if let Some(relief) = relief {
+            point.unknowns.local_mu.iter_mut().zip(&relief.local_mu).for_each(|(mu, own)| *mu += own);
+        }
+        let Jacobian { values, bases, work, own, threads, .. } = self;
+        let parts = PartsAt { system, equations, point: &point, p, t, bases, relief };
+        match (own, threads) {
+            (None, Some(threads)) => {
+                // SAFETY: each thread adds to the columns of its own unknowns, and each unknown is one thread's.
+                let target = unsafe { SharedValues::new(values) };
+                threads.threads.par_iter_mut().for_each(|(own, work)| parts.add(Some(own), work, &mut { target }));
+            }
+            (own, _) => parts.add(own.as_ref().map(|own| &own.parts), work, &mut &mut values[..]),
         }
         if system.options.stabilized {
             self.add_rates(system);
@@ -222,7 +229,7 @@ impl Jacobian {
         let entries = system.pattern.rows.len();
         if self.values.len() != entries {
             self.values = vec![0.0; entries];
-        } else if let Some(own) = &mut self.own {
+        } else if let Some(own) = &self.own {
             own.entries(&system.pattern).iter().for_each(|own| self.values[own.clone()].fill(0.0));
         } else if is_shared_by_threads(entries) {
             self.values.par_chunks_mut(AT_ONCE).for_each(|values| values.fill(0.0));
@@ -252,120 +259,10 @@ impl Jacobian {
             })
     }
 
-    fn add_elements(&mut self, system: &System, (equations, force): (&Equations, Force), point: &Point, p: &[f64], t: f64) {
-        let whole = system.element_batches(force);
-        self.evaluated += whole.iter().map(|batch| batch.parts.len()).sum::<usize>();
-        let (shift, moves) = numbers_of(equations.residual);
-        let Jacobian { values, bases, work, relief, own, threads, .. } = self;
-        let at = ElementsAt { system, force, shift, moves, point: (point, p, t), bases, relief };
-        match (own, threads) {
-            (None, Some(threads)) => {
-                // SAFETY: each thread adds to the columns of its own unknowns, and each unknown is one thread's.
-                let target = unsafe { SharedValues::new(values) };
-                threads.threads(system, force).par_iter_mut().for_each(|own| {
-                    let (batches, work) = own.batches(force);
-                    for (whole, batch) in whole.iter().zip(batches) {
-                        at.add(whole, &batch.elements, work, |place| batch.block(system, place), target);
-                    }
-                });
-            }
-            (own, _) => {
-                let chosen = own.as_mut().map_or(whole, |own| own.batches(system, force));
-                for (whole, batch) in whole.iter().zip(chosen) {
-                    let block = |place: usize| &system.element_blocks[batch.parts[place]];
-                    at.add(whole, batch, work, block, &mut values[..]);
-                }
-            }
-        }
-    }
-
-    fn add_constraints(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
-        for (which, place) in equations.constraint_terms() {
-            self.add_constraints_at(system, (equations, which, place), point, p, equations.time_at(place, t));
-        }
-    }
-
-    /// Equations, reactions or both at one point.
-    fn add_constraints_at(
-        &mut self,
-        system: &System,
-        (equations, which, place): (&Equations, ConstraintPart, TermPoint),
-        point: &Point,
-        p: &[f64],
-        t: f64,
-    ) {
-        let (shift, mut moves) = numbers_of(equations.constraint);
-        let mut at = &point.constraint_at;
-        if place == TermPoint::Reactions {
-            // a reaction at the start of a step does not move
-            (moves, at) = ([false; 3], &point.reaction_at);
-        }
-        for batch in system.constraint_batches() {
-            let physics = system.constraint_of(batch);
-            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
-            // behind those of residuals
-            let code = asked.short_code(moves) | 1 << 31;
-            let program = batch.programs.get(code, || constraint_programs::matrix(physics, asked, &batch.nodes, moves));
-            if program.outputs() == 0 {
-                continue;
-            }
-            let Jacobian { values, bases, work, .. } = self;
-            let unknowns = ([&point.unknowns.mu[..], &point.unknowns.eta], asked.stabilized());
-            run_lanes(
-                program,
-                batch.parts.len(),
-                work,
-                |mut lanes, _| {
-                    batch.places.write_constraints(&mut lanes, (at, p, t), unknowns, scales);
-                    shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
-                    lanes.gather_bases(batch, bases);
-                },
-                |results| {
-                    let blocks = |part: usize| &system.constraint_blocks[batch.parts[part]];
-                    add_entries(&results, blocks, program.labels(), factor, &mut &mut values[..]);
-                },
-            );
-        }
-    }
-
-    /// Adds the curvature of the reactions inside nodes.
-    fn add_curvature(&mut self, system: &System, equations: &Equations, point: &Point) {
-        let Jacobian { values, bases, work, .. } = self;
-        for batch in system.node_batches() {
-            let (layout, stabilized) = (batch.layout, system.options.stabilized);
-            let make = || node_programs::matrix(system.constraint_inside(batch), &batch.nodes, stabilized);
-            let program = batch.programs.get(CURVATURE, make);
-            run_lanes(
-                program,
-                batch.parts.len(),
-                work,
-                |mut lanes, _| {
-                    // equations inside nodes are quadratic: their curvature is the same everywhere
-                    lanes.skip(batch.formula.inputs + batch.nodes[0].dofs());
-                    lanes.gather(&batch.places.multipliers, &point.unknowns.local_mu);
-                    if stabilized {
-                        lanes.gather(&batch.places.multipliers, &point.unknowns.local_eta);
-                    } else {
-                        lanes.skip(layout.equations);
-                    }
-                    lanes.skip(2);
-                    lanes.spread(equations.constraint.alpha);
-                    lanes.gather_bases(batch, bases);
-                },
-                |results| {
-                    results.for_each_part(|part, entries| {
-                        let places = &system.node_blocks[system.locals[batch.parts[part]].block].1;
-                        let entries = program.labels().iter().zip(entries);
-                        entries.for_each(|(&label, entry)| add_at(places[label as usize], entry, values));
-                    });
-                },
-            );
-        }
-    }
-
     /// Adds the identity of rate corrections.
     fn add_rates(&mut self, system: &System) {
-        for (node, places) in &system.node_blocks {
+        let mut target = &mut self.values[..];
+        for (node, block) in &system.node_blocks {
             let bases = self.bases.of_node(system, *node);
             let size = system.nodes[*node].columns.len();
             for dof in 0..bases.reduction.dofs() {
@@ -374,7 +271,7 @@ impl Jacobian {
                     for row in 0..size / 2 {
                         let entry = bases.left(dof, row) * dy;
                         if entry != 0.0 {
-                            add_at(places[size / 2 + row + column * size], entry, &mut self.values);
+                            block.add_one((size / 2 + row + column * size) as u32, entry, &mut target);
                         }
                     }
                 }
@@ -494,48 +391,145 @@ impl Jacobian {
     }
 }
 
-/// Matrices of elements at one point.
-struct ElementsAt<'j> {
+/// Matrices of parts at one point.
+struct PartsAt<'j> {
     system: &'j System<'j>,
-    force: Force,
-    shift: [f64; 3],
-    moves: [bool; 3],
-    point: (&'j Point, &'j [f64], f64),
+    equations: &'j Equations,
+    point: &'j Point,
+    p: &'j [f64],
+    t: f64,
     bases: &'j NullSpaces,
-    relief: &'j Relief,
+    relief: Option<&'j Relief>,
 }
 
-impl ElementsAt<'_> {
-    /// Adds those of some elements of a whole batch, which stand where `block` says for each.
-    fn add<'b>(
-        &self,
-        whole: &ElementBatch,
-        batch: &ElementBatch,
-        work: &mut BatchWork<f64>,
-        block: impl Fn(usize) -> &'b ScatterMap + Sync,
-        mut target: impl MatrixValues + Send,
-    ) {
-        let ElementsAt { force, point: (point, p, t), relief, .. } = *self;
-        let (layout, program) = (batch.layout, element_matrix(whole, self.system.options.stabilized, self.moves));
-        if program.outputs() == 0 || batch.parts.is_empty() {
-            return;
+impl PartsAt<'_> {
+    /// Adds those of all parts, or of some.
+    fn add(&self, own: Option<&OwnParts>, work: &mut BatchWork<f64>, target: &mut (impl MatrixValues + Send)) {
+        self.add_elements(Force::of(self.equations), own, work, target);
+        if self.relief.is_some() {
+            self.add_elements(Force::Stresses, own, work, target);
         }
-        let weights = layout.extra() - layout.weights();
-        run_lanes(
-            program,
-            batch.parts.len(),
-            work,
-            |mut lanes, numbers| {
-                batch.places.write_elements(&mut lanes, (&point.at, p, t), (force, 1.0));
-                if force == Force::Stresses {
-                    let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
-                    lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
-                }
-                self.shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
-                lanes.gather_bases(batch, self.bases);
-            },
-            |results| add_entries(&results, &block, program.labels(), 1.0, &mut target),
-        );
+        for (which, place) in self.equations.constraint_terms() {
+            self.add_constraints((which, place), own, work, target);
+        }
+        // a reaction at the start of a step does not move
+        if !self.equations.parts_reactions() {
+            self.add_curvature(own, work, target);
+        }
+    }
+
+    fn add_elements(
+        &self,
+        force: Force,
+        own: Option<&OwnParts>,
+        work: &mut BatchWork<f64>,
+        target: &mut (impl MatrixValues + Send),
+    ) {
+        let PartsAt { system, point, p, t, .. } = *self;
+        let (shift, moves) = numbers_of(self.equations.residual);
+        for taken in system.taken_elements(force, own) {
+            let (batch, layout) = (taken.parts, taken.whole.layout);
+            let program = element_matrix(taken.whole, system.options.stabilized, moves);
+            if program.outputs() == 0 {
+                continue;
+            }
+            let weights = layout.extra() - layout.weights();
+            run_lanes(
+                program,
+                batch.parts.len(),
+                work,
+                |mut lanes, numbers| {
+                    batch.places.write_elements(&mut lanes, (&point.at, p, t), (force, 1.0));
+                    if let (Force::Stresses, Some(relief)) = (force, self.relief) {
+                        let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
+                        lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
+                    }
+                    shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
+                    lanes.gather_bases(batch, self.bases);
+                },
+                |results| {
+                    let block = |place: usize| taken.block(place, |part| &system.element_blocks[part]);
+                    add_entries(&results, block, program.labels(), 1.0, target);
+                },
+            );
+        }
+    }
+
+    /// Adds equations, reactions or both of constraints between nodes.
+    fn add_constraints(
+        &self,
+        (which, place): (ConstraintPart, TermPoint),
+        own: Option<&OwnParts>,
+        work: &mut BatchWork<f64>,
+        target: &mut (impl MatrixValues + Send),
+    ) {
+        let PartsAt { system, equations, point, p, .. } = *self;
+        let t = equations.time_at(place, self.t);
+        let (shift, mut moves) = numbers_of(equations.constraint);
+        let mut at = &point.constraint_at;
+        if place == TermPoint::Reactions {
+            // a reaction at the start of a step does not move
+            (moves, at) = ([false; 3], &point.reaction_at);
+        }
+        for taken in system.taken_constraints(own) {
+            let (batch, physics) = (taken.parts, system.constraint_of(taken.whole));
+            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            // behind those of residuals
+            let code = asked.short_code(moves) | 1 << 31;
+            let make = || constraint_programs::matrix(physics, asked, &batch.nodes, moves);
+            let program = taken.whole.programs.get(code, make);
+            if program.outputs() == 0 {
+                continue;
+            }
+            let unknowns = ([&point.unknowns.mu[..], &point.unknowns.eta], asked.stabilized());
+            run_lanes(
+                program,
+                batch.parts.len(),
+                work,
+                |mut lanes, _| {
+                    batch.places.write_constraints(&mut lanes, (at, p, t), unknowns, scales);
+                    shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
+                    lanes.gather_bases(batch, self.bases);
+                },
+                |results| {
+                    let block = |place: usize| taken.block(place, |part| &system.constraint_blocks[part]);
+                    add_entries(&results, block, program.labels(), factor, target);
+                },
+            );
+        }
+    }
+
+    /// Adds the curvature of the reactions inside nodes.
+    fn add_curvature(&self, own: Option<&OwnParts>, work: &mut BatchWork<f64>, target: &mut (impl MatrixValues + Send)) {
+        let PartsAt { system, equations, point, .. } = *self;
+        let stabilized = system.options.stabilized;
+        for taken in system.taken_nodes(own) {
+            let (batch, layout) = (taken.parts, taken.whole.layout);
+            let make = || node_programs::matrix(system.constraint_inside(taken.whole), &batch.nodes, stabilized);
+            let program = taken.whole.programs.get(CURVATURE, make);
+            run_lanes(
+                program,
+                batch.parts.len(),
+                work,
+                |mut lanes, _| {
+                    // equations inside nodes are quadratic: their curvature is the same everywhere
+                    lanes.skip(batch.formula.inputs + batch.nodes[0].dofs());
+                    lanes.gather(&batch.places.multipliers, &point.unknowns.local_mu);
+                    if stabilized {
+                        lanes.gather(&batch.places.multipliers, &point.unknowns.local_eta);
+                    } else {
+                        lanes.skip(layout.equations);
+                    }
+                    lanes.skip(2);
+                    lanes.spread(equations.constraint.alpha);
+                    lanes.gather_bases(batch, self.bases);
+                },
+                |results| {
+                    let block = |place: usize| taken.block(place, |part| system.block_inside(part));
+                    add_entries(&results, block, program.labels(), 1.0, target);
+                },
+            );
+        }
     }
 }
 
@@ -564,16 +558,5 @@ fn add_entries<'b>(
     target: &mut impl MatrixValues,
 ) {
     // part by part, so that sums have the same order whatever number of parts was evaluated side by side
-    results.for_each_part(|part, entries| match blocks(part) {
-        // equations that are left out have none
-        ScatterMap::Entries(places) => {
-            labels.iter().zip(entries).for_each(|(&label, entry)| target.add(places[label as usize], entry * factor));
-        }
-        ScatterMap::Columns(columns) if labels.len() == columns.size() * columns.size() && factor == 1.0 => {
-            columns.for_each_run(|entry, places| entries.add_to(entry, target.run(places)));
-        }
-        ScatterMap::Columns(columns) => {
-            columns.for_each_place(labels, entries, |place, entry| target.add(place, entry * factor));
-        }
-    });
+    results.for_each_part(|part, entries| blocks(part).add(labels, entries, factor, target));
 }

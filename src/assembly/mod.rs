@@ -29,7 +29,7 @@ mod node_programs;
 mod node_runs;
 mod null_spaces;
 mod numbering;
-mod own_elements;
+mod own_parts;
 mod part_programs;
 mod places;
 mod products;

@@ -1,6 +1,8 @@
 use super::Jacobian;
 use super::batches::{ConstraintBatch, ElementBatch};
 use super::element_programs::Force;
+use super::lanes::Strided;
+use super::matrix_values::MatrixValues;
 use super::model::{Model, NodeId};
 use super::node_runs::NodeRun;
 use super::reduction::RotationCoordinates;
@@ -132,6 +134,33 @@ pub(super) fn add_at(place: u32, entry: f64, values: &mut [f64]) {
 }
 
 impl ScatterMap {
+    /// Adds some entries, times a factor, to their places in a matrix.
+    #[inline(always)]
+    pub fn add(&self, labels: &[u32], entries: Strided<f64>, factor: f64, target: &mut impl MatrixValues) {
+        match self {
+            // equations that are left out have none
+            ScatterMap::Entries(places) => {
+                labels.iter().zip(entries).for_each(|(&label, entry)| target.add(places[label as usize], entry * factor));
+            }
+            ScatterMap::Columns(columns) if labels.len() == columns.size * columns.size && factor == 1.0 => {
+                columns.for_each_run(|entry, places| entries.add_to(entry, target.run(places)));
+            }
+            ScatterMap::Columns(columns) => {
+                columns.for_each_place(labels, entries, |place, entry| target.add(place, entry * factor));
+            }
+        }
+    }
+
+    /// Adds one entry.
+    pub fn add_one(&self, label: u32, entry: f64, target: &mut impl MatrixValues) {
+        match self {
+            ScatterMap::Entries(places) => target.add(places[label as usize], entry),
+            ScatterMap::Columns(columns) => {
+                columns.for_each_place(&[label], [entry].into_iter(), |place, entry| target.add(place, entry));
+            }
+        }
+    }
+
     /// The same block where only some places are added to.
     pub fn at_some(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let all = match self {
@@ -150,11 +179,6 @@ impl ScatterMap {
 }
 
 impl ScatterColumns {
-    /// Rows and columns of the block.
-    pub fn size(&self) -> usize {
-        self.size
-    }
-
     /// Calls `f(number of the first entry, where the run stands in the matrix)` for each run of each column.
     #[inline(always)]
     pub fn for_each_run(&self, mut f: impl FnMut(usize, Range<usize>)) {
@@ -309,7 +333,7 @@ pub struct System<'m> {
     pub(super) element_blocks: Vec<ScatterMap>,
     pub(super) constraint_blocks: Vec<ScatterMap>,
     /// Nodes with an eliminated constraint, or all of them at the stabilized level.
-    pub(super) node_blocks: Vec<(usize, Vec<u32>)>,
+    pub(super) node_blocks: Vec<(usize, ScatterMap)>,
     /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
     batches: [OnceLock<Vec<ElementBatch>>; Force::KINDS],
     constraint_batches: OnceLock<Vec<ConstraintBatch>>,
@@ -340,8 +364,7 @@ impl<'m> System<'m> {
             list.into_iter().map(|coupled| coupled.scatter(&mut places)).collect()
         };
         let (element_blocks, constraint_blocks) = (scatter(elements), scatter(constraints));
-        let of_nodes = node_blocks.into_iter().map(|coupled| coupled.positions(&mut places));
-        let node_blocks = block_nodes.into_iter().zip(of_nodes).collect();
+        let node_blocks = block_nodes.into_iter().zip(scatter(node_blocks)).collect();
         let part = |ids: &[NodeId], parameters: &Range<usize>| DofMap::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
         let Numbering { nodes, locals, local_equations, multiplier_columns, stabilizer_columns, .. } = numbering;
@@ -390,6 +413,11 @@ impl<'m> System<'m> {
     /// The constraint of a batch of them.
     pub(super) fn constraint_inside(&self, batch: &ConstraintBatch) -> &ConstraintPhysics {
         &self.locals[batch.parts[0]].physics
+    }
+
+    /// Where a constraint inside a node stands.
+    pub(super) fn block_inside(&self, local: usize) -> &ScatterMap {
+        &self.node_blocks[self.locals[local].block].1
     }
 
     /// Places of the multipliers of a constraint.

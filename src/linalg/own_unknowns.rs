@@ -4,6 +4,7 @@ use super::{Owners, SparsePattern};
 use crate::exchange::Exchange;
 use crate::scalar::larger;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Which unknowns belong to which rank.
 pub struct OwnUnknowns {
@@ -11,15 +12,25 @@ pub struct OwnUnknowns {
     /// Those of each rank.
     of_rank: Vec<Vec<u32>>,
     /// The rank of each.
-    owners: Owners,
+    owners: Arc<Owners>,
 }
 
 impl OwnUnknowns {
     /// Of ranks that have all unknowns together, each once.
     pub(crate) fn new(exchange: &'static dyn Exchange, mut of_rank: Vec<Vec<u32>>) -> Self {
         of_rank.iter_mut().for_each(|own| own.sort_unstable());
-        let owners = Owners::new(&of_rank);
+        let owners = Arc::new(Owners::new(&of_rank));
         OwnUnknowns { exchange, of_rank, owners }
+    }
+
+    /// The rank of each.
+    pub(crate) fn owners(&self) -> &Arc<Owners> {
+        &self.owners
+    }
+
+    /// This rank.
+    pub(crate) fn rank(&self) -> usize {
+        self.exchange.rank()
     }
 
     /// Those of this rank, in increasing order.
