@@ -169,6 +169,40 @@ fn states_values_and_gradients_have_the_bits_of_one_process() {
     }
 }
 
+#[test]
+fn steps_are_kept_in_slices_and_files_and_gone_on_with_on_any_number_of_ranks() {
+    let folder = Folder::new("history", 14);
+    let gradient = |ranks: usize, keep: &[&str]| {
+        let usual = ["gradient", "plate.toml", "--json", "--no-report", "--out", "results", "--history"];
+        let all = json(&folder.run(ranks, &[&usual, keep].concat()));
+        (all["functionals"].clone(), all)
+    };
+    let (values, work) = gradient(1, &["memory"]);
+    assert!(values[0]["gradient"]["thickness 1"].is_number() && work["steps_in_memory"] == 14, "{values} {work}");
+    // too little for a step and a checkpoint of one process
+    const LITTLE: &str = "checkpoints:5.2";
+    let refused = folder.run(1, &["gradient", "plate.toml", "--no-report", "--out", "results", "--history", LITTLE]);
+    assert!(error_of(&refused).contains("one step and one checkpoint"), "{}", text(&refused.stderr));
+    for (ranks, keep, recomputed) in [(2, LITTLE, 14 * 13 / 2), (3, LITTLE, 0), (2, "file:kept", 0)] {
+        let (others, work) = gradient(ranks, &[keep]);
+        assert_eq!(values, others, "{keep}: {ranks} ranks");
+        assert_eq!(work["adjoint_recomputed_steps"], recomputed, "{work}");
+    }
+    let kept = fs::read(folder.0.join("kept")).unwrap();
+    for ranks in [1, 3] {
+        // as a process leaves it that is killed
+        fs::remove_file(folder.0.join("kept")).unwrap();
+        fs::write(folder.0.join("kept.part"), &kept[..kept.len() * 3 / 5]).unwrap();
+        let (others, work) = gradient(ranks, &["file:kept", "--resume"]);
+        assert_eq!(values, others, "gone on with by {ranks} ranks");
+        let taken_over = work["steps_taken_over"].as_u64();
+        assert!(taken_over.is_some_and(|steps| (1..14).contains(&steps)), "{work}");
+    }
+    // one that is complete
+    let (others, work) = gradient(2, &["file:kept", "--resume"]);
+    assert!(values == others && work["steps_taken_over"] == 14, "{work}");
+}
+
 /// A plate that is held along its edge: it bends under its weight step by step, or is released from its equilibrium.
 fn shelf(settings: &str) -> String {
     let hinge = "type = \"revolute\"\nbetween = [\"ground\", \"plate[0, {i}]\"]\naxis = [0, 1, 0]";
@@ -217,7 +251,7 @@ fn one_rank_says_what_is_wrong_with_the_input() {
         (&["run", "plate.toml", "--set", "width=1"][..], 2, "width"),
         (&["run", "plate.toml", "--no-such-option"][..], 2, "unexpected argument"),
         (&["modes", "plate.toml"][..], 2, "start this without mpirun"),
-        (&["run", "plate.toml", "--history", "file:kept", "--resume"][..], 2, "start it without mpirun"),
+        (&["run", "plate.toml", "--history", "auto", "--resume"][..], 2, "run in a file"),
     ] {
         let output = folder.run(2, arguments);
         let said = text(&output.stderr);

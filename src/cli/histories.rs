@@ -1,7 +1,6 @@
 //! Where runs keep their steps.
 
 use super::failure::Failure;
-use crate::exchange::is_shared;
 use crate::history::Keep;
 use std::path::Path;
 
@@ -12,7 +11,6 @@ use std::path::Path;
 pub fn resumed(keep: Keep, resume: bool) -> Result<Keep, Failure> {
     match keep {
         keep if !resume => Ok(keep),
-        Keep::File(_) if is_shared() => Err(Failure::input("--resume goes on in one process: start it without mpirun")),
         Keep::File(path) => Ok(Keep::Resumed(path)),
         _ => Err(Failure::input("--resume goes on with a run in a file: name it, as in --history file:run.history")),
     }

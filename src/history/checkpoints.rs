@@ -1,6 +1,7 @@
 use super::flat::{Flat, Put};
 use super::packed::PackedSteps;
 use super::schedule::split;
+use super::sliced::{Sliced, most_kept};
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
 use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
@@ -23,7 +24,7 @@ pub struct Checkpoints {
     all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
-    /// Most bytes of one checkpoint; known after the first step.
+    /// Most bytes of one checkpoint that this rank keeps; known after the first step.
     checkpoint_bytes: usize,
     /// Next step before which a checkpoint is wanted.
     wanted: usize,
@@ -38,7 +39,7 @@ struct Kept {
     checkpoints: Vec<Packed>,
     /// The last step, until the first way back.
     last: Option<StepRecord<f64>>,
-    /// Bytes of one step.
+    /// Bytes of one step, as far as this rank keeps it.
     step_bytes: usize,
     usage: Usage,
 }
@@ -46,14 +47,14 @@ struct Kept {
 #[derive(Debug)]
 struct Packed {
     step: usize,
-    bytes: Vec<u8>,
+    bytes: Sliced,
 }
 
 impl Kept {
     fn push(&mut self, checkpoint: &Checkpoint<f64>) {
-        self.checkpoints.push(Packed { step: checkpoint.between.step, bytes: checkpoint.bytes() });
+        self.checkpoints.push(Packed { step: checkpoint.between.step, bytes: Sliced::new(checkpoint.bytes()) });
         self.usage.checkpoints = self.usage.checkpoints.max(self.checkpoints.len());
-        let bytes = self.checkpoints.iter().map(|packed| packed.bytes.len()).sum::<usize>() + self.step_bytes;
+        let bytes = self.checkpoints.iter().map(|packed| packed.bytes.kept()).sum::<usize>() + self.step_bytes;
         self.usage.bytes = self.usage.bytes.max(bytes);
     }
 }
@@ -88,20 +89,21 @@ impl Checkpoints {
     /// Divides the memory when the first step shows how large steps are.
     fn divide(&mut self, step: &StepRecord<f64>) -> Result<(), RunError> {
         let (step_bytes, budget, t) = (step.bytes().len(), self.budget, step.t);
-        if self.planned.is_some_and(|planned| planned.saturating_mul(step_bytes) <= budget) {
+        let kept = most_kept(step_bytes);
+        if self.planned.is_some_and(|planned| planned.saturating_mul(kept) <= budget) {
             self.all = Some(PackedSteps::default());
-            *self.kept() = Kept { step_bytes, ..Kept::default() };
+            *self.kept() = Kept { step_bytes: kept, ..Kept::default() };
             return Ok(());
         }
         self.kept().step_bytes = step_bytes;
         // later checkpoints also hold increments of earlier steps, and where each matrix was factored
-        let first: usize = self.kept().checkpoints.iter().map(|own| own.bytes.len()).sum();
+        let first: usize = self.kept().checkpoints.iter().map(|own| own.bytes.length()).sum();
         let solved = step.stages.iter().map(|stage| &stage.solve);
         let solved = solved.chain(&step.position_projection).chain(&step.velocity_projection);
         let later: usize =
             solved.map(|solve| crate::integrators::MOST_TRACKED * (solve.unknowns.bytes().len() + 8) + 64).sum();
         let factored = step.stages.last().map_or(0, |stage| 4 * stage.solve.bytes().len());
-        let checkpoint_bytes = first + later + factored;
+        let checkpoint_bytes = most_kept(first + later + factored);
         self.checkpoint_bytes = checkpoint_bytes;
         self.slots = budget.saturating_sub(step_bytes) / checkpoint_bytes;
         if self.slots == 0 {
@@ -188,7 +190,7 @@ fn missing(place: String) -> RunError {
 }
 
 fn resume(stepper: &mut Stepper<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
-    let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(&packed.bytes));
+    let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(packed.bytes.all(&mut Vec::new())));
     stepper.resume(&checkpoint.ok_or_else(|| missing(place()))?)
 }
 

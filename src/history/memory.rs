@@ -1,5 +1,6 @@
 use super::flat::Put;
 use super::packed::PackedSteps;
+use super::sliced::most_kept;
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
@@ -47,7 +48,7 @@ impl History for Memory {
 pub struct MemoryWithin {
     memory: Memory,
     most: usize,
-    /// Bytes of the numbers of one step; known after the first.
+    /// Most bytes of one step that this rank keeps; known after the first.
     step_bytes: usize,
 }
 
@@ -64,7 +65,7 @@ impl Recorder<f64> for MemoryWithin {
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         if self.memory.steps() == 0 {
-            self.step_bytes = step.bytes().len();
+            self.step_bytes = most_kept(step.bytes().len());
         }
         let steps = self.memory.steps() + 1;
         if steps.saturating_mul(self.step_bytes) > self.most {

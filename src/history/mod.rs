@@ -10,17 +10,20 @@ pub(crate) mod file;
 mod flat;
 mod frames;
 mod free_memory;
+mod handed;
 pub(crate) mod memory;
 pub(crate) mod nothing;
 mod packed;
 pub(crate) mod rerun;
 pub(crate) mod schedule;
+mod sliced;
 
 pub(crate) use checkpoints::Checkpoints;
 pub use dense::Snapshot;
 pub(crate) use dense::{Dense, moments};
 pub(crate) use file::FileHistory;
 pub(crate) use frames::check_place;
+use handed::Handed;
 pub(crate) use memory::{Memory, MemoryWithin};
 pub(crate) use nothing::Nothing;
 pub(crate) use rerun::Rerun;
@@ -78,12 +81,17 @@ impl Keep {
                 None => Box::new(MemoryWithin::new(*bytes)),
             },
             Keep::Memory => Box::new(Memory::default()),
-            Keep::File(path) if exchange::is_first() => Box::new(FileHistory::create(path, run)?),
-            Keep::File(_) => Box::new(Memory::default()),
-            Keep::Resumed(path) => Box::new(FileHistory::resume(path, run)?),
+            Keep::File(path) => return in_file(|| FileHistory::create(path, run)),
+            Keep::Resumed(path) => return in_file(|| FileHistory::resume(path, run)),
             Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
         })
     }
+}
+
+/// A file, which the first of several ranks has for all.
+fn in_file(file: impl FnOnce() -> Result<FileHistory, RunError>) -> Result<Box<dyn History>, RunError> {
+    let world = exchange::world();
+    Ok(if world.ranks() == 1 { Box::new(file()?) } else { Box::new(Handed::new(world, file)?) })
 }
 
 /// What a history took.

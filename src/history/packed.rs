@@ -2,6 +2,7 @@
 
 use super::Rerun;
 use super::flat::{Flat, Put, retake};
+use super::sliced::Sliced;
 use crate::assembly::Unknowns;
 use crate::integrators::{RunError, SolveRecord, StageRecord, StepRecord, StepRule, Steps};
 
@@ -111,33 +112,33 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     Some(())
 }
 
-/// Steps in memory, one after the other.
+/// Steps in memory, one after the other; of large ones each rank keeps a slice.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PackedSteps(Vec<Box<[u8]>>);
+pub(super) struct PackedSteps(Vec<Sliced>);
 
 impl PackedSteps {
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Bytes of all steps.
+    /// Bytes of all steps that this rank keeps.
     pub fn bytes(&self) -> usize {
-        self.0.iter().map(|step| step.len()).sum()
+        self.0.iter().map(Sliced::kept).sum()
     }
 
     pub fn push(&mut self, step: &StepRecord<f64>) {
         // all steps are about as long
-        let mut bytes = Vec::with_capacity(self.0.last().map_or(0, |before| before.len()));
+        let mut bytes = Vec::with_capacity(self.0.last().map_or(0, Sliced::length));
         step.put(&mut bytes);
-        self.0.push(bytes.into());
+        self.0.push(Sliced::new(bytes));
     }
 
     pub fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
-        Box::new(Unpacking { steps: self.0.iter(), rule: rerun.rule(), step: StepRecord::empty() })
+        Box::new(Unpacking { steps: self.0.iter(), rule: rerun.rule(), step: StepRecord::empty(), list: Vec::new() })
     }
 
     pub fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
-        Box::new(Unpacking { steps: self.0.iter().rev(), rule: rerun.rule(), step: StepRecord::empty() })
+        Box::new(Unpacking { steps: self.0.iter().rev(), rule: rerun.rule(), step: StepRecord::empty(), list: Vec::new() })
     }
 }
 
@@ -146,12 +147,13 @@ struct Unpacking<'h, I> {
     steps: I,
     rule: StepRule<'h>,
     step: StepRecord<f64>,
+    list: Vec<u8>,
 }
 
-impl<'h, I: Iterator<Item = &'h Box<[u8]>>> Steps for Unpacking<'h, I> {
+impl<'h, I: Iterator<Item = &'h Sliced>> Steps for Unpacking<'h, I> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         let Some(bytes) = self.steps.next() else { return Ok(None) };
-        unpack(&mut self.step, bytes, self.rule).expect("these are the bytes of a step");
+        unpack(&mut self.step, bytes.all(&mut self.list), self.rule).expect("these are the bytes of a step");
         Ok(Some(&self.step))
     }
 }

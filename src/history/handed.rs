@@ -1,0 +1,150 @@
+//! A file that the first of several ranks writes and reads for all.
+
+use super::flat::{Flat, Put};
+use super::packed::unpack;
+use super::{FileHistory, History, Rerun, Usage};
+use crate::exchange::Exchange;
+use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, StepRule, Steps};
+use std::fmt;
+
+/// A run in a file of the first rank, which hands its steps to the others where all ask for them; these keep none.
+pub struct Handed {
+    world: &'static dyn Exchange,
+    /// Of the first rank.
+    file: Option<FileHistory>,
+    start: Option<StartRecord<f64>>,
+    steps: usize,
+    taken_over: usize,
+}
+
+impl fmt::Debug for Handed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} steps, {:?}", self.steps, self.file)
+    }
+}
+
+impl Handed {
+    /// What ranks keep of a run, of which the first one makes the file.
+    ///
+    /// # Errors
+    /// What it finds there, on the first rank.
+    pub fn new(
+        world: &'static dyn Exchange,
+        file: impl FnOnce() -> Result<FileHistory, RunError>,
+    ) -> Result<Self, RunError> {
+        let file = if world.rank() == 0 { Some(file()?) } else { None };
+        Ok(Handed { world, file, start: None, steps: 0, taken_over: 0 })
+    }
+
+    fn handing<'h>(&'h self, rule: StepRule<'h>, file: Option<Box<dyn Steps + 'h>>) -> Box<dyn Steps + 'h> {
+        Box::new(Handing { world: self.world, file, rule, step: StepRecord::empty(), list: Vec::new() })
+    }
+}
+
+/// Tells all other ranks a record, or that there is none.
+fn tell<T: Put>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
+    list.clear();
+    record.iter().for_each(|record| record.put(list));
+    let (words, rest) = list.as_chunks();
+    assert!(rest.is_empty(), "records are made of words");
+    let message: Vec<f64> = words.iter().map(|&word| f64::from_le_bytes(word)).collect();
+    (1..world.ranks()).for_each(|rank| world.send(rank, message.clone()));
+}
+
+/// What the first rank tells; nothing if there is none.
+fn hear<'b>(world: &dyn Exchange, list: &'b mut Vec<u8>) -> Option<&'b [u8]> {
+    list.clear();
+    list.extend(world.receive(0).iter().flat_map(|word| word.to_le_bytes()));
+    (!list.is_empty()).then_some(list)
+}
+
+const READABLE: &str = "the first rank has read it";
+
+impl Recorder<f64> for Handed {
+    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+        self.start = Some(start.clone());
+        self.file.as_mut().map_or(Ok(()), |file| file.start(start))
+    }
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.steps += 1;
+        self.file.as_mut().map_or(Ok(true), |file| file.step(step))
+    }
+    fn wants_checkpoint(&self, index: usize) -> bool {
+        self.file.as_ref().is_some_and(|file| file.wants_checkpoint(index))
+    }
+    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
+        self.file.as_mut().map_or(Ok(()), |file| file.checkpoint(pause))
+    }
+    fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        self.file.as_mut().map_or(Ok(()), |file| file.end(pause))
+    }
+    fn take_up(&mut self, rule: StepRule, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
+        let (world, mut list) = (self.world, Vec::new());
+        if let Some(file) = &mut self.file {
+            let pause = file.take_up(rule, &mut |step| {
+                tell(world, Some(step), &mut list);
+                steps(step)
+            })?;
+            tell(world, None::<&StepRecord<f64>>, &mut list);
+            tell(world, pause.as_ref(), &mut list);
+            self.steps = file.steps();
+            return Ok(pause);
+        }
+        let mut step = StepRecord::empty();
+        while let Some(bytes) = hear(world, &mut list) {
+            unpack(&mut step, bytes, rule).expect(READABLE);
+            self.steps += 1;
+            if !steps(&step)? {
+                return Err(RunError::Interrupted { steps: self.steps });
+            }
+        }
+        self.taken_over = self.steps;
+        Ok(hear(world, &mut list).map(|bytes| Pause::from_bytes(bytes).expect(READABLE)))
+    }
+}
+
+impl History for Handed {
+    fn start_record(&self) -> Option<&StartRecord<f64>> {
+        self.start.as_ref()
+    }
+    fn steps(&self) -> usize {
+        self.steps
+    }
+    fn finish(&mut self) -> Result<(), RunError> {
+        self.file.as_mut().map_or(Ok(()), FileHistory::finish)
+    }
+    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        let file = self.file.as_ref().map(|file| file.forward(rerun)).transpose()?;
+        Ok(self.handing(rerun.rule(), file))
+    }
+    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        let file = self.file.as_ref().map(|file| file.backward(rerun)).transpose()?;
+        Ok(self.handing(rerun.rule(), file))
+    }
+    fn usage(&self) -> Usage {
+        let others = Usage { taken_over: self.taken_over, ..Usage::default() };
+        self.file.as_ref().map_or(others, FileHistory::usage)
+    }
+}
+
+/// Steps that the first rank reads.
+struct Handing<'h> {
+    world: &'static dyn Exchange,
+    file: Option<Box<dyn Steps + 'h>>,
+    rule: StepRule<'h>,
+    step: StepRecord<f64>,
+    list: Vec<u8>,
+}
+
+impl Steps for Handing<'_> {
+    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
+        if let Some(file) = &mut self.file {
+            let step = file.next()?;
+            tell(self.world, step, &mut self.list);
+            return Ok(step);
+        }
+        let Some(bytes) = hear(self.world, &mut self.list) else { return Ok(None) };
+        unpack(&mut self.step, bytes, self.rule).expect(READABLE);
+        Ok(Some(&self.step))
+    }
+}
