@@ -108,6 +108,11 @@ impl Equations {
             && (self.level, self.metric, self.variational) == (other.level, other.metric, other.variational)
     }
 
+    /// Whether constraints and reactions are evaluated at the point of R.
+    pub(crate) fn has_one_point(&self) -> bool {
+        self.residual == self.constraint && self.variational.is_none() && !self.is_of_inertia()
+    }
+
     /// True for the mass metric, M x: the unknowns move accelerations alone.
     pub(crate) fn is_of_inertia(&self) -> bool {
         self.metric && self.is_of_accelerations()
@@ -232,6 +237,11 @@ impl<S: Scalar> VectorsAvq<S> {
     pub fn zeros(dofs: usize) -> Self {
         let zero = || vec![S::zero(); dofs];
         VectorsAvq { a: zero(), v: zero(), q: zero() }
+    }
+
+    /// Room for so many coordinates.
+    pub(crate) fn make_room(&mut self, dofs: usize) {
+        [&mut self.a, &mut self.v, &mut self.q].into_iter().for_each(|list| list.resize(dofs, S::zero()));
     }
 
     /// Writes base + shift x (+ alpha y) to `self`.

@@ -55,29 +55,35 @@ struct Relief {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
     pub at: VectorsAvq<f64>,
-    pub constraint_at: VectorsAvq<f64>,
-    /// Where reactions act, if that is another point.
-    pub reaction_at: VectorsAvq<f64>,
+    /// Where constraints are evaluated, if that is another point.
+    constraint_at: VectorsAvq<f64>,
+    /// Where reactions act, if that is another one.
+    reaction_at: VectorsAvq<f64>,
     pub unknowns: Unknowns<f64>,
 }
 
 impl Point {
-    /// Where reactions act.
-    pub fn reaction(&self, equations: &Equations) -> &VectorsAvq<f64> {
-        if equations.parts_reactions() { &self.reaction_at } else { &self.constraint_at }
+    /// Where constraints are evaluated.
+    pub fn constraint(&self, equations: &Equations) -> &VectorsAvq<f64> {
+        if equations.has_one_point() { &self.at } else { &self.constraint_at }
     }
 
-    fn set<S: RunScalar>(&mut self, residual: &Residual<S>, unknowns: &Unknowns<S>) {
+    /// Where reactions act.
+    pub fn reaction(&self, equations: &Equations) -> &VectorsAvq<f64> {
+        if equations.parts_reactions() { &self.reaction_at } else { self.constraint(equations) }
+    }
+
+    fn set<S: RunScalar>(&mut self, equations: &Equations, residual: &Residual<S>, unknowns: &Unknowns<S>) {
         let copy = |target: &mut Vec<f64>, values: &[S]| {
             target.clear();
             target.extend(values.iter().map(|value| value.value()));
         };
-        let pairs = [
-            (&mut self.at, &residual.at),
-            (&mut self.constraint_at, &residual.constraint_at),
-            (&mut self.reaction_at, &residual.reaction_at),
+        let points = [
+            Some((&mut self.at, &residual.at)),
+            (!equations.has_one_point()).then_some((&mut self.constraint_at, residual.constraint_at())),
+            equations.parts_reactions().then_some((&mut self.reaction_at, &residual.reaction_at)),
         ];
-        for (own, given) in pairs {
+        for (own, given) in points.into_iter().flatten() {
             copy(&mut own.a, &given.a);
             copy(&mut own.v, &given.v);
             copy(&mut own.q, &given.q);
@@ -131,7 +137,7 @@ impl Jacobian {
         }
         relief.local_mu.clear();
         relief.local_mu.resize(system.local_equations, 0.0);
-        let q: Vec<f64> = residual.constraint_at.q.iter().map(|q| q.value()).collect();
+        let q: Vec<f64> = residual.constraint_at().q.iter().map(|q| q.value()).collect();
         InsideNodes::default().eliminate(system, &q, &mut forces, (&mut relief.local_mu, 1.0));
     }
 
@@ -193,11 +199,12 @@ impl Jacobian {
         t: f64,
     ) {
         let mut point = std::mem::take(&mut self.point);
-        point.set(residual, unknowns);
+        point.set(equations, residual, unknowns);
         self.bases.set(system, equations, &point);
         if self.own.is_some() {
             let Unknowns { mu, eta, .. } = &point.unknowns;
-            let lists = [&point.at.a[..], &point.at.v, &point.at.q, &point.constraint_at.q, mu, eta, p, &[t]];
+            let of_constraints: &[f64] = if equations.has_one_point() { &[] } else { &point.constraint_at.q };
+            let lists = [&point.at.a[..], &point.at.v, &point.at.q, of_constraints, mu, eta, p, &[t]];
             self.mark = digest(&lists.map(digest));
         }
         self.clear(system);
@@ -466,7 +473,7 @@ impl PartsAt<'_> {
         let PartsAt { system, equations, point, p, .. } = *self;
         let t = equations.time_at(place, self.t);
         let (shift, mut moves) = numbers_of(equations.constraint);
-        let mut at = &point.constraint_at;
+        let mut at = point.constraint(equations);
         if place == TermPoint::Reactions {
             // a reaction at the start of a step does not move
             (moves, at) = ([false; 3], &point.reaction_at);

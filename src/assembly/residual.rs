@@ -27,8 +27,6 @@ fn neighbour<S: Scalar>(value: S, place: usize) -> S {
 pub struct Residual<S> {
     /// Point at which R is evaluated.
     pub at: VectorsAvq<S>,
-    /// Point at which constraints and reactions are evaluated.
-    pub constraint_at: VectorsAvq<S>,
     /// F, reactions inside nodes included.
     pub f: Vec<S>,
     /// Y; empty unless stabilized.
@@ -46,6 +44,9 @@ pub struct Residual<S> {
     pub clock: Option<Clock<S>>,
     /// Point at which reactions act, where that is another one than the constraints': in a step of a variational integrator.
     pub reaction_at: VectorsAvq<S>,
+    /// Point at which constraints and reactions are evaluated, unless that is the one of R.
+    constraint_at: VectorsAvq<S>,
+    has_one_point: bool,
     /// What is subtracted: R at the base point, for a metric, or what the step before left.
     base: Vec<S>,
     /// The base, moved to where constraints hold in a step of a variational integrator.
@@ -71,6 +72,11 @@ impl Scope {
     }
 }
 
+/// Where constraints are evaluated: at the point of R, or at another one.
+fn of_constraints<'r, S>(has_one_point: bool, at: &'r VectorsAvq<S>, other: &'r VectorsAvq<S>) -> &'r VectorsAvq<S> {
+    if has_one_point { at } else { other }
+}
+
 /// Workspace of [`Residual::force_floor`].
 #[derive(Default)]
 struct Floor {
@@ -86,7 +92,6 @@ impl<S> Default for Residual<S> {
     fn default() -> Self {
         Residual {
             at: VectorsAvq::default(),
-            constraint_at: VectorsAvq::default(),
             f: Vec::new(),
             y: Vec::new(),
             g: Vec::new(),
@@ -95,6 +100,8 @@ impl<S> Default for Residual<S> {
             last_bits: false,
             clock: None,
             reaction_at: VectorsAvq::default(),
+            constraint_at: VectorsAvq::default(),
+            has_one_point: true,
             base: Vec::new(),
             constraint_base: VectorsAvq::default(),
             work: BatchWork::default(),
@@ -110,6 +117,11 @@ impl<S: RunScalar> Residual<S> {
         Residual { work: BatchWork::shared(), ..Residual::default() }
     }
 
+    /// Point at which constraints and reactions were evaluated.
+    pub fn constraint_at(&self) -> &VectorsAvq<S> {
+        of_constraints(self.has_one_point, &self.at, &self.constraint_at)
+    }
+
     /// Numbers for a system.
     fn make_room(&mut self, system: &System) {
         let (dofs, rows) = (system.model.dofs, system.multipliers());
@@ -120,7 +132,7 @@ impl<S: RunScalar> Residual<S> {
         let lists = [(&mut self.f, dofs), (&mut self.base, dofs), (&mut self.g, rows)];
         let seconds = [(&mut self.y, second(dofs)), (&mut self.g_second, second(rows))];
         lists.into_iter().chain(seconds).for_each(|(list, length)| list.resize(length, S::zero()));
-        (self.at, self.constraint_at) = (VectorsAvq::zeros(dofs), VectorsAvq::zeros(dofs));
+        self.at = VectorsAvq::zeros(dofs);
     }
 
     /// Zero unknowns for a system.
@@ -193,7 +205,11 @@ impl<S: RunScalar> Residual<S> {
         if equations.is_of_inertia() {
             self.at.a.iter_mut().zip(&unknowns.x).for_each(|(a, &x)| *a = x * equations.residual.gamma);
         }
-        self.constraint_at.set_shifted(constraint_base, equations.constraint, unknowns);
+        self.has_one_point = equations.has_one_point();
+        if !self.has_one_point {
+            self.constraint_at.make_room(system.model.dofs);
+            self.constraint_at.set_shifted(constraint_base, equations.constraint, unknowns);
+        }
         self.constraint_base = moved;
         // what unknowns do not move is no point by itself elsewhere
         let parts_reactions = equations.parts_reactions();
@@ -201,11 +217,13 @@ impl<S: RunScalar> Residual<S> {
             equations.point_of(TermPoint::Reactions, base, &mut self.reaction_at);
         }
         if let Some(clock) = self.clock {
-            let points = [&mut self.at, &mut self.constraint_at, &mut self.reaction_at];
-            points.into_iter().take(if parts_reactions { 3 } else { 2 }).for_each(|at| clock.set_pace(at));
+            let further = (!self.has_one_point).then_some(&mut self.constraint_at);
+            let points = [Some(&mut self.at), further, parts_reactions.then_some(&mut self.reaction_at)];
+            points.into_iter().flatten().for_each(|at| clock.set_pace(at));
         }
         if self.last_bits {
-            for at in [&mut self.at, &mut self.constraint_at] {
+            let further = (!self.has_one_point).then_some(&mut self.constraint_at);
+            for at in [Some(&mut self.at), further].into_iter().flatten() {
                 for (which, values) in [&mut at.a, &mut at.v, &mut at.q].into_iter().enumerate() {
                     values.iter_mut().enumerate().for_each(|(i, value)| *value = neighbour(*value, 3 * i + which));
                 }
@@ -224,8 +242,9 @@ impl<S: RunScalar> Residual<S> {
         for run in system.node_runs.iter().filter(|run| matches!(run.reduction, NodeReduction::Fixed { .. })) {
             self.f[run.all_dofs()].fill(S::zero());
         }
-        let Residual { f, y, inside_nodes, constraint_at, reaction_at, .. } = self;
-        let q = if parts_reactions { &reaction_at.q } else { &constraint_at.q };
+        let Residual { f, y, inside_nodes, at, constraint_at, reaction_at, has_one_point, .. } = self;
+        let there = if parts_reactions { reaction_at } else { of_constraints(*has_one_point, at, constraint_at) };
+        let q = &there.q;
         inside_nodes.eliminate(system, q, f, (&mut unknowns.local_mu, 1.0));
         if system.options.stabilized {
             // Y = y - A^T eta: the sign of eta is the opposite one
@@ -248,6 +267,7 @@ impl<S: RunScalar> Residual<S> {
         let StageSystem { p, t, .. } = stage;
         let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
         let largest = |force: &[f64]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.abs()));
+        let constraint_at = of_constraints(self.has_one_point, &self.at, &self.constraint_at);
         let Floor { work, numbers: [inputs, force, rounded], q, mu, own_p } = &mut self.floor;
         for batch in system.element_batches(Force::Residual) {
             let (program, layout) = (batch.formula.values(), batch.layout);
@@ -282,7 +302,7 @@ impl<S: RunScalar> Residual<S> {
             to.extend(from.map(|x| x.value()));
         };
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
-            real(q, &mut part.segments.iter().flat_map(|dofs| &self.constraint_at.q[dofs.clone()]));
+            real(q, &mut part.segments.iter().flat_map(|dofs| &constraint_at.q[dofs.clone()]));
             real(mu, &mut unknowns.mu[joint.equations.clone()].iter());
             real(own_p, &mut p[part.parameters.clone()].iter());
             scale = scale.max(largest(joint.physics.reaction_in((q, own_p, t), mu, work)));
@@ -346,7 +366,8 @@ impl<S: RunScalar> Residual<S> {
             let physics = system.constraint_of(batch);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
-            let Residual { f, y, g, g_second, constraint_at, reaction_at, work, last_bits, .. } = self;
+            let Residual { f, y, g, g_second, at, constraint_at, reaction_at, has_one_point, work, last_bits, .. } = self;
+            let constraint_at = of_constraints(*has_one_point, at, constraint_at);
             let at = if point == TermPoint::Reactions { reaction_at } else { constraint_at };
             let (stabilized, last_bits) = (asked.stabilized(), *last_bits);
             run_lanes(

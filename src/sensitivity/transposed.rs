@@ -417,7 +417,7 @@ impl<'m> TransposedSolver<'m> {
         for (term, point) in equations.terms() {
             let at = match point {
                 TermPoint::Solution => &residual.at,
-                TermPoint::Constraints => &residual.constraint_at,
+                TermPoint::Constraints => residual.constraint_at(),
                 TermPoint::Reactions => &residual.reaction_at,
                 TermPoint::Base | TermPoint::Before => equations.point_of(point, base, moved),
             };
@@ -454,7 +454,7 @@ impl<'m> TransposedSolver<'m> {
             reactions: reactions.next(),
         });
         let mut at_nodes = at_nodes.collect::<SmallVec<[_; 8]>>();
-        products.add_inside_nodes(system, equations, unknowns, &residual.constraint_at, &mut at_nodes);
+        products.add_inside_nodes(system, equations, unknowns, residual.constraint_at(), &mut at_nodes);
     }
 
     /// The adjoints of the base from those of all points.

@@ -62,7 +62,7 @@ impl<S: RunScalar> Newton<'_, S> {
             return true;
         }
         let force = self.residual.f.iter().fold(0.0, |s: f64, f| s.max(f.value().abs()));
-        let length = self.residual.constraint_at.q.iter().fold(0.0, |s: f64, q| s.max(q.value().abs()));
+        let length = self.residual.constraint_at().q.iter().fold(0.0, |s: f64, q| s.max(q.value().abs()));
         let gap = match equations.level {
             Level::Position | Level::Stabilized => equations.constraint.alpha,
             Level::Velocity | Level::Acceleration => 0.0,
