@@ -131,14 +131,15 @@ impl Substitution {
         }
     }
 
-    /// The same for one front whose turn comes after that of fronts behind it: small ones write over what follows their unknowns.
-    pub fn forward_late(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, front: usize) {
-        let end = symbolic.fronts[front].first + symbolic.fronts[front].pivots;
+    /// The same for fronts whose turn comes after that of fronts behind them: small ones write over what follows their unknowns.
+    pub fn forward_late(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+        let last = &symbolic.fronts[fronts.end - 1];
+        let end = last.first + last.pivots;
         let mut kept = [[0.0; LANES]; BLOCK];
         for (kept, solution) in kept.iter_mut().zip(self.solutions(symbolic)) {
             kept.copy_from_slice(&solution[end..end + LANES]);
         }
-        self.forward(symbolic, factors, side, front..front + 1);
+        self.forward(symbolic, factors, side, fronts);
         for (kept, solution) in kept.iter().zip(self.solutions(symbolic)) {
             solution[end..end + LANES].copy_from_slice(kept);
         }
