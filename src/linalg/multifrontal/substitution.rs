@@ -29,6 +29,8 @@ pub enum Side {
 pub const BLOCK: usize = 32;
 /// Right-hand sides that go through a front together: each has the bits that it has alone. More of them are worth products of matrices.
 const FEW: usize = 4;
+/// Small fronts ahead of the one at work whose factors are asked for.
+const AHEAD: usize = 8;
 
 /// Vectors in the order of elimination: residuals that turn into intermediate results, and solutions.
 #[derive(Default)]
@@ -380,6 +382,9 @@ impl SmallFronts<'_> {
             }
             for number in fronts.clone() {
                 let small = factors.small(symbolic, number, is_transposed);
+                if number + AHEAD < fronts.end {
+                    factors.small(symbolic, number + AHEAD, is_transposed).prefetch_lower();
+                }
                 // SAFETY: `stride` numbers from each pointer on, all places and some more.
                 unsafe {
                     if let (Some(rows), false) = (factors.exchanged(symbolic, number), is_transposed) {
@@ -391,6 +396,9 @@ impl SmallFronts<'_> {
         } else {
             for number in fronts.clone().rev() {
                 let small = factors.small(symbolic, number, is_transposed);
+                if number >= fronts.start + AHEAD {
+                    factors.small(symbolic, number - AHEAD, is_transposed).prefetch_upper();
+                }
                 // SAFETY: as above.
                 unsafe {
                     small.backward::<I, W>(solutions);
