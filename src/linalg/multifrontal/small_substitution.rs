@@ -29,10 +29,7 @@ impl<'f> SmallFactors<'f> {
         let (first, others) = (plan.rows as usize, plan.others as usize);
         let line = plan.line as usize * LANES;
         debug_assert!(rows.len() >= first + others);
-        debug_assert!(
-            values.len() >= line + Shape { pivots: plan.pivots as usize, others }.storage() + LANES,
-            "factors of a small front"
-        );
+        debug_assert!(values.len() >= line + plan.shape().storage(), "factors of a small front");
         // SAFETY: a plan lies inside the lists that it was made for, whose lengths its analysis tells.
         unsafe {
             let factors = values.as_ptr().add(line);
