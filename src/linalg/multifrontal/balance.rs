@@ -1,6 +1,6 @@
 //! Where the sequence of fronts is cut for ranks that share some of them: a model of the times that they take, and a search.
 
-use super::stretches::{Stretches, front_time, is_worth_sharing, pieces, shared_time};
+use super::stretches::{Stretches, below, front_time, is_worth_sharing, pieces, shared_time};
 use super::supernodes::factor_entries;
 use super::symbolic::Symbolic;
 use crate::exchange::{MESSAGE, NUMBER};
@@ -46,24 +46,22 @@ impl<'s> Pieces<'s> {
     fn new(symbolic: &'s Symbolic) -> Self {
         let ranges = pieces(symbolic);
         let of_front = |front: usize| ranges.partition_point(|piece| piece.end <= front);
-        let piece = |fronts: &Range<usize>| {
+        let piece = |(fronts, below): (&Range<usize>, &Vec<usize>)| {
             let root = &symbolic.fronts[fronts.end - 1];
-            let is_subtree = root.subtree == fronts.start;
-            let children = symbolic.children[root.children.clone()].iter().map(|&child| of_front(child as usize));
             let own = || symbolic.fronts[fronts.clone()].iter();
             let entries: usize = own().map(|front| factor_entries(front.pivots, front.size())).sum();
             Piece {
                 fronts: fronts.clone(),
                 first: of_front(root.subtree),
-                below: if is_subtree { Vec::new() } else { children.collect() },
+                below: below.iter().map(|&front| of_front(front)).collect(),
                 time: own().map(front_time).sum(),
                 solutions: SOLUTIONS * OF_ENTRY * entries as f64,
                 unknowns: own().map(|front| front.pivots).sum(),
                 others: root.others(),
-                is_worth_sharing: !is_subtree && is_worth_sharing(root),
+                is_worth_sharing: !below.is_empty() && is_worth_sharing(root),
             }
         };
-        Pieces { symbolic, all: ranges.iter().map(piece).collect() }
+        Pieces { symbolic, all: ranges.iter().zip(&below(symbolic, &ranges)).map(piece).collect() }
     }
 
     /// What a matrix, its factorization and solutions take if ranks begin at given pieces \[ns\].

@@ -5,7 +5,6 @@ use super::matrix_view::MatrixView;
 use super::small_front::{Elimination, LANES, Lines, Shape};
 use super::small_substitution::{SmallFactors, transpose_small};
 use super::symbolic::{Front, Symbolic};
-use crate::linalg::vectors::{Instructions, VectorKernel, dispatch_vectors};
 
 /// What a factorization found in a front.
 #[derive(Default)]
@@ -169,7 +168,13 @@ impl Factors {
             if self.transposed.is_empty() {
                 self.transposed = Lines::new(self.small.len());
             }
-            dispatch_vectors(Transpose { symbolic, factors: self });
+            let Factors { small, transposed, outcomes, .. } = self;
+            for (front, outcome) in symbolic.fronts.iter().zip(outcomes) {
+                if matches!(outcome.form, Form::Small | Form::SmallExchanged) {
+                    let own = front.small..front.small + front.small_storage();
+                    transpose_small(Shape::of(front), &small[own.clone()], &mut transposed[own]);
+                }
+            }
             self.is_transposed = true;
         }
     }
@@ -204,27 +209,6 @@ fn view<'f>(
         columns,
         lower: MatrixView::new(lower, summed + others, summed),
         upper: MatrixView::new(upper, summed, others),
-    }
-}
-
-/// Transposes the factors of all small fronts.
-struct Transpose<'j> {
-    symbolic: &'j Symbolic,
-    factors: &'j mut Factors,
-}
-
-impl VectorKernel for Transpose<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<I: Instructions>(self) {
-        let Factors { small, transposed, outcomes, .. } = self.factors;
-        for (front, outcome) in self.symbolic.fronts.iter().zip(outcomes) {
-            if matches!(outcome.form, Form::Small | Form::SmallExchanged) {
-                let shape = Shape::of(front);
-                let own = front.small..front.small + shape.storage();
-                transpose_small::<I>(shape, &small[own.clone()], &mut transposed[own]);
-            }
-        }
     }
 }
 

@@ -1,7 +1,7 @@
-//! Factors of small fronts, for which calls, lists and searches would take longer than the arithmetic: columns are
-//! padded to whole vector registers, and one program of fixed sizes assembles, eliminates and stores.
+//! Factors of small fronts, for which calls, lists and searches would take longer than the arithmetic: one program of fixed sizes assembles and
+//! eliminates in columns of whole vector registers, and stores without gaps, in the order in which solutions read.
 //!
-//! P A = L D U in a front: L and U have ones on their diagonals, which are not stored, and zeros in all padding.
+//! P A = L D U in a front: L and U have ones on their diagonals, which are not stored.
 
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
@@ -39,26 +39,25 @@ impl Shape {
     pub fn size(self) -> usize {
         self.pivots + self.others
     }
-    /// Distance of the columns of L, all rows of the front each, from the first number on.
+    /// Where the columns of U without pivots begin, behind those of the rows above their pivots.
     #[inline(always)]
-    pub fn lower_stride(self) -> usize {
-        self.size().next_multiple_of(CHUNK)
+    pub fn beside(self) -> usize {
+        self.pivots * self.pivots.saturating_sub(1) / 2
     }
-    /// Distance of the columns of U, the rows of pivots each. The first has nothing above its pivot: the inverses of
-    /// all pivots stand there, and ones behind them.
+    /// Where the inverses of the pivots begin, behind U.
     #[inline(always)]
-    pub fn upper_stride(self) -> usize {
-        self.pivots.next_multiple_of(CHUNK)
+    pub fn inverses(self) -> usize {
+        self.beside() + self.pivots * self.others
     }
-    /// Where U begins.
+    /// Where L begins: columns of the rows below their pivots.
     #[inline(always)]
-    pub fn upper(self) -> usize {
-        self.lower_stride() * self.pivots
+    pub fn lower(self) -> usize {
+        self.inverses() + self.pivots
     }
-    /// Numbers of L and U.
+    /// Numbers of L and U, in whole lines: the last chunk of a column is written as a whole.
     #[inline(always)]
     pub fn storage(self) -> usize {
-        (self.upper() + self.upper_stride() * self.size()).next_multiple_of(LANES)
+        (self.lower() + self.inverses() + CHUNK - 1).next_multiple_of(LANES)
     }
 }
 
@@ -75,10 +74,6 @@ pub struct SmallPlan {
     pub pivots: u8,
     /// Number of rows that are not pivots.
     pub others: u8,
-    /// [`Shape::lower_stride`]
-    pub lower_stride: u8,
-    /// [`Shape::upper_stride`]
-    pub upper_stride: u8,
 }
 
 impl SmallPlan {
@@ -91,18 +86,22 @@ impl SmallPlan {
             line: u32::try_from(front.small / LANES).expect("fewer than 2^32 lines of factors of small fronts"),
             pivots: shape.pivots as u8,
             others: shape.others as u8,
-            lower_stride: shape.lower_stride() as u8,
-            upper_stride: shape.upper_stride() as u8,
         }
+    }
+
+    /// Of the front.
+    #[inline(always)]
+    pub fn shape(&self) -> Shape {
+        Shape { pivots: self.pivots as usize, others: self.others as usize }
     }
 }
 
-/// All columns of a small front.
-pub struct Scratch(Lines);
+/// All columns of a small front, and those of L.
+pub struct Scratch([Lines; 2]);
 
 impl Default for Scratch {
     fn default() -> Self {
-        Scratch(Lines::new(SMALL_FRONT * SMALL_FRONT + LANES))
+        Scratch([0; 2].map(|_| Lines::new(SMALL_FRONT * SMALL_FRONT + LANES)))
     }
 }
 
@@ -151,7 +150,7 @@ pub struct SmallFront<'j> {
     pub children: &'j [Contribution<'j>],
     /// Takes the places of the rows in the order of the pivots, where rows were exchanged.
     pub rows: &'j mut [u32],
-    /// Takes the factors, as [`Shape`] says.
+    /// Takes the factors, where [`Shape`] says.
     pub storage: &'j mut [f64],
     /// Takes what is left to the front above, and up to `LANES` numbers without a meaning behind it.
     pub contribution: &'j mut [f64],
@@ -180,7 +179,7 @@ impl VectorKernel for SmallFront<'_> {
         assert!(others == 0 || self.contribution.len() >= others * others + LANES);
         // SAFETY: sizes were compared above.
         unsafe {
-            match shape.lower_stride() / CHUNK {
+            match shape.size().div_ceil(CHUNK) {
                 0 | 1 => self.factor::<I, 1>(shape),
                 2 => self.factor::<I, 2>(shape),
                 3 => self.factor::<I, 3>(shape),
@@ -224,10 +223,8 @@ impl SmallFront<'_> {
         let SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch } = self;
         let Shape { pivots, others } = shape;
         let (stride, size) = (CHUNKS * CHUNK, shape.size());
-        let all = scratch.0.as_mut_ptr();
-        let (lower, height) = (storage.as_mut_ptr(), shape.upper_stride());
-        // SAFETY: inside the storage, as are all columns below.
-        let upper = unsafe { lower.add(stride * pivots) };
+        let [all, lower] = &mut scratch.0;
+        let (all, lower) = (all.as_mut_ptr(), lower.as_mut_ptr());
         // SAFETY: `size` columns of the scratch; entries and contributions lie in the front.
         unsafe {
             // hidden: a call that fills memory takes longer
@@ -298,20 +295,26 @@ impl SmallFront<'_> {
                 }
             }
         }
-        // SAFETY: columns of U and of the scratch.
+        // SAFETY: columns of the scratch, and so many numbers of the storage.
         unsafe {
-            let mut first = [1.0; SMALL_FRONT];
-            first[..pivots].copy_from_slice(&inverses[..pivots]);
-            for row in (0..height).step_by(CHUNK) {
-                I::Four::load(first.as_ptr().add(row)).store(upper.add(row));
-                let inverses = I::Four::load(inverses.as_ptr().add(row));
-                for column in 1..size {
-                    let mask = MASK.as_ptr().add(2 * SMALL_FRONT - column + row);
-                    let x = I::Four::load(all.add(column * stride + row)).masked(mask);
-                    x.times(inverses).store(upper.add(column * height + row));
-                }
-            }
             // columns that follow each other write over what the one before left behind itself
+            let mut to = storage.as_mut_ptr();
+            for column in 1..size {
+                let (from, rows) = (all.add(column * stride), column.min(pivots));
+                for row in (0..CHUNKS * CHUNK).step_by(CHUNK) {
+                    if row < rows {
+                        let inverses = I::Four::load(inverses.as_ptr().add(row));
+                        I::Four::load(from.add(row)).times(inverses).store(to.add(row));
+                    }
+                }
+                to = to.add(rows);
+            }
+            copy_chunks::<I, CHUNKS>(inverses.as_ptr(), to, pivots);
+            to = to.add(pivots);
+            for own in 0..pivots {
+                copy_chunks::<I, CHUNKS>(lower.add(own * stride + own + 1), to, size - own - 1);
+                to = to.add(size - own - 1);
+            }
             let to = contribution.as_mut_ptr();
             for other in 0..others {
                 let from = all.add((pivots + other) * stride + pivots);
@@ -326,13 +329,28 @@ impl SmallFront<'_> {
     }
 }
 
+/// Copies up to `CHUNKS` chunks of numbers, and what follows the last one in its chunk.
+///
+/// # Safety
+/// There are so many.
+#[inline(always)]
+unsafe fn copy_chunks<I: Instructions, const CHUNKS: usize>(from: *const f64, to: *mut f64, count: usize) {
+    // no loop of so many rounds: their number changes from column to column
+    for row in (0..CHUNKS * CHUNK).step_by(CHUNK) {
+        if row < count {
+            // SAFETY: promised by the caller.
+            unsafe { I::Four::load(from.add(row)).store(to.add(row)) };
+        }
+    }
+}
+
 #[inline(always)]
 fn is_usable(pivot: f64) -> bool {
     pivot.abs() > TINY_PIVOT && pivot.is_finite()
 }
 
 /// No bits of the first `SMALL_FRONT` numbers, all bits of as many more, and none of as many again.
-static MASK: [u64; 3 * SMALL_FRONT] = {
+pub static MASK: [u64; 3 * SMALL_FRONT] = {
     let mut bits = [0; 3 * SMALL_FRONT];
     let mut place = SMALL_FRONT;
     while place < 2 * SMALL_FRONT {

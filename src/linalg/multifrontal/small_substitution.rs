@@ -6,16 +6,18 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::small_front::{LANES, SMALL_FRONT, Shape, SmallPlan};
+use super::small_front::{LANES, MASK, SMALL_FRONT, Shape, SmallPlan};
+use crate::linalg::simd::prefetch;
 use crate::linalg::vectors::{Instructions, Vector};
 use std::mem::MaybeUninit;
+use std::ops::Range;
 
 /// A small front with its factors, those of A or of A^T.
 #[derive(Clone, Copy)]
 pub struct SmallFactors<'f> {
     plan: SmallPlan,
-    /// L as [`Shape`] says; D^-1 and U follow, and `LANES` numbers or more without a meaning.
-    lower: *const f64,
+    /// U, D^-1 and L where [`Shape`] says, and `LANES` numbers or more without a meaning.
+    factors: *const f64,
     /// Places of the other rows.
     others: &'f [u32],
 }
@@ -27,13 +29,11 @@ impl<'f> SmallFactors<'f> {
         let (first, others) = (plan.rows as usize, plan.others as usize);
         let line = plan.line as usize * LANES;
         debug_assert!(rows.len() >= first + others);
-        debug_assert!(
-            values.len() >= line + Shape { pivots: plan.pivots as usize, others }.storage() + LANES,
-            "factors of a small front"
-        );
+        debug_assert!(values.len() >= line + plan.shape().storage(), "factors of a small front");
         // SAFETY: a plan lies inside the lists that it was made for, whose lengths its analysis tells.
         unsafe {
-            SmallFactors { plan: *plan, lower: values.as_ptr().add(line), others: rows.get_unchecked(first..first + others) }
+            let factors = values.as_ptr().add(line);
+            SmallFactors { plan: *plan, factors, others: rows.get_unchecked(first..first + others) }
         }
     }
 
@@ -43,10 +43,29 @@ impl<'f> SmallFactors<'f> {
         self.plan.first as usize
     }
 
-    /// Where U begins.
+    /// Where a row of the first column of L would be, and the distance from there to that of the second one, one more than to the third.
     #[inline(always)]
-    fn upper(&self) -> *const f64 {
-        self.lower.wrapping_add(self.plan.pivots as usize * self.plan.lower_stride as usize)
+    fn lower(&self) -> (*const f64, isize) {
+        let shape = self.plan.shape();
+        (self.factors.wrapping_add(shape.lower()).wrapping_sub(1), shape.size() as isize - 2)
+    }
+
+    /// Asks for L before it is read.
+    #[inline(always)]
+    pub fn prefetch_lower(&self) {
+        let shape = self.plan.shape();
+        self.prefetch(shape.lower()..shape.storage());
+    }
+
+    /// Asks for U and D^-1 before they are read.
+    #[inline(always)]
+    pub fn prefetch_upper(&self) {
+        self.prefetch(0..self.plan.shape().lower());
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, numbers: Range<usize>) {
+        numbers.step_by(LANES).for_each(|number| prefetch(self.factors.wrapping_add(number)));
     }
 }
 
@@ -58,8 +77,8 @@ impl SmallFactors<'_> {
     /// Each vector has all places of the front and `LANES` numbers more.
     #[inline(always)]
     pub unsafe fn forward<I: Instructions, const W: usize>(&self, residual: [*mut f64; W], solution: [*mut f64; W]) {
-        let SmallFactors { plan, lower, .. } = *self;
-        let (first, pivots, stride) = (self.first(), plan.pivots as usize, plan.lower_stride as usize);
+        let (first, pivots) = (self.first(), self.plan.pivots as usize);
+        let (mut triangle, mut step) = self.lower();
         let mut row = 0;
         // SAFETY: columns of the factors; what is read or written behind the last row has no meaning and is written
         // later or not at all.
@@ -69,24 +88,25 @@ impl SmallFactors<'_> {
                 (given[w], known[w]) = (residual[w].add(first), solution[w].add(first));
             }
             while row < pivots {
-                let sums = products::<I::Eight, W>(lower.add(row), stride, row, known);
-                let triangle = lower.add(row * stride + row);
+                let sums = products::<I::Eight, W>(self.lower(), row, row, known);
                 if W == 1 {
                     // numbers one by one: each waits for one product, and none for other fronts' vectors
                     let mut lanes = [0.0; LANES];
                     sums[0].store(lanes.as_mut_ptr());
-                    unit_lower_numbers::<I>(given[0].add(row), &lanes, triangle, stride, pivots - row, known[0].add(row));
+                    let columns = (triangle.wrapping_add(row), step);
+                    unit_lower_numbers::<I>(given[0].add(row), &lanes, columns, pivots - row, known[0].add(row));
                 } else {
                     let mut x = sums;
                     for w in 0..W {
                         x[w] = I::Eight::load(given[w].add(row)).plus(sums[w]);
                     }
-                    x = unit_lower::<I, W>(x, triangle, stride, pivots - row);
+                    x = unit_lower::<I, W>(x, (triangle.wrapping_add(row), step), pivots - row);
                     for w in 0..W {
                         x[w].store(known[w].add(row));
                     }
                 }
                 row += LANES;
+                (triangle, step) = skip((triangle, step), LANES as isize);
             }
             self.reduce_others::<I, W>(residual, solution);
         }
@@ -98,8 +118,8 @@ impl SmallFactors<'_> {
     /// As for [`SmallFactors::forward`].
     #[inline(always)]
     unsafe fn reduce_others<I: Instructions, const W: usize>(&self, residual: [*mut f64; W], solution: [*mut f64; W]) {
-        let SmallFactors { plan, lower, others } = *self;
-        let (first, pivots, stride) = (self.first(), plan.pivots as usize, plan.lower_stride as usize);
+        let SmallFactors { plan, others, .. } = *self;
+        let (first, pivots) = (self.first(), plan.pivots as usize);
         // SAFETY: as for the rows of the pivots.
         unsafe {
             let mut known = solution;
@@ -108,7 +128,7 @@ impl SmallFactors<'_> {
             }
             let mut other = 0;
             while other < others.len() {
-                let sums = products::<I::Eight, W>(lower.add(pivots + other), stride, pivots, known);
+                let sums = products::<I::Eight, W>(self.lower(), pivots + other, pivots, known);
                 let rows = &others[other..others.len().min(other + LANES)];
                 for w in 0..W {
                     // lanes by a changing number, through memory
@@ -143,7 +163,7 @@ impl SmallFactors<'_> {
                     known[w][other].write(*solution[w].add(place as usize));
                 }
             }
-            let mut end = plan.upper_stride as usize;
+            let mut end = (plan.pivots as usize).next_multiple_of(LANES / 2);
             if !end.is_multiple_of(LANES) {
                 end -= LANES / 2;
                 self.backward_rows::<I, I::Four, W>(own, &known, end);
@@ -166,65 +186,78 @@ impl SmallFactors<'_> {
         others: &[[MaybeUninit<f64>; SMALL_FRONT]; W],
         row: usize,
     ) {
-        let (pivots, height, upper) = (self.plan.pivots as usize, self.plan.upper_stride as usize, self.upper());
-        // SAFETY: columns of the factors, which are zero behind the last pivot, and their inverse pivots, which are 1
-        // there.
+        let (shape, pivots) = (self.plan.shape(), self.plan.pivots as usize);
+        // SAFETY: columns of the factors and their inverse pivots; what is read behind the last pivot has no meaning and is not written.
         unsafe {
             let mut x = [V::splat(0.0); W];
             for w in 0..W {
-                x[w] = V::load(solution[w].add(row)).times(V::load(upper.add(row)));
+                x[w] = V::load(solution[w].add(row)).times(V::load(self.factors.add(shape.inverses() + row)));
             }
-            let mut column = upper.add(pivots * height + row);
+            let mut column = self.factors.add(shape.beside() + row);
             for other in 0..self.others.len() {
                 let u = V::load(column);
                 for w in 0..W {
                     x[w] = x[w].minus_product(u, V::splat(others[w][other].assume_init()));
                 }
-                column = column.add(height);
+                column = column.wrapping_add(pivots);
             }
-            for k in row + V::LANES..pivots {
-                let u = V::load(upper.add(k * height + row));
+            let upper = self.factors.add(row);
+            let behind = row + V::LANES;
+            let mut column = upper.wrapping_add(behind * (behind - 1) / 2);
+            for k in behind..pivots {
+                let u = V::load(column);
                 for w in 0..W {
                     x[w] = x[w].minus_product(u, V::splat(*solution[w].add(k)));
                 }
+                column = column.wrapping_add(k);
             }
-            let triangle = upper.add(row * height + row);
+            // of the column before the first one of the triangle, to which `row` columns are added
+            let triangle = upper.wrapping_add(row * row.saturating_sub(1) / 2);
+            let count = V::LANES.min(pivots - row);
+            let mut lanes = [0.0; LANES];
             if W == 1 {
-                let mut lanes = [0.0; LANES];
                 x[0].store(lanes.as_mut_ptr());
-                unit_upper_numbers::<I>(&lanes, triangle, height, V::LANES.min(pivots - row), solution[0].add(row));
+                unit_upper_numbers::<I>(&lanes, triangle, row, count, solution[0].add(row));
             } else {
-                x = unit_upper::<V, W>(x, triangle, height, pivots - row);
+                x = unit_upper::<V, W>(x, triangle, row, count);
                 for w in 0..W {
-                    x[w].store(solution[w].add(row));
+                    x[w].store(lanes.as_mut_ptr());
+                    solution[w].add(row).copy_from_nonoverlapping(lanes.as_ptr(), count);
                 }
             }
         }
     }
 }
 
-/// -L y for some rows of `count` columns, `stride` numbers apart.
+/// Where a row stands in one of the columns of L further on, and the distance from there to the next column.
+#[inline(always)]
+fn skip((column, step): (*const f64, isize), columns: isize) -> (*const f64, isize) {
+    (column.wrapping_offset(columns * step - columns * (columns - 1) / 2), step - columns)
+}
+
+/// -L y for some rows of the first `count` columns, from `row` on.
 ///
 /// # Safety
 /// There are so many columns, and as many numbers in each vector.
 #[inline(always)]
 unsafe fn products<V: Vector, const W: usize>(
-    mut column: *const f64,
-    stride: usize,
+    (column, mut step): (*const f64, isize),
+    row: usize,
     count: usize,
     known: [*mut f64; W],
 ) -> [V; W] {
     let mut sums = [V::splat(0.0); W];
+    let mut column = column.wrapping_add(row);
     let mut k = 0;
     // SAFETY: promised by the caller.
     unsafe {
         while k + 2 <= count {
-            let (l, next) = (V::load(column), V::load(column.add(stride)));
+            let (l, next) = (V::load(column), V::load(column.wrapping_offset(step)));
             for w in 0..W {
                 sums[w] = sums[w].minus_product(l, V::splat(*known[w].add(k)));
                 sums[w] = sums[w].minus_product(next, V::splat(*known[w].add(k + 1)));
             }
-            column = column.add(2 * stride);
+            (column, step) = skip((column, step), 2);
             k += 2;
         }
         if k < count {
@@ -245,12 +278,12 @@ unsafe fn products<V: Vector, const W: usize>(
 unsafe fn unit_lower_numbers<I: Instructions>(
     b: *const f64,
     s: &[f64; LANES],
-    column: *const f64,
-    stride: usize,
+    columns: (*const f64, isize),
     count: usize,
     solved: *mut f64,
 ) {
     let mut x = [0.0; LANES];
+    let column = columns_of(columns);
     macro_rules! rows {
         ($($row:literal: $($p:literal)*;)*) => {$(
             if $row >= count {
@@ -259,7 +292,7 @@ unsafe fn unit_lower_numbers<I: Instructions>(
             // SAFETY: promised by the caller.
             unsafe {
                 x[$row] = *b.add($row) + s[$row];
-                $(x[$row] = I::minus_product(x[$row], *column.add($p * stride + $row), x[$p]);)*
+                $(x[$row] = I::minus_product(x[$row], *column[$p].add($row), x[$p]);)*
                 *solved.add($row) = x[$row];
             }
         )*};
@@ -267,7 +300,18 @@ unsafe fn unit_lower_numbers<I: Instructions>(
     rows!(0: ; 1: 0; 2: 0 1; 3: 0 1 2; 4: 0 1 2 3; 5: 0 1 2 3 4; 6: 0 1 2 3 4 5; 7: 0 1 2 3 4 5 6;);
 }
 
-/// U^-1 x with a unit upper triangle of `count` columns.
+/// So many columns of L as are solved together.
+#[inline(always)]
+fn columns_of(mut first: (*const f64, isize)) -> [*const f64; LANES] {
+    let mut columns = [first.0; LANES];
+    for own in &mut columns {
+        *own = first.0;
+        first = skip(first, 1);
+    }
+    columns
+}
+
+/// U^-1 x with a unit upper triangle of `count` columns, the first of which has `above` rows above it.
 ///
 /// # Safety
 /// There are so many columns and numbers.
@@ -275,7 +319,7 @@ unsafe fn unit_lower_numbers<I: Instructions>(
 unsafe fn unit_upper_numbers<I: Instructions>(
     lanes: &[f64; LANES],
     column: *const f64,
-    stride: usize,
+    above: usize,
     count: usize,
     solved: *mut f64,
 ) {
@@ -287,7 +331,7 @@ unsafe fn unit_upper_numbers<I: Instructions>(
                 unsafe {
                     $(
                         if $p < count {
-                            x[$row] = I::minus_product(x[$row], *column.add($p * stride + $row), x[$p]);
+                            x[$row] = I::minus_product(x[$row], *column.add($p * above + $p * ($p - 1) / 2 + $row), x[$p]);
                         }
                     )*
                     *solved.add($row) = x[$row];
@@ -305,17 +349,17 @@ unsafe fn unit_upper_numbers<I: Instructions>(
 #[inline(always)]
 unsafe fn unit_lower<I: Instructions, const W: usize>(
     mut x: [I::Eight; W],
-    column: *const f64,
-    stride: usize,
+    columns: (*const f64, isize),
     count: usize,
 ) -> [I::Eight; W] {
+    let column = columns_of(columns);
     macro_rules! steps {
         ($($p:literal)*) => {$(
             if $p + 1 >= count {
                 return x;
             }
             // SAFETY: promised by the caller.
-            let l = unsafe { I::Eight::load(column.add($p * stride)) };
+            let l = unsafe { I::Eight::load(column[$p]).masked(MASK.as_ptr().add(SMALL_FRONT - 1 - $p)) };
             for w in 0..W {
                 x[w] = x[w].minus_product(l, x[w].broadcast::<$p>());
             }
@@ -325,17 +369,19 @@ unsafe fn unit_lower<I: Instructions, const W: usize>(
     x
 }
 
-/// U^-1 x with a unit upper triangle of `count` columns, of which as many as lanes are used.
+/// The same in vectors.
 ///
 /// # Safety
 /// There are so many columns.
 #[inline(always)]
-unsafe fn unit_upper<V: Vector, const W: usize>(mut x: [V; W], column: *const f64, stride: usize, count: usize) -> [V; W] {
+unsafe fn unit_upper<V: Vector, const W: usize>(mut x: [V; W], column: *const f64, above: usize, count: usize) -> [V; W] {
     macro_rules! steps {
         ($($p:literal)*) => {$(
             if $p < V::LANES && $p < count {
                 // SAFETY: promised by the caller.
-                let u = unsafe { V::load(column.add($p * stride)) };
+                let u = unsafe {
+                    V::load(column.add($p * above + $p * ($p - 1) / 2)).masked(MASK.as_ptr().add(2 * SMALL_FRONT - $p))
+                };
                 for w in 0..W {
                     x[w] = x[w].minus_product(u, x[w].broadcast::<$p>());
                 }
@@ -346,61 +392,20 @@ unsafe fn unit_upper<V: Vector, const W: usize>(mut x: [V; W], column: *const f6
     x
 }
 
-/// The factors of A^T from those of A; both as [`Shape`] says, and all zero before the first time where zeros belong.
-#[inline(always)]
-pub fn transpose_small<I: Instructions>(shape: Shape, values: &[f64], transposed: &mut [f64]) {
-    let (stride, height, size, pivots) = (shape.lower_stride(), shape.upper_stride(), shape.size(), shape.pivots);
-    assert!(values.len() >= shape.storage() && transposed.len() >= shape.storage(), "factors of a small front");
-    // SAFETY: sizes of both triangles; strides are whole tiles.
-    unsafe {
-        let (lower, upper) = (values.as_ptr(), values.as_ptr().add(shape.upper()));
-        let (lower_transposed, upper_transposed) = (transposed.as_mut_ptr(), transposed.as_mut_ptr().add(shape.upper()));
-        for column in (0..pivots).step_by(SIDE) {
-            for row in (column..size).step_by(SIDE) {
-                // L below its diagonal, and U right of it
-                let l = tile::<I>(lower.add(column * stride + row), stride, pivots - column);
-                store_tile::<I>(l, upper_transposed.add(row * height + column), height, size - row);
-                let u = tile::<I>(upper.add(row * height + column), height, size - row);
-                store_tile::<I>(u, lower_transposed.add(column * stride + row), stride, pivots - column);
-            }
+/// The factors of A^T from those of A; both where [`Shape`] says.
+pub fn transpose_small(shape: Shape, values: &[f64], transposed: &mut [f64]) {
+    let inverses = shape.inverses()..shape.lower();
+    transposed[inverses.clone()].copy_from_slice(&values[inverses]);
+    let (mut lower, mut beside) = (shape.lower(), 0);
+    for pivot in 0..shape.pivots {
+        // the row of U right of the pivot, and the column of L below it
+        let mut upper = beside;
+        for column in pivot + 1..shape.size() {
+            transposed[lower] = values[upper];
+            transposed[upper] = values[lower];
+            lower += 1;
+            upper += column.min(shape.pivots);
         }
-        // in the place of the first column of U: the inverse pivots, which have no place in L
-        upper_transposed.copy_from_nonoverlapping(upper, height);
-        for column in 0..pivots {
-            *lower_transposed.add(column * stride) = 0.0;
-        }
-    }
-}
-
-/// Rows and columns of a tile.
-const SIDE: usize = 4;
-
-/// Some rows of `count` columns `stride` apart, transposed; columns that are missing are zero.
-///
-/// # Safety
-/// There are so many columns.
-#[inline(always)]
-unsafe fn tile<I: Instructions>(from: *const f64, stride: usize, count: usize) -> [I::Four; SIDE] {
-    let mut columns = [I::Four::splat(0.0); SIDE];
-    for column in 0..SIDE {
-        if column < count {
-            // SAFETY: promised by the caller.
-            columns[column] = unsafe { I::Four::load(from.add(column * stride)) };
-        }
-    }
-    I::transpose(columns)
-}
-
-/// Writes the first `count` columns of a tile.
-///
-/// # Safety
-/// There are so many columns.
-#[inline(always)]
-unsafe fn store_tile<I: Instructions>(tile: [I::Four; SIDE], to: *mut f64, stride: usize, count: usize) {
-    for column in 0..SIDE {
-        if column < count {
-            // SAFETY: promised by the caller.
-            unsafe { tile[column].store(to.add(column * stride)) };
-        }
+        beside += pivot + 2;
     }
 }

@@ -8,7 +8,7 @@
 //! Pieces depend on the tree alone, so that every number has the same bits whatever the number of stretches.
 
 use super::factors::{Factors, Part};
-use super::stretches::{Stretches, pieces};
+use super::stretches::{Stretches, below, pieces};
 use super::substitution::{Side, Substitution};
 use super::symbolic::Symbolic;
 use crate::exchange::Exchange;
@@ -29,8 +29,8 @@ pub struct StretchSolution {
     /// Its number.
     number: usize,
     pub stretches: Arc<Stretches>,
-    /// Its pieces: subtrees at first, and then fronts alone that others have to come before.
-    pub pieces: Vec<Range<usize>>,
+    /// Its pieces: subtrees at first, and then those that others have to come before, with the last fronts of these.
+    pub pieces: Vec<(Range<usize>, Vec<usize>)>,
     /// Its fronts by subtrees of its own, and fronts that have some of other stretches below them, which are said to be parted.
     pub subtrees: Vec<(Range<usize>, bool)>,
     /// Fronts of later stretches that have some of this one below them.
@@ -60,8 +60,10 @@ impl StretchSolution {
                 subtrees.push((symbolic.fronts[front].subtree..front + 1, false));
             }
         }
-        let mut pieces: Vec<_> = pieces(symbolic).into_iter().filter(|piece| own.contains(&piece.start)).collect();
-        pieces.sort_by_key(|piece| !is_subtree(symbolic, piece));
+        let all = pieces(symbolic);
+        let below = below(symbolic, &all);
+        let mut pieces: Vec<_> = all.into_iter().zip(below).filter(|(piece, _)| own.contains(&piece.start)).collect();
+        pieces.sort_by_key(|(_, below)| !below.is_empty());
         let is_above = |front: &usize| symbolic.fronts[*front].subtree < own.end && is_parted(*front);
         let above = (own.end..symbolic.fronts.len()).filter(|front| !own.is_empty() && is_above(front)).rev().collect();
         StretchSolution { number, pieces, subtrees, above, delayed: Vec::new(), stretches }
@@ -78,7 +80,7 @@ impl StretchSolution {
     ) {
         substitution.make_room(symbolic, rhs);
         let mut waiting: Vec<Taken> = Vec::new();
-        for piece in &self.pieces {
+        for (piece, below) in &self.pieces {
             let root = piece.end - 1;
             let own = symbolic.fronts[piece.start].first..symbolic.fronts[root].first + symbolic.fronts[root].pivots;
             let others = &symbolic.rows[symbolic.fronts[root].rows.clone()];
@@ -87,13 +89,12 @@ impl StretchSolution {
                 residual[own.clone()].iter_mut().zip(given).for_each(|(own, given)| *own = given);
                 others.iter().for_each(|&place| residual[place as usize] = 0.0);
             }
-            if !is_subtree(symbolic, piece) {
-                for &child in &symbolic.children[symbolic.fronts[root].children.clone()] {
-                    self.add_taken(exchange, (symbolic, child as usize), &mut waiting, substitution, side);
-                }
-                substitution.forward_late(symbolic, factors, side, root);
-            } else {
-                substitution.forward(symbolic, factors, side, piece.clone());
+            for &child in below {
+                self.add_taken(exchange, (symbolic, child), &mut waiting, substitution, side);
+            }
+            match below.is_empty() {
+                true => substitution.forward(symbolic, factors, side, piece.clone()),
+                false => substitution.forward_late(symbolic, factors, side, piece.clone()),
             }
             let Some(parent) = symbolic.fronts[root].parent else { continue };
             let places = self.taken_places(symbolic, root, side);
@@ -187,18 +188,13 @@ impl StretchSolution {
 }
 
 /// Pivots of pieces that wait.
-pub fn delayed(symbolic: &Symbolic, part: &Part<'_>, pieces: &[Range<usize>]) -> Vec<Delayed> {
-    let of_piece = |piece: &Range<usize>| {
+pub fn delayed(symbolic: &Symbolic, part: &Part<'_>, pieces: &[(Range<usize>, Vec<usize>)]) -> Vec<Delayed> {
+    let of_piece = |(piece, _): &(Range<usize>, Vec<usize>)| {
         let front = piece.end - 1;
         let (parent, places) = (symbolic.fronts[front].parent?, part.delayed(symbolic, front).map(<[u32]>::to_vec));
         (!places[0].is_empty()).then_some(Delayed { front, parent, places })
     };
     pieces.iter().filter_map(of_piece).collect()
-}
-
-/// Whether a piece is all that is below its last front.
-fn is_subtree(symbolic: &Symbolic, piece: &Range<usize>) -> bool {
-    symbolic.fronts[piece.end - 1].subtree == piece.start
 }
 
 /// Ends what others do in another order.

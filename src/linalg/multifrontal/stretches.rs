@@ -9,26 +9,48 @@ use std::ops::Range;
 /// Share of the time of all fronts that a piece has at most.
 const SHARE: f64 = 1.0 / 128.0;
 
-/// Pieces of the tree of fronts, which depend on nothing but the tree: subtrees that take little time, and each front above them alone. The way
-/// forward of solutions adds up what pieces take from the rows of others piece by piece, whoever has them.
+/// Pieces of the tree of fronts, which depend on nothing but the tree: subtrees that take little time, and fronts above them, large ones alone and
+/// small ones together as long as they take little. The way forward of solutions adds up what pieces take from the rows of others piece by piece,
+/// whoever has them.
 pub fn pieces(symbolic: &Symbolic) -> Vec<Range<usize>> {
-    let mut times: Vec<f64> = symbolic.fronts.iter().map(front_time).collect();
-    let most = SHARE * times.iter().sum::<f64>();
-    for front in 0..times.len() {
+    let own: Vec<f64> = symbolic.fronts.iter().map(front_time).collect();
+    let most = SHARE * own.iter().sum::<f64>();
+    let mut subtrees = own.clone();
+    for front in 0..own.len() {
         if let Some(parent) = symbolic.fronts[front].parent {
-            times[parent] += times[front];
+            subtrees[parent] += subtrees[front];
         }
     }
-    let is_small = |front: usize| times[front] <= most;
-    let mut pieces = Vec::new();
+    // with the times that they take
+    let mut pieces: Vec<(Range<usize>, f64)> = Vec::new();
     for (number, front) in symbolic.fronts.iter().enumerate() {
-        if !is_small(number) {
-            pieces.push(number..number + 1);
-        } else if front.parent.is_none_or(|parent| !is_small(parent)) {
-            pieces.push(front.subtree..number + 1);
+        if subtrees[number] > most {
+            let (mut start, mut time) = (number, own[number]);
+            while let Some((before, earlier)) = pieces.last()
+                && front.is_small()
+                && before.start >= front.subtree
+                && time + earlier <= most
+            {
+                (start, time) = (before.start, time + earlier);
+                pieces.pop();
+            }
+            pieces.push((start..number + 1, time));
+        } else if front.parent.is_none_or(|parent| subtrees[parent] > most) {
+            pieces.push((front.subtree..number + 1, subtrees[number]));
         }
     }
-    pieces
+    pieces.into_iter().map(|(fronts, _)| fronts).collect()
+}
+
+/// For each piece, the last fronts of those that contribute to it.
+pub fn below(symbolic: &Symbolic, pieces: &[Range<usize>]) -> Vec<Vec<usize>> {
+    let mut below = vec![Vec::new(); pieces.len()];
+    for piece in pieces {
+        if let Some(parent) = symbolic.fronts[piece.end - 1].parent {
+            below[pieces.partition_point(|other| other.end <= parent)].push(piece.end - 1);
+        }
+    }
+    below
 }
 
 /// Stretches of the sequence of fronts, one of each rank or thread, each of whole pieces.

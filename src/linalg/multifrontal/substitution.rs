@@ -29,6 +29,8 @@ pub enum Side {
 pub const BLOCK: usize = 32;
 /// Right-hand sides that go through a front together: each has the bits that it has alone. More of them are worth products of matrices.
 const FEW: usize = 4;
+/// How many fronts ahead of the one at work the factors of a small one are asked for: what no cache holds takes as long as ten of them.
+const AHEAD: usize = 12;
 
 /// Vectors in the order of elimination: residuals that turn into intermediate results, and solutions.
 #[derive(Default)]
@@ -131,14 +133,15 @@ impl Substitution {
         }
     }
 
-    /// The same for one front whose turn comes after that of fronts behind it: small ones write over what follows their unknowns.
-    pub fn forward_late(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, front: usize) {
-        let end = symbolic.fronts[front].first + symbolic.fronts[front].pivots;
+    /// The same for fronts whose turn comes after that of fronts behind them: small ones write over what follows their unknowns.
+    pub fn forward_late(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+        let last = &symbolic.fronts[fronts.end - 1];
+        let end = last.first + last.pivots;
         let mut kept = [[0.0; LANES]; BLOCK];
         for (kept, solution) in kept.iter_mut().zip(self.solutions(symbolic)) {
             kept.copy_from_slice(&solution[end..end + LANES]);
         }
-        self.forward(symbolic, factors, side, front..front + 1);
+        self.forward(symbolic, factors, side, fronts);
         for (kept, solution) in kept.iter().zip(self.solutions(symbolic)) {
             solution[end..end + LANES].copy_from_slice(kept);
         }
@@ -379,6 +382,9 @@ impl SmallFronts<'_> {
             }
             for number in fronts.clone() {
                 let small = factors.small(symbolic, number, is_transposed);
+                if number + AHEAD < symbolic.fronts.len() {
+                    factors.small(symbolic, number + AHEAD, is_transposed).prefetch_lower();
+                }
                 // SAFETY: `stride` numbers from each pointer on, all places and some more.
                 unsafe {
                     if let (Some(rows), false) = (factors.exchanged(symbolic, number), is_transposed) {
@@ -390,6 +396,9 @@ impl SmallFronts<'_> {
         } else {
             for number in fronts.clone().rev() {
                 let small = factors.small(symbolic, number, is_transposed);
+                if number >= AHEAD {
+                    factors.small(symbolic, number - AHEAD, is_transposed).prefetch_upper();
+                }
                 // SAFETY: as above.
                 unsafe {
                     small.backward::<I, W>(solutions);
