@@ -3,13 +3,15 @@
 use super::stretches::{Stretches, below, front_time, is_worth_sharing, pieces, shared_time};
 use super::supernodes::factor_entries;
 use super::symbolic::Symbolic;
-use crate::exchange::{MESSAGE, NUMBER};
+use crate::exchange::MESSAGE;
 use std::ops::Range;
 
 /// How many pieces a cut is moved at a time.
 const MOVES: [isize; 10] = [1, -1, 2, -2, 4, -4, 8, -8, 16, -16];
 /// Times that all cuts are tried.
 const ROUNDS: usize = 20;
+/// What a number takes that a piece hands to one of another rank: to lay it down, to send it, and to add it \[ns\].
+const HANDED: f64 = 4.8;
 /// Solutions for each factorization, and the time of one for each entry of the factors; that of the matrix for each unknown \[ns\].
 const SOLUTIONS: f64 = 5.0;
 const OF_ENTRY: f64 = 0.46;
@@ -17,8 +19,9 @@ const OF_UNKNOWN: f64 = 560.0;
 /// What it counts that some ranks have more to do for themselves than others, for which nobody waits yet: else a search would not see on which side of a
 /// cut there is room.
 const UNEVEN: f64 = 0.1;
-/// How many times as many unknowns elements have beside those of a front between two stretches, which two ranks evaluate.
-const AGAIN: usize = 4;
+/// How many unknowns elements have, which two ranks evaluate, for each row by which a piece of one contributes to a piece of the other: those
+/// between the rows of two sides.
+const AGAIN: usize = 2;
 
 /// A piece of the tree of fronts.
 struct Piece {
@@ -70,17 +73,19 @@ impl<'s> Pieces<'s> {
             (0..self.all.len()).map(|piece| starts.partition_point(|&start| start <= piece) - 1).collect();
         let mut unknowns = vec![0; starts.len()];
         for (piece, &owner) in self.all.iter().zip(&owners) {
-            let again = if owners[piece.first] < owner { AGAIN } else { 1 };
-            unknowns[owner] += again * piece.unknowns;
+            let others = piece.below.iter().filter(|&&child| owners[child] != owner).map(|&child| self.all[child].others);
+            unknowns[owner] += piece.unknowns + AGAIN * others.sum::<usize>();
         }
         let matrix = OF_UNKNOWN * unknowns.into_iter().max().unwrap_or(0) as f64;
+        let handing = |numbers: usize| MESSAGE + HANDED * numbers as f64;
         let factorization = |piece: &Piece, ranks: usize| match ranks > 1 && piece.is_worth_sharing {
             true => (shared_time(&self.symbolic.fronts[piece.fronts.end - 1], ranks, 1.0), true),
             false => (piece.time, false),
         };
-        let factorization = self.path(&owners, starts.len(), factorization, |child| child.others.pow(2));
+        let factorization = self.path(&owners, starts.len(), factorization, |child| handing(child.others.pow(2)));
         // each front by its owner alone
-        let solutions = self.path(&owners, starts.len(), |piece, _| (piece.solutions, false), |child| child.others);
+        let solutions =
+            self.path(&owners, starts.len(), |piece, _| (piece.solutions, false), |child| SOLUTIONS * handing(child.others));
         let own = self.own_times(&owners, starts.len(), |piece| piece.time);
         let mean = own.iter().sum::<f64>() / own.len() as f64;
         let uneven = own.iter().map(|time| (time - mean).abs()).sum::<f64>() / own.len() as f64;
@@ -121,13 +126,13 @@ impl<'s> Pieces<'s> {
     }
 
     /// The time after which all pieces are done. Those that have some of others below them take a time that depends on the number of these ranks,
-    /// which may share it; each takes so many numbers from others.
+    /// which may share it, as they do what another rank hands to it.
     fn path(
         &self,
         owners: &[usize],
         ranks: usize,
         time: impl Fn(&Piece, usize) -> (f64, bool),
-        numbers: impl Fn(&Piece) -> usize,
+        handing: impl Fn(&Piece) -> f64,
     ) -> f64 {
         let is_parted = |&number: &usize| owners[self.all[number].first] < owners[number];
         let (mut clocks, mut ends) = (vec![0.0_f64; ranks], vec![0.0; self.all.len()]);
@@ -141,11 +146,10 @@ impl<'s> Pieces<'s> {
             let (time, is_shared) = time(piece, owner + 1 - owners[piece.first]);
             let team = if is_shared { owners[piece.first]..owner + 1 } else { owner..owner + 1 };
             let share = 1.0 / team.len() as f64;
-            let arrival = |&child: &usize| match owners[child] == owner && team.len() == 1 {
-                true => ends[child],
-                false => ends[child] + MESSAGE + NUMBER * share * numbers(&self.all[child]) as f64,
-            };
-            let start = piece.below.iter().map(arrival).chain(clocks[team.clone()].iter().copied()).fold(0.0, f64::max);
+            let handed = piece.below.iter().filter(|&&child| owners[child] != owner || team.len() > 1);
+            let handed: f64 = handed.map(|&child| share * handing(&self.all[child])).sum();
+            let before = piece.below.iter().map(|&child| ends[child]).chain(clocks[team.clone()].iter().copied());
+            let start = before.fold(0.0, f64::max) + handed;
             ends[number] = start + time;
             clocks[team].fill(ends[number]);
         }
