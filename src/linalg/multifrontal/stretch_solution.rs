@@ -12,6 +12,7 @@ use super::stretches::{Stretches, below, pieces};
 use super::substitution::{Side, Substitution};
 use super::symbolic::Symbolic;
 use crate::exchange::Exchange;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -140,11 +141,14 @@ impl StretchSolution {
     }
 
     /// Places of residuals that a piece leaves to the front above its last one: rows that it reduced, and those of pivots that wait.
-    fn taken_places(&self, symbolic: &Symbolic, root: usize, side: Side) -> Vec<u32> {
+    fn taken_places<'s>(&self, symbolic: &'s Symbolic, root: usize, side: Side) -> Cow<'s, [u32]> {
         let others = &symbolic.rows[symbolic.fronts[root].rows.clone()];
         let delayed = self.delayed.iter().filter(|delayed| delayed.front == root);
-        let delayed = delayed.flat_map(|delayed| &delayed.places[usize::from(side == Side::Transposed)]);
-        others.iter().chain(delayed).copied().collect()
+        let mut delayed = delayed.flat_map(|delayed| &delayed.places[usize::from(side == Side::Transposed)]).peekable();
+        match delayed.peek() {
+            None => Cow::Borrowed(others),
+            Some(_) => others.iter().chain(delayed).copied().collect(),
+        }
     }
 
     /// The way back, behind the stretches after this one.
