@@ -239,11 +239,6 @@ impl<S: Scalar> VectorsAvq<S> {
         VectorsAvq { a: zero(), v: zero(), q: zero() }
     }
 
-    /// Room for so many coordinates.
-    pub(crate) fn make_room(&mut self, dofs: usize) {
-        [&mut self.a, &mut self.v, &mut self.q].into_iter().for_each(|list| list.resize(dofs, S::zero()));
-    }
-
     /// Writes base + shift x (+ alpha y) to `self`.
     pub fn set_shifted(&mut self, base: &Self, shift: StageCoefficients, unknowns: &Unknowns<S>) {
         let lists =

@@ -132,7 +132,7 @@ impl<S: RunScalar> Residual<S> {
         let lists = [(&mut self.f, dofs), (&mut self.base, dofs), (&mut self.g, rows)];
         let seconds = [(&mut self.y, second(dofs)), (&mut self.g_second, second(rows))];
         lists.into_iter().chain(seconds).for_each(|(list, length)| list.resize(length, S::zero()));
-        self.at = VectorsAvq::zeros(dofs);
+        (self.at, self.constraint_at) = (VectorsAvq::zeros(dofs), VectorsAvq::zeros(dofs));
     }
 
     /// Zero unknowns for a system.
@@ -207,7 +207,6 @@ impl<S: RunScalar> Residual<S> {
         }
         self.has_one_point = equations.has_one_point();
         if !self.has_one_point {
-            self.constraint_at.make_room(system.model.dofs);
             self.constraint_at.set_shifted(constraint_base, equations.constraint, unknowns);
         }
         self.constraint_base = moved;
