@@ -3,7 +3,6 @@
 
 use super::elimination_tree::{EliminationTree, NONE, postorder};
 use super::graph::Graph;
-use super::small_front::SMALL_FRONT;
 
 /// Vertices that are eliminated together, in one dense front.
 #[derive(Clone, Default)]
@@ -30,12 +29,12 @@ pub fn factor_entries(pivots: usize, size: usize) -> usize {
     pivots * (2 * size - pivots)
 }
 
-/// Time of a front [ns], as measured on one core of 2023: small and large ones for calls and indices, assembly of the entries, arithmetic.
+/// Time of a front [ns], as measured on one core of 2023: calls and indices, assembly of the entries, arithmetic.
 fn front_time(pivots: usize, size: usize) -> f64 {
-    const FRONT: [f64; 2] = [110.0, 200.0];
+    const FRONT: f64 = 200.0;
     const ENTRY: f64 = 0.6;
     const FLOP: f64 = 0.06;
-    FRONT[usize::from(size > SMALL_FRONT)] + ENTRY * (size * size) as f64 + FLOP * elimination_flops(pivots, size)
+    FRONT + ENTRY * (size * size) as f64 + FLOP * elimination_flops(pivots, size)
 }
 
 /// Supernodes in the order of elimination: vertices of equal structure, then with their parents where one front takes less time than two.
