@@ -88,6 +88,9 @@ impl Point {
             copy(&mut own.v, &given.v);
             copy(&mut own.q, &given.q);
         }
+        // room for systems with two, which may come later
+        let VectorsAvq { a, v, q } = &mut self.constraint_at;
+        [a, v, q].into_iter().for_each(|list| list.resize(residual.at.q.len(), 0.0));
         copy(&mut self.unknowns.mu, &unknowns.mu);
         copy(&mut self.unknowns.eta, &unknowns.eta);
         copy(&mut self.unknowns.local_mu, &unknowns.local_mu);
