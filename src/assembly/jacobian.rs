@@ -57,6 +57,7 @@ pub(super) struct Point {
     pub at: VectorsAvq<f64>,
     /// Where constraints are evaluated, if that is another point.
     constraint_at: VectorsAvq<f64>,
+    has_one_point: bool,
     /// Where reactions act, if that is another one.
     reaction_at: VectorsAvq<f64>,
     pub unknowns: Unknowns<f64>,
@@ -64,13 +65,13 @@ pub(super) struct Point {
 
 impl Point {
     /// Where constraints are evaluated.
-    pub fn constraint(&self, equations: &Equations) -> &VectorsAvq<f64> {
-        if equations.has_one_point() { &self.at } else { &self.constraint_at }
+    pub fn constraint(&self) -> &VectorsAvq<f64> {
+        if self.has_one_point { &self.at } else { &self.constraint_at }
     }
 
     /// Where reactions act.
     pub fn reaction(&self, equations: &Equations) -> &VectorsAvq<f64> {
-        if equations.parts_reactions() { &self.reaction_at } else { self.constraint(equations) }
+        if equations.parts_reactions() { &self.reaction_at } else { self.constraint() }
     }
 
     fn set<S: RunScalar>(&mut self, equations: &Equations, residual: &Residual<S>, unknowns: &Unknowns<S>) {
@@ -78,9 +79,11 @@ impl Point {
             target.clear();
             target.extend(values.iter().map(|value| value.value()));
         };
+        // the residual knows where it was evaluated
+        self.has_one_point = residual.has_one_point;
         let points = [
             Some((&mut self.at, &residual.at)),
-            (!equations.has_one_point()).then_some((&mut self.constraint_at, residual.constraint_at())),
+            (!self.has_one_point).then_some((&mut self.constraint_at, residual.constraint_at())),
             equations.parts_reactions().then_some((&mut self.reaction_at, &residual.reaction_at)),
         ];
         for (own, given) in points.into_iter().flatten() {
@@ -206,7 +209,7 @@ impl Jacobian {
         self.bases.set(system, equations, &point);
         if self.own.is_some() {
             let Unknowns { mu, eta, .. } = &point.unknowns;
-            let of_constraints: &[f64] = if equations.has_one_point() { &[] } else { &point.constraint_at.q };
+            let of_constraints: &[f64] = if point.has_one_point { &[] } else { &point.constraint_at.q };
             let lists = [&point.at.a[..], &point.at.v, &point.at.q, of_constraints, mu, eta, p, &[t]];
             self.mark = digest(&lists.map(digest));
         }
@@ -476,7 +479,7 @@ impl PartsAt<'_> {
         let PartsAt { system, equations, point, p, .. } = *self;
         let t = equations.time_at(place, self.t);
         let (shift, mut moves) = numbers_of(equations.constraint);
-        let mut at = point.constraint(equations);
+        let mut at = point.constraint();
         if place == TermPoint::Reactions {
             // a reaction at the start of a step does not move
             (moves, at) = ([false; 3], &point.reaction_at);

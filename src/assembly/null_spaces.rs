@@ -31,7 +31,7 @@ impl NullSpaces {
 
     /// The bases at a point.
     pub fn set(&mut self, system: &System, equations: &Equations, point: &Point) {
-        let (at, reaction_at) = (point.constraint(equations), point.reaction(equations));
+        let (at, reaction_at) = (point.constraint(), point.reaction(equations));
         let numbers = &mut self.numbers;
         for side in [LEFT, RIGHT] {
             numbers[side].resize(system.node_runs.last().map_or(0, |run| run.all_numbers(side).end), 0.0);

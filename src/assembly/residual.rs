@@ -46,7 +46,7 @@ pub struct Residual<S> {
     pub reaction_at: VectorsAvq<S>,
     /// Point at which constraints and reactions are evaluated, unless that is the one of R.
     constraint_at: VectorsAvq<S>,
-    has_one_point: bool,
+    pub(super) has_one_point: bool,
     /// What is subtracted: R at the base point, for a metric, or what the step before left.
     base: Vec<S>,
     /// The base, moved to where constraints hold in a step of a variational integrator.

@@ -44,6 +44,22 @@ fn split<'b>(bytes: &mut &'b [u8], count: usize) -> Option<&'b [u8]> {
     Some(front)
 }
 
+/// Bytes as numbers with the same bits, as ranks send them; zeros fill the last one.
+pub(super) fn numbers_of(bytes: &[u8]) -> Vec<f64> {
+    let word = |own: &[u8]| {
+        let mut word = [0; 8];
+        word[..own.len()].copy_from_slice(own);
+        f64::from_le_bytes(word)
+    };
+    bytes.chunks(8).map(word).collect()
+}
+
+/// Sets a list to the bytes of numbers.
+pub(super) fn set_bytes(list: &mut Vec<u8>, numbers: &[f64]) {
+    list.clear();
+    list.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+}
+
 impl Put for u64 {
     fn put(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());

@@ -1,6 +1,6 @@
 //! A file that the first of several ranks writes and reads for all.
 
-use super::flat::{Flat, Put};
+use super::flat::{Flat, Put, numbers_of, set_bytes};
 use super::packed::unpack;
 use super::{FileHistory, History, Rerun, Usage};
 use crate::exchange::Exchange;
@@ -45,16 +45,14 @@ impl Handed {
 fn tell<T: Put>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
     list.clear();
     record.iter().for_each(|record| record.put(list));
-    let (words, rest) = list.as_chunks();
-    assert!(rest.is_empty(), "records are made of words");
-    let message: Vec<f64> = words.iter().map(|&word| f64::from_le_bytes(word)).collect();
+    assert!(list.len().is_multiple_of(8), "records are made of numbers");
+    let message = numbers_of(list);
     (1..world.ranks()).for_each(|rank| world.send(rank, message.clone()));
 }
 
 /// What the first rank tells; nothing if there is none.
 fn hear<'b>(world: &dyn Exchange, list: &'b mut Vec<u8>) -> Option<&'b [u8]> {
-    list.clear();
-    list.extend(world.receive(0).iter().flat_map(|word| word.to_le_bytes()));
+    set_bytes(list, &world.receive(0));
     (!list.is_empty()).then_some(list)
 }
 

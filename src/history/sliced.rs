@@ -1,5 +1,6 @@
 //! Bytes of which each of several ranks keeps a slice.
 
+use super::flat::{numbers_of, set_bytes};
 use crate::exchange::{Exchange, world};
 use std::fmt;
 
@@ -52,16 +53,10 @@ impl Sliced {
         if self.own.len() == self.length {
             return &self.own;
         }
-        let (words, rest) = self.own.as_chunks();
-        let mut last = [0; WORD];
-        last[..rest.len()].copy_from_slice(rest);
-        let words = words.iter().chain((!rest.is_empty()).then_some(&last));
-        let own: Vec<f64> = words.map(|&word| f64::from_le_bytes(word)).collect();
         let ranks = self.world.ranks();
         let first = |rank: usize| first_of(rank, self.length, ranks).div_ceil(WORD);
         let counts: Vec<usize> = (0..ranks).map(|rank| first(rank + 1) - first(rank)).collect();
-        list.clear();
-        list.extend(self.world.gather(&own, &counts).iter().flat_map(|number| number.to_le_bytes()));
+        set_bytes(list, &self.world.gather(&numbers_of(&self.own), &counts));
         list.truncate(self.length);
         list
     }
