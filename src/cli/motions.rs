@@ -4,6 +4,7 @@ use super::snapshot::{Snapshot, thinned};
 use crate::integrators::Mode;
 use crate::io::{ColouredSurface, Facet, Frame, IoError, MotionPicture, Polyline, Role, Trail, View};
 use crate::scenes::{Drawn, NodePoint, Prepared};
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -140,26 +141,27 @@ fn lapse(
         true => prepared.mechanism.solids().parts,
         false => Vec::new(),
     };
-    let role = |drawn: Drawn, points: &[NodePoint]| {
-        let part = || parts.iter().position(|part| part == prepared.mechanism.node_of(&points[0]));
-        match drawn {
-            Drawn::Link if bodies => Role::Link,
-            _ if parts.len() > 1 && is_of_body(drawn, points) => part().map_or(Role::Plain, Role::Body),
-            _ => Role::Plain,
+    let numbers: HashMap<&str, usize> = parts.iter().enumerate().map(|(number, part)| (&part[..], number)).collect();
+    let role = |(drawn, points): &(Drawn, Vec<NodePoint>)| match drawn {
+        Drawn::Link if bodies => Role::Link,
+        _ if parts.len() > 1 && is_of_body(*drawn, points) => {
+            numbers.get(prepared.mechanism.node_of(&points[0])).map_or(Role::Plain, |&number| Role::Body(number))
         }
+        _ => Role::Plain,
     };
-    let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
+    let lines: Vec<_> = sketch.lines.iter().map(|line| (line, role(line))).collect();
+    let line = |((drawn, points), role): &(&(Drawn, Vec<NodePoint>), Role), moment: &Snapshot| Polyline {
         points: points.iter().map(|point| point.at(&moment.q)).collect(),
-        role: role(*drawn, points),
+        role: *role,
         // where surfaces are drawn in every pose, lines of shells are edges of these
         is_edge: *drawn == Drawn::Solid || (*drawn == Drawn::Shell && shown == Links::Always),
     };
     let frame = |(index, moment): (usize, &Snapshot)| {
         let is_last = index + 1 == moments.len();
         let has_links = !bodies || is_last || shown == Links::Always;
-        let links = sketch.lines.iter().filter(|(drawn, _)| *drawn == Drawn::Link && has_links);
+        let links = lines.iter().filter(|((drawn, _), _)| *drawn == Drawn::Link && has_links);
         let covered = is_last && surface.is_some();
-        let others = sketch.lines.iter().filter(|(drawn, _)| match drawn {
+        let others = lines.iter().filter(|((drawn, _), _)| match drawn {
             Drawn::Body | Drawn::Solid => true,
             Drawn::Shell => !covered,
             Drawn::Link => false,

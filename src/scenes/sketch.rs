@@ -1,5 +1,5 @@
 use super::builder::{MechanismBuilder, OutlinedLine};
-use crate::assembly::{Node, NodeId};
+use crate::assembly::NodeId;
 use crate::elements::{NodeKind, Parameter};
 use crate::functionals::Measured;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
@@ -134,8 +134,10 @@ impl MechanismBuilder<f64> {
 
     /// The name of the node with which a point moves.
     pub(crate) fn node_of(&self, point: &NodePoint) -> &str {
-        let is_own = |node: &&Node| !node.dofs.is_empty() && node.dofs.start == point.dofs.start;
-        self.model.nodes.iter().find(is_own).map_or("", |node| &node.name)
+        // coordinates of nodes follow each other
+        let first = self.model.nodes.partition_point(|node| node.dofs.end <= point.dofs.start);
+        let own = self.model.nodes.get(first).filter(|node| node.dofs.start == point.dofs.start);
+        own.map_or("", |node| &node.name)
     }
 
     /// What a point is called: its node, or a point on that.
