@@ -30,13 +30,13 @@ pub struct Switches {
     course: Arc<Program>,
 }
 
-/// How results change where a switch changes sides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How results change where a switch changes sides, the mildest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SwitchKind {
-    /// A result jumps.
-    Jump,
     /// The slope of a result jumps.
     Kink,
+    /// A result jumps.
+    Jump,
 }
 
 /// Change of an angle that is none of a motion whose steps resolve it \[rad\].
@@ -196,32 +196,33 @@ impl Switches {
         let (mut before, mut after) = (Vec::new(), Vec::new());
         self.evaluate(from, &mut before, &mut work);
         self.evaluate(to, &mut after, &mut work);
-        let kinds = self.changing(&before, &after).filter_map(|(side, first)| {
+        let mut worst = None;
+        for (side, first) in self.changing(&before, &after) {
             let own = first..first + side.count();
-            let (low, high) = self.place((from, to), (side, first), &before[own.clone()])?;
-            if let Side::Direction(_) = side {
+            let Some((low, high)) = self.place((from, to), (side, first), &before[own.clone()]) else { continue };
+            let (change, at_low) = if let Side::Direction(_) = side {
                 let middle = 0.5 * (low + high);
                 let reversed = |near: &f64| {
                     let [a, b] = [middle - near, middle + near].map(|share| self.numbers_at((from, to), share));
                     side.changes(&a[own.clone()], &b[own.clone()])
                 };
-                let near = NEAR.into_iter().find(reversed)?;
-                let [short, long] = [1.0, 2.0].map(|times| self.change_of_results((from, to), middle, times * near));
+                let Some(near) = NEAR.into_iter().find(reversed) else { continue };
+                let [mut short, long] =
+                    [1.0, 2.0].map(|times| self.change_between((from, to), middle - times * near, middle + times * near));
                 // what is smooth changes twice as much over twice the way
-                return match short {
-                    [value, ..] if value[0] > JUMP * value[1] && value[0] > 0.75 * long[0][0] => Some(SwitchKind::Jump),
-                    [_, slope] if slope[0] > KINK * slope[1] && slope[0] > 0.75 * long[1][0] => Some(SwitchKind::Kink),
-                    _ => None,
-                };
+                for (short, long) in [(&mut short.value, long.value), (&mut short.slope, long.slope)] {
+                    *short = if *short > 0.75 * long { *short } else { 0.0 };
+                }
+                (short, middle - near)
+            } else {
+                (self.change_between((from, to), low, high), low)
+            };
+            worst = worst.max(change.kind(worst, || self.terms(&at((from, to), at_low))));
+            if worst == Some(SwitchKind::Jump) {
+                break;
             }
-            let [value, slope] = self.change_between((from, to), low, high);
-            match () {
-                () if value[0] > JUMP * value[1] => Some(SwitchKind::Jump),
-                () if slope[0] > KINK * slope[1] => Some(SwitchKind::Kink),
-                () => None,
-            }
-        });
-        kinds.min_by_key(|kind| *kind != SwitchKind::Jump)
+        }
+        worst
     }
 
     fn numbers_at(&self, way: (&[f64], &[f64]), share: f64) -> Vec<f64> {
@@ -261,12 +262,8 @@ impl Switches {
         terms
     }
 
-    fn change_of_results(&self, way: (&[f64], &[f64]), middle: f64, near: f64) -> [[f64; 2]; 2] {
-        self.change_between(way, middle - near, middle + near)
-    }
-
     /// Change and size of the results and of their slopes between two shares of the way.
-    fn change_between(&self, way: (&[f64], &[f64]), low: f64, high: f64) -> [[f64; 2]; 2] {
+    fn change_between(&self, way: (&[f64], &[f64]), low: f64, high: f64) -> Change {
         let direction = || way.0.iter().zip(way.1).map(|(from, to)| to - from);
         let [below, above] = [low, high].map(|share| {
             let inputs: Vec<f64> = at(way, share).into_iter().chain(direction()).collect();
@@ -277,10 +274,36 @@ impl Switches {
         let count = below.len() / 2;
         let change = |own: std::ops::Range<usize>| largest(own.map(|k| above[k] - below[k]));
         let size = |own: std::ops::Range<usize>| largest(own.flat_map(|k| [above[k], below[k]]));
-        let slopes = size(count..2 * count);
-        let values = size(0..count) + slopes + ROUND_OFF * self.terms(&at(way, low));
-        // slopes that are nothing beside their values are round-off
-        [[change(0..count), values], [change(count..2 * count), slopes + KINK * values]]
+        let (values, slopes) = (0..count, count..2 * count);
+        Change {
+            value: change(values.clone()),
+            slope: change(slopes.clone()),
+            value_size: size(values),
+            slope_size: size(slopes),
+        }
+    }
+}
+
+/// Changes of results and of their slopes between two places, and sizes there.
+struct Change {
+    value: f64,
+    slope: f64,
+    value_size: f64,
+    slope_size: f64,
+}
+
+impl Change {
+    /// What it is, beside the terms of the results; next to a kink that is known only a jump is asked for. Where even without terms it is
+    /// nothing, these are not asked for: they take a run for each argument.
+    fn kind(&self, known: Option<SwitchKind>, terms: impl FnOnce() -> f64) -> Option<SwitchKind> {
+        let kind = |values: f64| match () {
+            () if self.value > JUMP * values => Some(SwitchKind::Jump),
+            // slopes that are nothing beside their values are round-off
+            () if self.slope > KINK * (self.slope_size + KINK * values) => Some(SwitchKind::Kink),
+            () => None,
+        };
+        let values = self.value_size + self.slope_size;
+        if kind(values) <= known { None } else { kind(values + ROUND_OFF * terms()) }
     }
 }
 

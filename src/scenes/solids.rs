@@ -6,7 +6,7 @@ use super::surfaces::Surface;
 use crate::assembly::NodeId;
 use crate::elements::NodeKind;
 use crate::elements::flexible::Outline;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 type Vector = [f64; 3];
 
@@ -24,6 +24,14 @@ fn cross(a: Vector, b: Vector) -> Vector {
 fn unit(a: Vector) -> Vector {
     let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
     a.map(|x| x / length)
+}
+
+/// Each number once, in increasing order.
+fn sorted(numbers: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut numbers: Vec<usize> = numbers.collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
 }
 
 /// Where a vertex stands.
@@ -61,6 +69,10 @@ pub struct Rod {
 pub struct Solids<'m> {
     mechanism: &'m MechanismBuilder<f64>,
     surfaces: Vec<Surface>,
+    /// Elements by the nodes that they act on, by first coordinates in their order.
+    elements_on: HashMap<Vec<usize>, Vec<usize>>,
+    /// Places among [`Solids::parts`].
+    part_numbers: HashMap<&'m str, usize>,
     vertices: Vec<Place>,
     /// Elements that a vertex belongs to, by their places in the model.
     elements: Vec<Vec<usize>>,
@@ -91,6 +103,8 @@ impl MechanismBuilder<f64> {
         let mut solids = Solids {
             mechanism: self,
             surfaces: self.surfaces(),
+            elements_on: self.elements_on_nodes(),
+            part_numbers: HashMap::new(),
             vertices: Vec::new(),
             elements: Vec::new(),
             stress_of: Vec::new(),
@@ -111,6 +125,15 @@ impl MechanismBuilder<f64> {
         solids.add_bodies();
         solids.add_rods();
         solids
+    }
+
+    fn elements_on_nodes(&self) -> HashMap<Vec<usize>, Vec<usize>> {
+        let mut elements: HashMap<Vec<usize>, Vec<usize>> = HashMap::new();
+        for (number, element) in self.model.elements.iter().enumerate() {
+            let nodes = sorted(element.nodes.iter().map(|node| self.model.nodes[node.0].dofs.start));
+            elements.entry(nodes).or_default().push(number);
+        }
+        elements
     }
 
     fn start_of(&self, node: NodeId) -> Option<NodePoint> {
@@ -182,11 +205,10 @@ impl Solids<'_> {
         for (i, ring) in rings.iter().enumerate() {
             let Some(node) = mechanism.start_of(ring.node) else { return };
             let mut places = Vec::new();
-            for (element, first) in (0..elements.len()).map(|element| (element, element * per_element)) {
-                if (first..=first + per_element).contains(&i) {
-                    let place = field.places()[i - first];
-                    places.push(StressPlace::Line { line: index, element, place, outline: ring.outline });
-                }
+            // the element before a node between two of them, and the one behind
+            for element in i.saturating_sub(1) / per_element..=(i / per_element).min(elements.len() - 1) {
+                let place = field.places()[i - element * per_element];
+                places.push(StressPlace::Line { line: index, element, place, outline: ring.outline });
             }
             let own = vec![elements[(i / per_element).min(elements.len() - 1)].0];
             let stress = ring.outline.young.map(|_| {
@@ -295,7 +317,7 @@ impl Solids<'_> {
     fn add_rods(&mut self) {
         let mechanism = self.mechanism;
         let sketch = mechanism.sketch();
-        let lines: Vec<Vec<(usize, [u64; 3])>> = mechanism
+        let lines: HashSet<Vec<(usize, [u64; 3])>> = mechanism
             .outlined
             .iter()
             .map(|line| line.rings.iter().filter_map(|ring| Some(mechanism.start_of(ring.node)?.identity())).collect())
@@ -328,7 +350,7 @@ impl Solids<'_> {
     /// The place of a point's node among the parts, to which it is added.
     fn part(&mut self, point: &NodePoint) -> usize {
         let name = self.mechanism.node_of(point);
-        self.parts.iter().position(|known| known == name).unwrap_or_else(|| {
+        *self.part_numbers.entry(name).or_insert_with(|| {
             self.parts.push(name.into());
             self.parts.len() - 1
         })
@@ -336,17 +358,9 @@ impl Solids<'_> {
 
     /// Elements that act on just the nodes of a line: masses of a body, springs and dampers of a link.
     fn elements_between(&self, points: &[NodePoint], drawn: Drawn) -> Vec<usize> {
-        let mut nodes: Vec<usize> = points.iter().map(|point| point.identity().0).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let model = &self.mechanism.model;
-        let is_own = |own: &[NodeId]| {
-            let mut own: Vec<usize> = own.iter().map(|node| model.nodes[node.0].dofs.start).collect();
-            own.sort_unstable();
-            own.dedup();
-            own == nodes && (drawn != Drawn::Link || own.len() == 2)
-        };
-        (0..model.elements.len()).filter(|&element| is_own(&model.elements[element].nodes)).collect()
+        let nodes = sorted(points.iter().map(|point| point.identity().0));
+        let own = self.elements_on.get(&nodes).filter(|_| drawn != Drawn::Link || nodes.len() == 2);
+        own.cloned().unwrap_or_default()
     }
 
     /// A place among the nodes of a shell, its director, and how far its lower and upper side are along it.
