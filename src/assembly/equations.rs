@@ -118,7 +118,8 @@ impl Equations {
         self.metric && self.is_of_accelerations()
     }
 
-    fn is_of_accelerations(&self) -> bool {
+    /// Whether the unknowns move accelerations alone.
+    pub(crate) fn is_of_accelerations(&self) -> bool {
         self.residual.beta == 0.0 && self.residual.alpha == 0.0
     }
 

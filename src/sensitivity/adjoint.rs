@@ -111,7 +111,7 @@ impl<'m> Sweep<'m> {
                 carried: self.method.table.carried.iter().map(|_| zeros()).collect(),
                 rate: vec![0.0; rates],
                 mu: vec![0.0; multipliers],
-                p: vec![0.0; model.parameters],
+                ..Backward::of_parameters(model.parameters)
             })
             .collect();
         let mut solvers = StepSolvers::new(&self.systems, self.method, self.active)?;

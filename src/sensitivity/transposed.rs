@@ -29,6 +29,7 @@ impl SolutionBar {
 }
 
 /// What goes backwards from step to step, for one functional.
+#[derive(Default)]
 pub(super) struct Backward {
     pub carried: Vec<Vec<f64>>,
     /// Of the rate correction carried into an explicit first stage.
@@ -36,10 +37,14 @@ pub(super) struct Backward {
     /// Of the acceleration and multipliers carried into an explicit first stage.
     pub mu: Vec<f64>,
     pub p: Vec<f64>,
+    /// Whether its adjoint variables of motions are corrected: see [`TransposedSolver::refine`].
+    pub refining: Trial,
 }
 
 /// A correction of this share leaves nothing but round-off.
 const ROUND_OFF: f64 = 1e-14;
+/// Share of a correction from which on the systems of a motion that follow are corrected, too.
+const OF_USE: f64 = 1e-13;
 
 /// Adjoint variables smaller than this, in any unit, change no digit of a gradient. A damped motion forgets: going back, they fall below the
 /// normal numbers, with which a processor calculates a hundred times slower.
@@ -48,7 +53,7 @@ const NEGLIGIBLE: f64 = 1e-250;
 impl Backward {
     /// Of parameters alone.
     pub fn of_parameters(parameters: usize) -> Self {
-        Backward { carried: Vec::new(), rate: Vec::new(), mu: Vec::new(), p: vec![0.0; parameters] }
+        Backward { p: vec![0.0; parameters], ..Backward::default() }
     }
 
     /// Sets what is negligible to zero.
@@ -60,10 +65,10 @@ impl Backward {
     }
 }
 
-/// Whether the factors of an earlier matrix are tried for the systems of one kind: the more often they were of no use, the more systems behind
-/// one like them go by before they are tried again.
+/// Whether what is of use for some systems of one kind is tried: the more often it was of no use, the more of them go by before it is tried
+/// again.
 #[derive(Clone, Copy, Default)]
-struct Trial {
+pub(super) struct Trial {
     /// Systems to go by.
     left: usize,
     /// How many went by last.
@@ -74,14 +79,14 @@ struct Trial {
 const LONGEST_WAIT: usize = 64;
 
 impl Trial {
-    /// Whether they are tried now.
+    /// Whether it is tried now.
     fn is_due(&mut self) -> bool {
         let due = self.left == 0;
         self.left = self.left.saturating_sub(1);
         due
     }
 
-    /// Takes note of whether they were of use.
+    /// Takes note of whether it was of use.
     fn learn(&mut self, was_of_use: bool) {
         self.waited = if was_of_use { 0 } else { (2 * self.waited + 1).min(LONGEST_WAIT) };
         self.left = self.waited;
@@ -103,7 +108,7 @@ pub(super) struct TransposedSolver<'m> {
     factored: Option<Factored>,
     /// The equations of the factored matrix, and whether it is the same for all states and times.
     constant: Option<(Equations, bool)>,
-    /// Of stages, and of projections of coordinates and of velocities.
+    /// Of the factors of an earlier matrix: for stages, and for projections of coordinates and of velocities.
     trials: [Trial; 3],
     /// See [`TransposedSolver::is_alone`].
     is_alone: bool,
@@ -307,59 +312,70 @@ impl<'m> TransposedSolver<'m> {
             return Ok(&self.bases);
         }
         self.solve_factored(record, p, (&asked, bars), counters)?;
-        if record.equations.is_static() {
-            self.refine(record, p, (&asked, bars), counters)?;
-        }
+        self.refine(record, p, (&asked, bars), back, counters)?;
         self.add_products(record, p, &asked, back);
         self.add_inside_nodes(&record.equations, &asked, bars);
         self.write_bases(&record.equations, &asked);
         Ok(&self.bases)
     }
 
-    /// Corrects the adjoint variables of an equilibrium until they keep their equation as the formulas say it, not only the matrix: its entries
-    /// round, and without inertia soft motions take for forces what that makes of stiff ones.
+    /// Corrects adjoint variables until they keep their equation as the formulas say it, not only the matrix. Its entries round, and what that
+    /// makes of stiff members is a force on soft motions: a share eps omega^2 h^2 of their inertia at the highest frequency omega, in an
+    /// equilibrium of their stiffness. Where it was nothing for a functional in a motion, systems go by before it is looked at again.
     fn refine(
         &mut self,
         record: &SolveRecord<f64>,
         p: &[f64],
         (asked, bars): (&[usize], &[SolutionBar]),
+        back: &mut [Backward],
         counters: &mut Counters,
     ) -> Result<(), RunError> {
-        let dofs = self.system.model.dofs;
+        let (dofs, equations) = (self.system.model.dofs, &record.equations);
+        if !equations.is_static() && (equations.variational.is_some() || equations.metric || equations.is_of_accelerations())
+        {
+            return Ok(());
+        }
         // shares of the last corrections; zero where nothing is left to correct, so that each has the numbers that it has alone
-        let mut left = vec![1.0; asked.len()];
+        let mut due = |k: usize| equations.is_static() || back[k].refining.is_due();
+        let mut left: Vec<f64> = asked.iter().map(|&k| f64::from(u8::from(due(k)))).collect();
         // of parameters nothing is asked here
         let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
-        loop {
+        while left.iter().any(|&left| left > 0.0) {
             self.add_products(record, p, asked, &mut aside);
-            self.add_inside_nodes(&record.equations, asked, bars);
-            let Equations { residual, constraint, .. } = record.equations;
+            self.add_inside_nodes(equations, asked, bars);
             let [elements, _, _, constraints, _] = &self.sweep.at;
             let mut rest: Vec<SolutionBar> = bars.to_vec();
             for (place, &k) in asked.iter().enumerate() {
                 rest[k].mu.fill(0.0);
-                // nothing but coordinates moves
-                let q = (3 * place + 2) * dofs..(3 * place + 3) * dofs;
-                add(&mut rest[k].x, residual.alpha, &elements[q.clone()]);
-                add(&mut rest[k].x, constraint.alpha, &constraints[q]);
+                rest[k].rate.fill(0.0);
+                for (shift, products) in [(equations.residual, elements), (equations.constraint, constraints)] {
+                    let of_functional = products[3 * place * dofs..][..3 * dofs].chunks_exact(dofs.max(1));
+                    for (factor, products) in [shift.gamma, shift.beta, shift.alpha].into_iter().zip(of_functional) {
+                        add(&mut rest[k].x, factor, products);
+                    }
+                }
             }
             let known = self.sweep.adjoints[..asked.len()].to_vec();
             self.solve(asked, &rest).map_err(|singular| self.singular_at(singular, record.t))?;
             counters.solves += asked.len();
+            counters.products += asked.len();
             let size = |own: &Adjoints| own.f.iter().fold(f64::MIN_POSITIVE, |size, f| size.max(f.abs()));
-            for ((own, known), left) in self.sweep.adjoints.iter_mut().zip(known).zip(&mut left) {
+            let corrections = self.sweep.adjoints.iter_mut().zip(known).zip(&mut left).zip(asked);
+            for (((own, known), left), &k) in corrections {
                 let correction = std::mem::replace(own, known);
                 let share = size(&correction) / size(own);
                 let is_better = share < 0.5 * *left;
                 if is_better {
                     own.add(&correction);
                 }
-                *left = if is_better && share > ROUND_OFF { share } else { 0.0 };
-            }
-            if left.iter().all(|&left| left == 0.0) {
-                return Ok(());
+                if *left == 1.0 && !equations.is_static() {
+                    back[k].refining.learn(is_better && share > OF_USE);
+                }
+                // the next one is smaller by as much as this one was than the solution
+                *left = if is_better && share * share > ROUND_OFF { share } else { 0.0 };
             }
         }
+        Ok(())
     }
 
     /// Solves for the adjoint variables with the matrix of a system, which is factored now unless it was before.
