@@ -1149,6 +1149,35 @@ fn many_redundant_equations_are_told_in_few_words_and_what_is_not_determined_is_
     assert_eq!((said["joints"].as_array().unwrap().len(), &said["functionals"][0]), (30, &"load".into()), "{said}");
 }
 
+/// Forces along a chain of 3,000 bars are told to no more than seven digits by all its equations together.
+#[test]
+fn a_joint_that_is_there_twice_in_a_long_chain_bears_half_of_its_load() {
+    let folder = Folder::new("long-chain");
+    let scene = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/chain-common.toml")).unwrap();
+    let scene = scene
+        .replace("to = 100 }", "to = 3000 }")
+        .replace("\"bar 100\"", "\"bar 3000\"")
+        .replace("[settings]", "[settings]\ndrop_redundant = true");
+    let load = "[[functional]]\nname = \"load\"\ntype = \"reaction\"\njoint = \"joint 1501\"\nweights = [1, 0, 0]\nover = \"terminal\"\n";
+    let again =
+        "[[joint]]\nname = \"again\"\ntype = \"spherical\"\nbetween = [\"bar 1500\", \"bar 1501\"]\npoint = [150, 0, 0]\n";
+    let [once, twice] = ["", again].map(|joint| {
+        fs::write(folder.0.join("chain.toml"), format!("{scene}\n{joint}\n{load}")).unwrap();
+        let output = folder.run(&["gradient", "chain.toml", "--end", "1e-3", "--steps", "1", "--json", "--no-report"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        json(&output)
+    });
+    assert_eq!(twice["not_determined"]["joints"], serde_json::json!(["joint 1501", "again"]));
+    let load = |own: &serde_json::Value, of: fn(&serde_json::Value) -> &serde_json::Value| {
+        let load = own["functionals"].as_array().unwrap().iter().find(|own| own["name"] == "load").unwrap();
+        of(load).as_f64().unwrap()
+    };
+    for of in [|load: &serde_json::Value| &load["value"], |load: &serde_json::Value| &load["gradient"]["radius"]] {
+        let (once, twice) = (load(&once, of), load(&twice, of));
+        assert!((twice - 0.5 * once).abs() < 1e-9 * once.abs(), "{once:e} {twice:e}");
+    }
+}
+
 #[test]
 fn files_that_are_no_scenes_are_told_by_what_they_are() {
     let folder = Folder::new("formats");

@@ -13,6 +13,7 @@ use crate::program::{
     ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, continued, gradient_of,
 };
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
+use nalgebra::{DMatrix, DVector};
 use num_dual::Derivative;
 use std::any::Any;
 use std::cell::RefCell;
@@ -624,6 +625,16 @@ pub fn motion_derivatives(graph: &mut Graph, outputs: &[Node], [a, v, q]: [&[Nod
     [outputs.to_vec(), first, second]
 }
 
+/// What is nothing but round-off where a constraint holds; by the root of it, what that makes of a sum of terms.
+const CANCELS: f64 = 1e-12;
+/// Corrections after which no place is found where a constraint holds.
+const PLACING: usize = 50;
+
+/// Numbers without a relation to each other, from 1/2 to 3/2: multiples of the golden section.
+pub(crate) fn unrelated_numbers() -> impl Iterator<Item = f64> {
+    (1..).map(|k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract())
+}
+
 /// A constraint of a model with its recording, made when it is first asked for, and once for all clones.
 #[derive(Clone)]
 pub struct ConstraintPhysics(Arc<ConstraintRecording>);
@@ -637,6 +648,7 @@ struct ConstraintRecording {
     /// Which parameters are lengths.
     lengths: Vec<usize>,
     formula: OnceLock<Recording>,
+    is_balanced: OnceLock<bool>,
 }
 
 impl ConstraintPhysics {
@@ -649,8 +661,9 @@ impl ConstraintPhysics {
     pub fn new(own: Box<dyn AnyConstraint>) -> Self {
         let (dofs, equations, list) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list());
         let lengths = (0..list.len()).filter(|&place| list[place].unit == "m").collect();
-        let (parameters, formula) = (list.len(), OnceLock::new());
-        ConstraintPhysics(Arc::new(ConstraintRecording { own, dofs, equations, parameters, lengths, formula }))
+        let (parameters, formula, is_balanced) = (list.len(), OnceLock::new(), OnceLock::new());
+        let recording = ConstraintRecording { own, dofs, equations, parameters, lengths, formula, is_balanced };
+        ConstraintPhysics(Arc::new(recording))
     }
 
     /// Path of its type.
@@ -800,6 +813,74 @@ impl ConstraintPhysics {
         });
         let zeros = std::iter::repeat_n(S::zero(), n);
         work.run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t]))
+    }
+
+    /// Whether its reactions on all its nodes have no resultant: where it holds, no motion of these together, as of one rigid body, changes what
+    /// it constrains. That is so of a formula or not, and looked at once in some place where it holds with parameters `p`. It counts as not
+    /// so where none is found, and of nodes without a place in space.
+    pub fn is_balanced(&self, p: &[f64]) -> bool {
+        *self
+            .0
+            .is_balanced
+            .get_or_init(|| self.is_in_space() && self.held_place(p).is_some_and(|q| self.is_free_to_move_at(&q, p)))
+    }
+
+    fn is_in_space(&self) -> bool {
+        self.0.own.node_kinds().iter().all(|kind| kind.in_space().is_some())
+    }
+
+    /// Any coordinates at which it holds: corrected by Newton's method from numbers without a relation to each other.
+    fn held_place(&self, p: &[f64]) -> Option<Vec<f64>> {
+        let (kinds, mut q) = (self.0.own.node_kinds(), unrelated_numbers().take(self.0.dofs).collect::<Vec<f64>>());
+        for _ in 0..PLACING {
+            let (mut first, mut rows) = (0, Vec::new());
+            for kind in &kinds {
+                if *kind == NodeKind::Body {
+                    // corrections turn: they do not change the length of Euler parameters
+                    let e = &mut q[first + 3..][..4];
+                    let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
+                    e.iter_mut().for_each(|e| *e /= length);
+                    let mut row = vec![0.0; self.0.dofs];
+                    row[first + 3..][..4].copy_from_slice(e);
+                    rows.extend(row);
+                }
+                first += kind.dofs();
+            }
+            let mut g = self.value(&q, p, 0.0);
+            if g.iter().all(|g| g.abs() < CANCELS) {
+                return Some(q);
+            }
+            g.splice(0..0, vec![0.0; rows.len() / self.0.dofs]);
+            rows.extend(self.rows(&q, p, 0.0));
+            if !rows.iter().chain(&g).all(|x| x.is_finite()) {
+                return None;
+            }
+            let rows = DMatrix::from_row_slice(g.len(), self.0.dofs, &rows);
+            let step = rows.svd(true, true).solve(&DVector::from_vec(g), CANCELS).ok()?;
+            q.iter_mut().zip(&step).for_each(|(q, step)| *q -= step);
+        }
+        None
+    }
+
+    /// Whether all motions of its nodes together keep it, where it holds.
+    fn is_free_to_move_at(&self, q: &[f64], p: &[f64]) -> bool {
+        let rows = self.rows(q, p, 0.0);
+        (0..6).all(|motion| {
+            let along = Vector3::from([0, 1, 2].map(|k| f64::from(u8::from(k == motion % 3))));
+            let (mut v, mut first) = (vec![0.0; q.len()], 0);
+            for kind in self.0.own.node_kinds() {
+                let own = first..first + kind.dofs();
+                first = own.end;
+                match motion {
+                    0..3 => v[own][..3].copy_from_slice(&along.components()),
+                    _ => kind.turn(&q[own.clone()], Vector3::zeros(), along, &mut v[own]),
+                }
+            }
+            rows.chunks_exact(q.len().max(1)).all(|row| {
+                let terms = || row.iter().zip(&v).map(|(row, v)| row * v);
+                terms().sum::<f64>().abs() <= CANCELS.sqrt() * terms().map(f64::abs).sum::<f64>()
+            })
+        })
     }
 
     /// Gradient of (A^T mu) . x' towards q and towards all parameters, where the coordinates x of nodes of these kinds move along such

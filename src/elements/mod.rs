@@ -33,7 +33,8 @@ pub use characteristic::{Characteristic, ForceLaw};
 pub use constraint::Constraint;
 pub use dyn_layer::{AnyConstraint, AnyElement};
 pub(crate) use dyn_layer::{
-    ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here, motion_derivatives,
+    ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here,
+    motion_derivatives, unrelated_numbers,
 };
 pub use element::{Element, State};
 pub(crate) use field::interpolate;

@@ -7,6 +7,7 @@ pub(crate) mod element_sum;
 mod extremes;
 pub(crate) mod functional;
 mod gradient;
+mod kinematic_loops;
 mod law;
 pub(crate) mod load;
 pub(crate) mod measured_group;

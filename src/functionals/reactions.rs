@@ -8,11 +8,13 @@
 //!
 //! mu* - A y = 0,  s - A^T mu* = 0,  y - K^T w = 0,  -K s = -K F,
 //!
-//! a sparse system, and a smooth function of the state that depends on the choice K only by round-off.
+//! a sparse system, and a smooth function of the state that depends on the choice K only by round-off. It is solved for the joints that may
+//! share loads with those of a redundant equation (`kinematic_loops`): the multipliers of others are determined.
 
 use super::aggregate::derivatives;
-use crate::assembly::Model;
-use crate::elements::{FormulaWork, NodeKind, RunScalar};
+use super::kinematic_loops::parts_of_joints;
+use crate::assembly::{Attached, Model};
+use crate::elements::{ConstraintPhysics, FormulaWork, NodeKind, RunScalar, unrelated_numbers};
 use crate::linalg::{Backend, Factorization, SparsePattern};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Tangents};
 use std::cell::RefCell;
@@ -124,13 +126,18 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(model: &Model) -> Self {
+    /// Of the nodes of some joints.
+    fn of(model: &Model, joints: &[usize]) -> Self {
         let (mut count, mut moments) = (0, Vec::new());
+        let mut is_held = vec![false; model.nodes.len()];
+        let nodes = joints.iter().flat_map(|&joint| &model.constraints[joint].nodes);
+        nodes.for_each(|node| is_held[node.0] = !model.nodes[node.0].fixed);
         let first: Vec<Option<usize>> = model
             .nodes
             .iter()
-            .map(|node| {
-                (!node.fixed).then(|| {
+            .zip(is_held)
+            .map(|(node, is_held)| {
+                is_held.then(|| {
                     let first = count;
                     count += node.kind.forces();
                     moments.extend(node.kind.has_axes().then_some(first + 3..first + 6));
@@ -177,26 +184,25 @@ impl Length<f64> {
     }
 }
 
-/// Rows A of all constraint equations towards `columns`; the moment on a body is G(e) f / 2 in its frame, with natural coordinates the
+/// Rows A of the equations of some joints towards `columns`; the moment on a body is G(e) f / 2 in its frame, with natural coordinates the
 /// sum of axis x force on it in the world.
-fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) -> Matrix<S> {
-    let (mut all, mut work) = (vec![Vec::new(); model.equations], FormulaWork::default());
+fn rows<S: RunScalar>(model: &Model, joints: &[usize], columns: &Columns, (p, q, t): (&[S], &[S], S)) -> Matrix<S> {
+    let (mut all, mut work): (Matrix<S>, _) = (Vec::new(), FormulaWork::default());
     let (mut dofs, mut own) = (Vec::new(), Vec::new());
-    for joint in &model.constraints {
+    for joint in joints.iter().map(|&joint| &model.constraints[joint]) {
         dofs.clear();
         dofs.extend(joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()));
         own.clear();
         own.extend(dofs.iter().map(|&dof| q[dof]));
         let all_forces = joint.physics.rows_in(&own, &p[joint.parameters.clone()], t, &mut work);
-        for (force, equation) in all_forces.chunks_exact(own.len()).zip(joint.equations.clone()) {
+        for force in all_forces.chunks_exact(own.len()) {
             let mut local = 0;
-            all[equation].reserve(6 * joint.nodes.len());
+            let mut row: Vec<(usize, S)> = Vec::with_capacity(6 * joint.nodes.len());
             for node in &joint.nodes {
                 let (kind, count) = (model.nodes[node.0].kind, model.nodes[node.0].dofs.len());
                 let (force, place) = (&force[local..local + count], &own[local..local + count]);
                 local += count;
                 let Some(first) = columns.first[node.0] else { continue };
-                let own: &mut Vec<(usize, S)> = &mut all[equation];
                 if kind.has_axes() {
                     let moment = match kind {
                         NodeKind::Body => {
@@ -205,20 +211,20 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) 
                         }
                         _ => NodeKind::Natural.moment(place, force),
                     };
-                    own.extend((first..).zip(force[..3].iter().copied().chain(moment.components())));
+                    row.extend((first..).zip(force[..3].iter().copied().chain(moment.components())));
                 } else {
-                    own.extend((first..).zip(force.iter().copied()));
+                    row.extend((first..).zip(force.iter().copied()));
                 }
             }
-            let own = &mut all[equation];
-            own.sort_by_key(|(column, _)| *column);
-            own.dedup_by(|(column, x), (before, sum)| {
+            row.sort_by_key(|(column, _)| *column);
+            row.dedup_by(|(column, x), (before, sum)| {
                 let is_same = column == before;
                 if is_same {
                     *sum += *x;
                 }
                 is_same
             });
+            all.push(row);
         }
     }
     all
@@ -226,6 +232,10 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) 
 
 /// What stands between multipliers as solved and those of least norm.
 struct Sharing<S> {
+    /// Joints that may share loads with those of a redundant equation.
+    joints: Vec<usize>,
+    /// Their equations, in the numbering of the model. All that follows has those of here.
+    equations: Vec<usize>,
     columns: Columns,
     length: Length<S>,
     /// Which equations have moments as multipliers: their rows act on no translation.
@@ -250,9 +260,11 @@ struct Shares<S> {
 
 impl<S: RunScalar> Sharing<S> {
     fn new(model: &Model, dropped: &[usize], p: &[S], q: &[S], t: S) -> Self {
-        let columns = Columns::of(model);
+        let joints = joints_with_those_of(model, dropped, p);
+        let equations: Vec<usize> = joints.iter().flat_map(|&joint| model.constraints[joint].equations.clone()).collect();
+        let columns = Columns::of(model, &joints);
         let length = Length::of(model, p);
-        let mut rows = rows(model, &columns, p, q, t);
+        let mut rows = rows(model, &joints, &columns, (p, q, t));
         let mut is_moment = vec![false; columns.count];
         columns.moments.iter().cloned().flatten().for_each(|column| is_moment[column] = true);
         let on_points = |row: &Vec<(usize, S)>| row.iter().any(|&(column, x)| x.value() != 0.0 && !is_moment[column]);
@@ -261,8 +273,13 @@ impl<S: RunScalar> Sharing<S> {
         for row in rows.iter_mut().zip(&are_moments).filter(|(_, is_moment)| !**is_moment).map(|(row, _)| row) {
             row.iter_mut().filter(|(column, _)| is_moment[*column]).for_each(|(_, x)| *x /= length.value);
         }
-        let kept = (0..rows.len()).filter(|row| dropped.binary_search(row).is_err()).collect();
-        Sharing { columns, length, are_moments, rows, kept }
+        let kept = (0..rows.len()).filter(|&row| dropped.binary_search(&equations[row]).is_err()).collect();
+        Sharing { joints, equations, columns, length, are_moments, rows, kept }
+    }
+
+    /// Of numbers of all equations those of its own.
+    fn own(&self, all: &[S]) -> Vec<S> {
+        self.equations.iter().map(|&equation| all[equation]).collect()
     }
 
     /// Multipliers times L^power where they are moments.
@@ -338,7 +355,10 @@ impl Sharing<f64> {
 /// The multipliers of least norm with the same forces as `mu`, which are zero for `dropped` equations.
 pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: S) -> Vec<S> {
     let sharing = Sharing::new(model, dropped, p, q, t);
-    sharing.measured(&sharing.least(&sharing.measured(mu, -1)), 1)
+    let own = sharing.measured(&sharing.least(&sharing.measured(&sharing.own(mu), -1)), 1);
+    let mut all = mu.to_vec();
+    sharing.equations.iter().zip(own).for_each(|(&equation, own)| all[equation] = own);
+    all
 }
 
 /// Share of a multiplier without forces below which it is round-off.
@@ -348,11 +368,25 @@ const DETERMINED: f64 = 1e-9;
 /// whose multiplier the forces leave open.
 pub(crate) fn multipliers_without_forces(model: &Model, dropped: &[usize], p: &[f64], q: &[f64], t: f64) -> Vec<f64> {
     let sharing = Sharing::new(model, dropped, p, q, t);
-    // numbers without a relation to each other: multiples of the golden section
-    let any: Vec<f64> = (1..=model.equations).map(|k| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract()).collect();
+    let any: Vec<f64> = unrelated_numbers().take(sharing.rows.len()).collect();
     let least = sharing.least(&any);
     let open = |(any, least): (&f64, &f64)| if (any - least).abs() < DETERMINED { 0.0 } else { any - least };
-    sharing.measured(&any.iter().zip(&least).map(open).collect::<Vec<_>>(), 1)
+    let own = sharing.measured(&any.iter().zip(&least).map(open).collect::<Vec<_>>(), 1);
+    let mut all = vec![0.0; model.equations];
+    sharing.equations.iter().zip(own).for_each(|(&equation, own)| all[equation] = own);
+    all
+}
+
+/// Joints that may share loads with those of some equations.
+fn joints_with_those_of<S: RunScalar>(model: &Model, equations: &[usize], p: &[S]) -> Vec<usize> {
+    let part_of = parts_of_joints(model, &p.iter().map(|p| p.value()).collect::<Vec<f64>>());
+    let has_one = |joint: &Attached<ConstraintPhysics>| {
+        let next = equations.partition_point(|&equation| equation < joint.equations.start);
+        equations.get(next).is_some_and(|equation| joint.equations.contains(equation))
+    };
+    let mut is_open = vec![false; part_of.len()];
+    model.constraints.iter().zip(&part_of).filter(|(joint, _)| has_one(joint)).for_each(|(_, &part)| is_open[part] = true);
+    (0..part_of.len()).filter(|&joint| is_open[part_of[joint]]).collect()
 }
 
 /// Where the adjoints of [`least_multipliers`] go.
@@ -379,11 +413,17 @@ pub(super) fn add_least_multipliers_transposed(
     bars: Bars,
 ) {
     let sharing = Sharing::new(model, dropped, p, q, t);
+    // what others bear is what was solved for them
+    let mut of_others = least_bar.to_vec();
+    sharing.equations.iter().for_each(|&equation| of_others[equation] = 0.0);
+    bars.mu.iter_mut().zip(of_others).for_each(|(bar, other)| *bar += other);
+    let (solved, least_bar) = (&sharing.own(solved)[..], &sharing.own(least_bar)[..]);
     let mu = &sharing.measured(solved, -1)[..];
     let right = [sharing.measured(least_bar, 1), vec![0.0; sharing.kept.len()]];
     let [own, adjoint] = sharing.shares([sharing.of_least(mu), right]);
     let moved: Vec<f64> = sharing.rows.iter().map(|row| -product(row, &adjoint.along)).collect();
-    bars.mu.iter_mut().zip(sharing.measured(&moved, -1)).for_each(|(bar, moved)| *bar += moved);
+    let solved_bars = sharing.equations.iter().zip(sharing.measured(&moved, -1));
+    solved_bars.for_each(|(&equation, moved)| bars.mu[equation] += moved);
     let moments = (0..mu.len()).filter(|&row| sharing.are_moments[row]);
     let [mut length_bar] = derivatives([sharing.length.value], |[length]| {
         moments.map(|row| length * (least_bar[row] * own.mu[row]) + Tangents::from(moved[row] * solved[row]) / length).sum()
@@ -413,7 +453,10 @@ fn add_along_rows(
     (alpha, beta): (&[f64], &[f64]),
     (q_bar, p_bar): (&mut [f64], &mut [f64]),
 ) {
-    for joint in &model.constraints {
+    let mut first = 0;
+    for joint in sharing.joints.iter().map(|&joint| &model.constraints[joint]) {
+        let alpha = &alpha[first..][..joint.equations.len()];
+        first += alpha.len();
         let nodes = || joint.nodes.iter().map(|node| (&model.nodes[node.0], sharing.columns.first[node.0]));
         let dofs: Vec<usize> = nodes().flat_map(|(node, _)| node.dofs.clone()).collect();
         let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
@@ -424,7 +467,7 @@ fn add_along_rows(
         });
         let (columns, kinds): (Vec<f64>, Vec<NodeKind>) = (columns.collect(), nodes().map(|(node, _)| node.kind).collect());
         let point = (&own[..], &p[joint.parameters.clone()], t);
-        let (of_q, of_p) = joint.physics.along_rows(point, &alpha[joint.equations.clone()], (&kinds, &columns));
+        let (of_q, of_p) = joint.physics.along_rows(point, alpha, (&kinds, &columns));
         dofs.iter().zip(&of_q).for_each(|(&dof, own)| q_bar[dof] += own);
         p_bar[joint.parameters.clone()].iter_mut().zip(&of_p).for_each(|(bar, own)| *bar += own);
     }
@@ -440,6 +483,8 @@ mod tests {
         let work = [50, 2000].map(|count| {
             let row = |i: usize| if i == 0 { vec![(0, 1.0)] } else { vec![(i - 1, -1.0), (i, 1.0)] };
             let sharing = Sharing {
+                joints: Vec::new(),
+                equations: Vec::new(),
                 columns: Columns { first: Vec::new(), count, moments: Vec::new() },
                 length: Length { value: 1.0, places: Vec::new() },
                 are_moments: vec![false; 2 * count],

@@ -35,6 +35,8 @@ struct Made {
     parameters: usize,
     /// Its equations where its nodes stand.
     g: Vec<f64>,
+    /// Whether its reactions are in balance.
+    is_balanced: bool,
     /// Names of the parameters of the soft version.
     soft: Vec<String>,
 }
@@ -98,7 +100,7 @@ fn made(part: &JointPart, kinds: &[NodeKind], random: &mut Random) -> Option<Mad
     assert_eq!(law.parameter_count(), p.len(), "{}", part.form.name);
     assert_eq!(law.equation_count(), equations, "{}", part.form.name);
     let soft = again.soft().parameter_list().into_iter().map(|own| own.name.into_owned()).collect();
-    Some(Made { equations, parameters: p.len(), g: law.value(&q, &p, 0.0), soft })
+    Some(Made { equations, parameters: p.len(), g: law.value(&q, &p, 0.0), is_balanced: law.is_balanced(&p), soft })
 }
 
 #[test]
@@ -110,6 +112,9 @@ fn every_entry_holds_where_its_nodes_stand() {
             for made in twelve(|random| made(part, &kinds, random)).into_iter().flatten() {
                 let largest = made.g.iter().fold(0.0, |largest: f64, own| largest.max(own.abs()));
                 assert!(largest < 1e-13, "{} between {kinds:?}: {:?}", part.form.name, made.g);
+                // all act between bodies as these stand to each other
+                let in_space = kinds.iter().all(|kind| kind.in_space().is_some());
+                assert_eq!(made.is_balanced, in_space, "{} between {kinds:?}", part.form.name);
                 assert_eq!(made.soft.len(), 2 * made.equations + made.parameters, "{}", part.form.name);
                 assert_eq!(made.soft[made.equations], "damping 1");
                 of_this += 1;
