@@ -159,9 +159,11 @@ fn states_values_and_gradients_have_the_bits_of_one_process() {
     let folder = Folder::new("bits", 2);
     let gradient = |ranks: usize| {
         let out = format!("of-{ranks}");
-        let output = folder.run(ranks, &["gradient", "plate.toml", "--json", "--no-report", "--out", &out]);
+        let output = folder.run(ranks, &["gradient", "plate.toml", "--check", "--json", "--no-report", "--out", &out]);
         let words = text(&output.stdout);
         assert_eq!(words.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{words}");
+        let apart = &json(&output)["largest_relative_difference"];
+        assert!(apart.as_f64().is_some_and(|apart| apart < 1e-11), "complex step of {ranks} ranks: {apart}");
         (json(&output)["functionals"].clone(), fs::read(folder.0.join(out).join("histories.csv")).unwrap())
     };
     let (values, states) = gradient(1);
