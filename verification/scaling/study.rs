@@ -166,6 +166,7 @@ impl Measured {
             if is_path && layout.threads > 1 || !is_path && layout.is_crowded && is_timed(name) {
                 continue;
             }
+            let base = base.filter(|(base, _)| !is_path || base.threads == 1);
             let of_base = base.and_then(|(_, base)| base.0.get(name)).copied();
             if name.starts_with(RESULT) {
                 if !subject.is_for_each {
