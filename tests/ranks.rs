@@ -178,6 +178,44 @@ fn states_values_and_gradients_have_the_bits_of_one_process() {
     }
 }
 
+/// What MUMPS solves on any number of ranks is what the own solver does, to round-off.
+#[cfg(feature = "mumps")]
+#[test]
+fn mumps_solves_the_same_on_any_number_of_ranks() {
+    let folder = Folder::new("mumps", 2);
+    let gradient = |ranks: usize, solver: &str| {
+        let usual = ["gradient", "plate.toml", "--json", "--no-report", "--out", "results", "--solver", solver];
+        let output = folder.run(ranks, &usual);
+        let words = text(&output.stdout);
+        assert!(words.contains(&format!("{solver} LU")), "{words}");
+        assert_eq!(words.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{words}");
+        let functionals = json(&output)["functionals"].as_array().unwrap().clone();
+        let numbers = |own: &Value| {
+            let gradient = own["gradient"].as_object().unwrap().values().chain([&own["value"]]);
+            gradient.map(|x| x.as_f64().unwrap()).collect::<Vec<f64>>()
+        };
+        functionals.iter().map(numbers).collect::<Vec<_>>()
+    };
+    let own = gradient(1, "multifrontal");
+    for ranks in 1..=3 {
+        for (own, other) in own.iter().zip(gradient(ranks, "mumps")) {
+            let size = own.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+            for (own, other) in own.iter().zip(other) {
+                assert!((own - other).abs() < 1e-9 * size, "{ranks} ranks: {own:e} {other:e}");
+            }
+        }
+    }
+    fs::write(folder.0.join("singular.toml"), plate(4) + SINGULAR).unwrap();
+    for ranks in 1..=2 {
+        let output = folder.run(ranks, &["run", "singular.toml", "--no-report", "--solver", "mumps"]);
+        let error = error_of(&output);
+        assert!(
+            error.contains("error: step 2, stage 2") && error.contains("do not determine \"c"),
+            "{ranks} ranks: {error}"
+        );
+    }
+}
+
 /// A second hinge in line with that of the tube, and the force that it bears along it: all of what both bear together is not determined.
 const SECOND_HINGE: &str = r#"
 [[joint]]

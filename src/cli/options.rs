@@ -61,7 +61,7 @@ pub struct SceneOptions {
     /// hundredth of the estimated error of a step, for motions that nobody differentiates [default: the scene's, else round-off]
     #[arg(long, value_name = "RULE")]
     newton: Option<String>,
-    /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, multifrontal
+    /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, multifrontal, mumps (with the feature mumps)
     /// [default: the scene's, else automatic]
     #[arg(long, value_name = "NAME")]
     solver: Option<String>,

@@ -85,6 +85,10 @@ impl Exchange for Group {
     fn traffic(&self) -> Traffic {
         self.of.traffic()
     }
+    #[cfg(feature = "mumps")]
+    fn communicator(&self, ranks: Range<usize>) -> Option<std::ffi::c_int> {
+        self.of.communicator(self.first + ranks.start..self.first + ranks.end)
+    }
     fn end(&self, reason: &str) -> ! {
         self.of.end(reason)
     }

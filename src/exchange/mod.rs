@@ -5,10 +5,6 @@
 //! itself: what uses a solver does not know of ranks. One process is all there is unless the program was built with the feature `mpi`, started by `mpirun`, and
 //! asked for ranks with [`start`].
 
-// the library of MUMPS for one process brings functions of MPI of its own, and which ones are called would be chance
-#[cfg(all(feature = "mpi", feature = "mumps"))]
-compile_error!("the features mpi and mumps exclude each other");
-
 mod dealt;
 mod group;
 #[cfg(feature = "mpi")]
@@ -75,6 +71,11 @@ pub(crate) trait Exchange: Sync {
     /// What this rank has spent on the others so far.
     fn traffic(&self) -> Traffic {
         Traffic::default()
+    }
+    /// The number by which Fortran knows some of these ranks, this one among them, which all ask for it; none where they are no processes of MPI.
+    #[cfg(feature = "mumps")]
+    fn communicator(&self, _: std::ops::Range<usize>) -> Option<std::ffi::c_int> {
+        None
     }
     /// Ends the programs of all ranks, for a reason.
     fn end(&self, reason: &str) -> !;

@@ -54,6 +54,9 @@ struct Calls {
     /// For messages while the program runs, and for its end.
     world: ffi::MPI_Comm,
     at_end: ffi::MPI_Comm,
+    /// What Fortran knows some of the ranks by.
+    #[cfg(feature = "mumps")]
+    of_some: Vec<(std::ops::Range<usize>, c_int)>,
     /// Messages that may not have left yet.
     sent: Vec<(ffi::MPI_Request, Vec<f64>)>,
     /// See [`Traffic::path`]; each message says in its last number when it left.
@@ -157,7 +160,14 @@ impl Mpi {
             });
             ffi::MPI_Comm_rank(world, &mut rank);
             ffi::MPI_Comm_size(world, &mut ranks);
-            Calls { world: copies[0], at_end: copies[1], sent: Vec::new(), path: 0.0 }
+            Calls {
+                world: copies[0],
+                at_end: copies[1],
+                #[cfg(feature = "mumps")]
+                of_some: Vec::new(),
+                sent: Vec::new(),
+                path: 0.0,
+            }
         };
         // SAFETY: a constant of MPI.
         if given < unsafe { ffi::RSMPI_THREAD_SERIALIZED } {
@@ -371,6 +381,26 @@ impl Exchange for Mpi {
 
     fn longest_wait(&self) -> Duration {
         self.longest_wait
+    }
+
+    #[cfg(feature = "mumps")]
+    fn communicator(&self, ranks: std::ops::Range<usize>) -> Option<c_int> {
+        let mut calls = self.calls();
+        let known = calls.of_some.iter().find(|(own, _)| *own == ranks);
+        let communicator = known.map(|(_, communicator)| *communicator).unwrap_or_else(|| {
+            let mut range = [[ranks.start as c_int, ranks.end as c_int - 1, 1]];
+            // SAFETY: pointers to variables here, and ranks of the world, all of which do this.
+            let own = unsafe {
+                let (mut all, mut some, mut own) = (std::mem::zeroed(), std::mem::zeroed(), std::mem::zeroed());
+                ffi::MPI_Comm_group(calls.world, &mut all);
+                ffi::MPI_Group_range_incl(all, 1, range.as_mut_ptr(), &mut some);
+                ffi::MPI_Comm_create_group(calls.world, some, 0, &mut own);
+                ffi::MPI_Comm_c2f(own)
+            };
+            calls.of_some.push((ranks, own));
+            own
+        });
+        Some(communicator)
     }
 
     fn gather(&self, own: &[f64], counts: &[usize]) -> Vec<f64> {

@@ -7,6 +7,8 @@ mod symmetric;
 
 pub use symmetric::Signs;
 
+#[cfg(feature = "mumps")]
+use super::MumpsLu;
 use super::column_groups::{AT_ONCE, is_shared_by_threads};
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
@@ -29,11 +31,18 @@ pub enum Backend {
     Dense,
     /// Sparse LU of dense fronts, with pivots searched in each.
     Multifrontal,
+    /// MUMPS, which ranks share where they would share the own solver; not the same bits on any number of them.
+    #[cfg(feature = "mumps")]
+    Mumps,
 }
 
 impl Backend {
     /// All, the choice by size first.
+    #[cfg(not(feature = "mumps"))]
     pub const ALL: [Backend; 3] = [Backend::Automatic, Backend::Dense, Backend::Multifrontal];
+    /// All, the choice by size first.
+    #[cfg(feature = "mumps")]
+    pub const ALL: [Backend; 4] = [Backend::Automatic, Backend::Dense, Backend::Multifrontal, Backend::Mumps];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -41,6 +50,8 @@ impl Backend {
             Backend::Automatic => "automatic",
             Backend::Dense => "dense",
             Backend::Multifrontal => "multifrontal",
+            #[cfg(feature = "mumps")]
+            Backend::Mumps => "mumps",
         }
     }
 }
@@ -170,6 +181,13 @@ impl Factorization {
         };
         let (solver, work, backend, (ranks, own, threads)) = match backend {
             Backend::Dense => dense(),
+            #[cfg(feature = "mumps")]
+            Backend::Mumps => {
+                let solver = MumpsLu::new(pattern, MultifrontalLu::new(pattern, &[], 1))?;
+                let (work, ranks) = (work_of(solver.own()), solver.own().ranks());
+                let own = solver.own().own_unknowns().map(Arc::new);
+                (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Mumps, (ranks, own, None))
+            }
             Backend::Automatic if n <= SMALL => dense(),
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };

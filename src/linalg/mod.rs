@@ -8,6 +8,8 @@ mod dense;
 mod eigen;
 pub(crate) mod factorization;
 pub(crate) mod multifrontal;
+#[cfg(feature = "mumps")]
+mod mumps;
 pub(crate) mod own_unknowns;
 pub(crate) mod owners;
 mod rank;
@@ -23,6 +25,8 @@ pub use factorization::Backend;
 pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
 pub(crate) use multifrontal::SMALL_FILL;
 pub use multifrontal::{Inertia, MultifrontalLu};
+#[cfg(feature = "mumps")]
+pub use mumps::MumpsLu;
 pub(crate) use own_unknowns::OwnUnknowns;
 pub(crate) use owners::Owners;
 pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
