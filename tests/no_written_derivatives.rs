@@ -44,7 +44,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 47] = [
+const OTHERS: [(&str, &str, &str); 48] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -66,6 +66,7 @@ const OTHERS: [(&str, &str, &str); 47] = [
     ("linalg/dense.rs", "solve_transposed", "J^T x = b"),
     ("linalg/factorization.rs", "solve_transposed", "J^T x = b"),
     ("linalg/multifrontal/multifrontal_lu.rs", "solve_transposed", "J^T x = b"),
+    ("linalg/mumps.rs", "solve_transposed", "J^T x = b"),
     (
         "linalg/multifrontal/kernels.rs",
         "solve_unit_lower_transposed solve_upper_transposed subtract_transposed_product",
