@@ -364,12 +364,17 @@ impl<'m> TransposedSolver<'m> {
             for (((own, known), left), &k) in corrections {
                 let correction = std::mem::replace(own, known);
                 let share = size(&correction) / size(own);
+                // in no unit: of what the bars of the solution are multiplied by
+                let effect = |of: &Adjoints| {
+                    of.f.iter().zip(&bars[k].x).fold(0.0, |effect: f64, (f, bar)| effect.max((f * bar).abs()))
+                };
+                let is_of_use = effect(&correction) > OF_USE * effect(own);
                 let is_better = share < 0.5 * *left;
                 if is_better {
                     own.add(&correction);
                 }
                 if *left == 1.0 && !equations.is_static() {
-                    back[k].refining.learn(is_better && share > OF_USE);
+                    back[k].refining.learn(is_better && is_of_use);
                 }
                 // the next one is smaller by as much as this one was than the solution
                 *left = if is_better && share * share > ROUND_OFF { share } else { 0.0 };
