@@ -138,14 +138,13 @@ fn lapse(
         matches!(drawn, Drawn::Body | Drawn::Solid) && points.iter().all(|own| own.is_on_node_of(&points[0]))
     };
     let parts = match sketch.lines.iter().any(|(drawn, points)| is_of_body(*drawn, points)) {
-        true => prepared.mechanism.solids().parts,
-        false => Vec::new(),
+        true => prepared.mechanism.solids().part_numbers,
+        false => HashMap::new(),
     };
-    let numbers: HashMap<&str, usize> = parts.iter().enumerate().map(|(number, part)| (&part[..], number)).collect();
     let role = |(drawn, points): &(Drawn, Vec<NodePoint>)| match drawn {
         Drawn::Link if bodies => Role::Link,
         _ if parts.len() > 1 && is_of_body(*drawn, points) => {
-            numbers.get(prepared.mechanism.node_of(&points[0])).map_or(Role::Plain, |&number| Role::Body(number))
+            parts.get(prepared.mechanism.node_of(&points[0])).map_or(Role::Plain, |&number| Role::Body(number))
         }
         _ => Role::Plain,
     };

@@ -72,7 +72,7 @@ pub struct Solids<'m> {
     /// Elements by the nodes that they act on, by first coordinates in their order.
     elements_on: HashMap<Vec<usize>, Vec<usize>>,
     /// Places among [`Solids::parts`].
-    part_numbers: HashMap<&'m str, usize>,
+    pub part_numbers: HashMap<&'m str, usize>,
     vertices: Vec<Place>,
     /// Elements that a vertex belongs to, by their places in the model.
     elements: Vec<Vec<usize>>,
