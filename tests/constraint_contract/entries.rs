@@ -205,6 +205,8 @@ fn an_entry_of_ones_own_goes_where_those_of_the_library_go() {
     m.soft_joint(&shelf, "soft shelf", &[ground, body], [], [&[3.0], &[0.2]]);
     let own = m.model.constraints.iter().find(|own| own.name == "shelf").expect("what was added");
     assert_eq!(m.numbers.p[own.parameters.clone()], [0.7]);
+    // the height is that of the world: its reactions turn both together
+    assert!(!own.physics.is_balanced(&[0.7]));
     assert_eq!(m.numbers.p[m.model.elements[1].parameters.clone()], [3.0, 0.2, 0.7]);
 }
 
