@@ -18,22 +18,33 @@ const METHOD: &str = "dirk2";
 pub struct Effort {
     pub repeats: usize,
     pub steps: usize,
+    /// Whether MUMPS solves the same system, of a program that has it.
+    pub with_mumps: bool,
 }
 
 /// That of a record.
-pub const USUAL: Effort = Effort { repeats: 7, steps: 3 };
+pub const USUAL: Effort = Effort { repeats: 7, steps: 3, with_mumps: false };
 
 /// What some work takes \[s\]: by the clock, or on the processor where there is one thread of one process; and, of ranks with one thread each, along
 /// the longest path of what they do and send.
 pub type Times = [f64; 2];
 /// Parts of the work on one system, and their times.
-type SystemTimes = [(&'static str, Times); 5];
+type Parts = [(&'static str, Times); 5];
+/// Factorization, solution, and transposed solution.
+type OfASolver = [(&'static str, Times); 3];
+
+/// What MUMPS takes, with the order of elimination that it takes.
+pub struct OfMumps {
+    pub ordering: &'static str,
+    pub of_a_system: OfASolver,
+}
 
 /// Times \[s\], counts of a step, and what the first step and its gradient give.
 pub struct Phases {
     pub unknowns: f64,
     /// Residual, matrix, factorization, solution, and transposed solution, of one system.
-    pub of_a_system: SystemTimes,
+    pub of_a_system: Parts,
+    pub of_mumps: Option<OfMumps>,
     pub step: Times,
     /// For the first functional, and for two.
     pub adjoint: [Times; 2],
@@ -87,7 +98,8 @@ fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
 impl Phases {
     /// Of a scene with two functionals.
     pub fn measure(scene: &dyn AnyScene, effort: Effort) -> Result<Self, RunError> {
-        let (unknowns, of_a_system, own_elements) = systems(&prepare(scene, 1, 1)?, effort.repeats)?;
+        let OneSystem { unknowns, of_a_system, own_elements, of_mumps } =
+            OneSystem::measure(&prepare(scene, 1, 1)?, effort)?;
         let before = memory_of_now();
         forget_peak();
         let first = Run::of(&prepare(scene, 1, 2)?)?;
@@ -100,46 +112,71 @@ impl Phases {
         }
         let ([step, one, two, [iterations, factorizations]], results) = (numbers, first.results);
         let adjoint = [one, two];
-        Ok(Phases { unknowns, of_a_system, step, adjoint, iterations, factorizations, memory, results, own_elements })
+        Ok(Phases {
+            unknowns,
+            of_a_system,
+            of_mumps,
+            step,
+            adjoint,
+            iterations,
+            factorizations,
+            memory,
+            results,
+            own_elements,
+        })
     }
 }
 
-/// Unknowns of a system of the last stage, what its parts take, and elements of this rank.
-fn systems(one: &Prepared, repeats: usize) -> Result<(f64, SystemTimes, Option<usize>), RunError> {
-    let solve = last_stage(one)?;
-    let problem = one.problem();
-    let systems = Systems::new(problem.model, &one.method, &[]);
-    let system = &systems.stage;
-    let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
-    let (mut residual, mut unknowns) = (Residual::shared(), solve.unknowns.clone());
-    residual.start(system, at);
-    let of_residual = fastest(repeats, || residual.evaluate(system, at, &mut unknowns));
-    let singular = |_| RunError::Input("a singular matrix".into());
-    let mut factorization = Factorization::new(&system.pattern, Backend::Multifrontal).map_err(singular)?;
-    let mut jacobian = Jacobian::default();
-    jacobian.divide(factorization.own_unknowns());
-    jacobian.divide_by_threads(factorization.thread_owners());
-    let of_matrix =
-        fastest(repeats, || jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t));
-    let mut factored = Ok(());
-    let of_factor = fastest(repeats, || factored = jacobian.factor_in(&mut factorization));
-    factored.map_err(singular)?;
-    let mut rhs = vec![0.0; system.size()];
-    jacobian.reduce(system, &residual, None, &mut rhs);
-    let of_solution = fastest(repeats, || factorization.solve(&mut rhs.clone()));
-    let mut refined = Ok(TransposedSolution::NeedsFactors);
-    let of_transposed = fastest(repeats, || refined = factorization.solve_transposed(&mut rhs.clone()));
-    if refined.map_err(singular)? != TransposedSolution::Found {
-        return Err(RunError::Input("its own factors do not serve a matrix".into()));
+/// A system of the last stage.
+struct OneSystem {
+    unknowns: f64,
+    of_a_system: Parts,
+    own_elements: Option<usize>,
+    of_mumps: Option<OfMumps>,
+}
+
+impl OneSystem {
+    fn measure(one: &Prepared, Effort { repeats, with_mumps, .. }: Effort) -> Result<Self, RunError> {
+        let solve = last_stage(one)?;
+        let problem = one.problem();
+        let systems = Systems::new(problem.model, &one.method, &[]);
+        let system = &systems.stage;
+        let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
+        let (mut residual, mut unknowns) = (Residual::shared(), solve.unknowns.clone());
+        residual.start(system, at);
+        let of_residual = fastest(repeats, || residual.evaluate(system, at, &mut unknowns));
+        let by = |backend: Backend| -> Result<_, RunError> {
+            let singular = |_| RunError::Input("a singular matrix".into());
+            let mut factorization = Factorization::new(&system.pattern, backend).map_err(singular)?;
+            let mut jacobian = Jacobian::default();
+            jacobian.divide(factorization.own_unknowns());
+            jacobian.divide_by_threads(factorization.thread_owners());
+            let of_matrix =
+                fastest(repeats, || jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t));
+            let mut factored = Ok(());
+            let of_factor = fastest(repeats, || factored = jacobian.factor_in(&mut factorization));
+            factored.map_err(singular)?;
+            let mut rhs = vec![0.0; system.size()];
+            jacobian.reduce(system, &residual, None, &mut rhs);
+            let of_solution = fastest(repeats, || factorization.solve(&mut rhs.clone()));
+            let mut refined = Ok(TransposedSolution::NeedsFactors);
+            let of_transposed = fastest(repeats, || refined = factorization.solve_transposed(&mut rhs.clone()));
+            if refined.map_err(singular)? != TransposedSolution::Found {
+                return Err(RunError::Input("its own factors do not serve a matrix".into()));
+            }
+            let of_solver: OfASolver =
+                [("factorization", of_factor), ("solution", of_solution), ("transposed solution", of_transposed)];
+            Ok((of_matrix, of_solver, jacobian.own_elements(), factorization.plan().ordering))
+        };
+        let (of_matrix, [factor, solution, transposed], own_elements, _) = by(Backend::Multifrontal)?;
+        let mumps = Backend::ALL.into_iter().find(|backend| with_mumps && backend.name() == "mumps");
+        let of_mumps = match mumps.map(by).transpose()? {
+            Some((_, of_a_system, _, Some(ordering))) => Some(OfMumps { ordering, of_a_system }),
+            _ => None,
+        };
+        let of_a_system = [("residual", of_residual), ("matrix", of_matrix), factor, solution, transposed];
+        Ok(OneSystem { unknowns: system.size() as f64, of_a_system, own_elements, of_mumps })
     }
-    let times = [
-        ("residual", of_residual),
-        ("matrix", of_matrix),
-        ("factorization", of_factor),
-        ("solution", of_solution),
-        ("transposed solution", of_transposed),
-    ];
-    Ok((system.size() as f64, times, jacobian.own_elements()))
 }
 
 /// A simulation with its gradients.

@@ -177,10 +177,11 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
             ));
         }
     }
-    let SolverPlan { backend, unknowns, work, ranks, .. } = prepared.linear_solver()?;
+    let SolverPlan { backend, unknowns, work, ranks, ordering, .. } = prepared.linear_solver()?;
     let work =
         work.map(|work| format!(", {:.1e} multiplications a factorization", work.multiplications)).unwrap_or_default();
-    say(format_args!("linear systems of {}: {} LU{work}", count(unknowns, "unknown"), backend.name()));
+    let ordered = ordering.map(|ordering| format!(", ordered by {ordering}")).unwrap_or_default();
+    say(format_args!("linear systems of {}: {} LU{ordered}{work}", count(unknowns, "unknown"), backend.name()));
     match ranks {
         1 if is_shared() => say("too small to be shared: each rank solves all of them"),
         1 => {}

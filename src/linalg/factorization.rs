@@ -72,6 +72,8 @@ pub struct SolverPlan {
     pub work: Option<Work>,
     /// Ranks that share each system.
     pub ranks: usize,
+    /// The order of elimination that MUMPS took, where it is the solver.
+    pub ordering: Option<&'static str>,
 }
 
 /// What a factorization takes by its analysis, as if no pivot had to wait for another front.
@@ -171,27 +173,29 @@ impl Factorization {
         let of_dense = (n as f64).powi(3) / 3.0;
         let dense = || {
             let work = Work { multiplications: of_dense, fill: n * n };
-            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, (1, None, None))
+            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, (1, None, None), None)
         };
         let multifrontal = || {
             let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
             let work = work_of(&solver);
             let ranks = (solver.ranks(), solver.own_unknowns().map(Arc::new), solver.thread_owners().map(Arc::new));
-            (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks)
+            (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks, None)
         };
-        let (solver, work, backend, (ranks, own, threads)) = match backend {
+        let (solver, work, backend, (ranks, own, threads), ordering) = match backend {
             Backend::Dense => dense(),
             #[cfg(feature = "mumps")]
             Backend::Mumps => {
                 let solver = MumpsLu::new(pattern, MultifrontalLu::new(pattern, &[], 1))?;
-                let (work, ranks) = (work_of(solver.own()), solver.own().ranks());
+                let work = Work { multiplications: 0.5 * solver.operations(), fill: solver.entries() as usize };
+                let ranks = solver.own().ranks();
                 let own = solver.own().own_unknowns().map(Arc::new);
-                (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Mumps, (ranks, own, None))
+                let ordering = Some(solver.ordering());
+                (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Mumps, (ranks, own, None), ordering)
             }
             Backend::Automatic if n <= SMALL => dense(),
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
-        let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks };
+        let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks, ordering };
         let scaling = Scaling::new(pattern.clone(), own.as_deref());
         Ok(Self { own, threads, ..Self::of(solver, plan, pattern.clone(), scaling) })
     }
@@ -203,7 +207,8 @@ impl Factorization {
         let own = solver.own_unknowns().map(Arc::new);
         let (unknowns, entries) = (pattern.size, pattern.rows.len());
         let work = Some(work_of(&solver));
-        let plan = SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work, ranks: world.ranks() };
+        let plan =
+            SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work, ranks: world.ranks(), ordering: None };
         let scaling = Scaling::new(pattern.clone(), own.as_deref());
         Self { own, ..Self::of(Box::new(solver), plan, pattern.clone(), scaling) }
     }

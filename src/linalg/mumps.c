@@ -85,6 +85,12 @@ double mumps_operations(const DMUMPS_STRUC_C *mumps) {
     return mumps->rinfog[0];
 }
 
+/* Entries of the factors, by the analysis; where they are below zero, MUMPS counts them in millions. */
+double mumps_entries(const DMUMPS_STRUC_C *mumps) {
+    int entries = mumps->infog[19];
+    return entries < 0 ? -1e6 * entries : entries;
+}
+
 /* Factors values in the order of the entries. */
 void mumps_factor(DMUMPS_STRUC_C *mumps, double *values) {
     mumps->a_loc = values;

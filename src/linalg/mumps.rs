@@ -24,6 +24,7 @@ unsafe extern "C" {
     fn mumps_ordering(mumps: *const c_void) -> c_int;
     fn mumps_megabytes(mumps: *const c_void) -> c_int;
     fn mumps_operations(mumps: *const c_void) -> c_double;
+    fn mumps_entries(mumps: *const c_void) -> c_double;
     fn mumps_factor(mumps: *mut c_void, values: *mut c_double);
     fn mumps_unknown_without_pivot(mumps: *const c_void) -> c_int;
     fn mumps_solve(mumps: *mut c_void, transposed: c_int, count: c_int, rhs: *mut c_double);
@@ -121,6 +122,12 @@ impl MumpsLu {
     pub fn operations(&self) -> f64 {
         // SAFETY: as above.
         unsafe { mumps_operations(self.handle) }
+    }
+
+    /// Entries of L and U, by the analysis.
+    pub fn entries(&self) -> f64 {
+        // SAFETY: as above.
+        unsafe { mumps_entries(self.handle) }
     }
 
     /// Memory of the factorization, of all ranks together \[MB\].

@@ -1,6 +1,6 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
-use crate::verification::phases::{Effort, Phases, Times, USUAL, prepare};
+use crate::verification::phases::{Effort, OfMumps, Phases, Times, USUAL, prepare};
 use crate::verification::{Form, Report, Study};
 use costate::internals::{OnRanks, Systems, of_all_ranks, predicted, traffic};
 use costate::scenes::built_in::{PlatePendulum, Thicknesses};
@@ -20,12 +20,13 @@ struct Subject {
     effort: Effort,
 }
 
-const ONCE: Effort = Effort { repeats: 1, steps: 0 };
+const ONCE: Effort = Effort { repeats: 1, steps: 0, with_mumps: false };
+const WITH_MUMPS: Effort = Effort { with_mumps: true, ..USUAL };
 /// Those of the short form; of the whole one, with 192,000 unknowns as Boopathy & Kennedy count them, eight a node; and of the long one, with
 /// 2,000,000.
 const SUBJECTS: [Subject; 4] = [
     Subject { name: "60 x 12", elements: [60, 12], is_for_each: false, effort: ONCE },
-    Subject { name: "150 x 39", elements: [150, 39], is_for_each: false, effort: USUAL },
+    Subject { name: "150 x 39", elements: [150, 39], is_for_each: false, effort: WITH_MUMPS },
     Subject { name: "75 x 39 for each", elements: [75, 39], is_for_each: true, effort: USUAL },
     Subject { name: "560 x 112", elements: [560, 112], is_for_each: false, effort: ONCE },
 ];
@@ -139,7 +140,12 @@ impl Layout {
         if self.is_crowded {
             command.env(CROWDED_RANKS, "1");
         }
-        let output = command.env(ONE_OF_MANY, subject.name).env("RAYON_NUM_THREADS", self.threads.to_string()).output();
+        command.env(ONE_OF_MANY, subject.name);
+        // those of the products of MUMPS, too
+        for of in ["RAYON_NUM_THREADS", "OPENBLAS_NUM_THREADS"] {
+            command.env(of, self.threads.to_string());
+        }
+        let output = command.output();
         let output = match output {
             Err(error) if self.ranks > 1 && error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             output => output.map_err(|error| error.to_string())?,
@@ -234,7 +240,8 @@ impl Subject {
         let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
         let (before, on_processor) = (traffic(), processor_seconds());
         let effort = match std::env::var_os(CROWDED_RANKS) {
-            Some(_) => Effort { repeats: CROWDED_REPEATS.max(self.effort.repeats), ..self.effort },
+            // what MUMPS sends is on no path here
+            Some(_) => Effort { repeats: CROWDED_REPEATS.max(self.effort.repeats), with_mumps: false, ..self.effort },
             None => self.effort,
         };
         let own = Phases::measure(&plate, effort).map_err(|error| error.to_string())?;
@@ -248,6 +255,11 @@ impl Subject {
         tell("residual and matrix", [0, 1].map(|time| own.of_a_system[0].1[time] + own.of_a_system[1].1[time]));
         tell("forward step", own.step);
         tell("adjoint of a step", own.adjoint[0]);
+        if let Some(OfMumps { ordering, of_a_system }) = &own.of_mumps {
+            for (what, [seconds, _]) in of_a_system {
+                report.inform(format!("MUMPS, ordered by {ordering}: {what} [s]"), *seconds);
+            }
+        }
         report.inform(SECOND, own.adjoint[1][0] / own.adjoint[0][0] - 1.0);
         for (place, &value) in own.results.iter().enumerate() {
             report.inform(format!("{RESULT} {place}"), value);
