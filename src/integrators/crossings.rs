@@ -186,11 +186,9 @@ fn note(part: &Watched, inputs: &[f64], (step, t): (usize, f64), crossings: &mut
     to[..count].copy_from_slice(&part.inputs[..count]);
     part.switches.evaluate(&to, &mut numbers, &mut ProgramWork::default());
     let to = if part.switches.change(&part.numbers, &numbers) { &to } else { inputs };
-    let Some(kind) = part.switches.kind(&part.inputs, to) else { return };
+    let not_told = (part.of_functional == Some(SwitchKind::Jump)).then_some(SwitchKind::Kink);
+    let Some(kind) = part.switches.kind(&part.inputs, to, not_told) else { return };
     let is_functional = part.of_functional.is_some();
-    if part.of_functional == Some(SwitchKind::Jump) && kind == SwitchKind::Kink {
-        return;
-    }
     let is_own = |own: &&mut Crossing| (&own.part, own.is_functional, own.kind) == (&part.name, is_functional, kind);
     match crossings.iter_mut().find(is_own) {
         Some(own) => own.count += usize::from(std::mem::replace(&mut own.last, step) != step),

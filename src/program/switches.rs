@@ -11,8 +11,10 @@ use std::sync::Arc;
 /// What tells on which side of a switch a formula is, from some results of the program of its switches.
 #[derive(Clone, Debug, PartialEq)]
 enum Side {
-    /// The number itself: a comparison, or whole steps of a floor.
-    Number,
+    /// Whether the first of two numbers is less than the second.
+    Order,
+    /// The largest whole number up to one.
+    Whole,
     /// An angle, which leaps between -pi and pi.
     Angle,
     /// The piece of a table that jumps or bends at its knots.
@@ -50,6 +52,13 @@ const KINK: f64 = 1e-6;
 const ROUND_OFF: f64 = 1e-5;
 /// Shares of a step within which a vector may pass zero.
 const NEAR: [f64; 3] = [1e-9, 1e-6, 1e-3];
+/// Evaluations of numbers by which the place of a switch is looked for where these tell how far it is, and then by halves alone.
+const BY_NUMBERS: usize = 24;
+const BY_HALVES: usize = 60;
+/// Width of a place, as a share of a step, at which what is smooth does not look like a jump: see [`JUMP`].
+const ROUGHLY: f64 = 1e-9;
+/// Share of a step within which round-off of the numbers hides their zero, at first.
+const HIDDEN: f64 = 4.0 * f64::EPSILON;
 
 impl Formula {
     /// Its switches that depend on coordinates, their derivatives or multipliers, lengths of vectors among them if they are asked for; `None`
@@ -85,9 +94,13 @@ fn conditions(graph: &Graph, outputs: &[Node], of_state: &[bool], lengths: bool)
         }
         let node = Node(place as u32);
         match operation {
-            Operation::Binary(Binary::Less, ..) | Operation::Unary(Unary::Floor, _) => {
-                sides.push(Side::Number);
-                nodes.push(node);
+            Operation::Binary(Binary::Less, x, y) => {
+                sides.push(Side::Order);
+                nodes.extend([x, y]);
+            }
+            Operation::Unary(Unary::Floor, x) => {
+                sides.push(Side::Whole);
+                nodes.push(x);
             }
             Operation::Binary(Binary::Atan2, ..) => {
                 sides.push(Side::Angle);
@@ -137,17 +150,136 @@ fn add_length(graph: &Graph, square: Node, sides: &mut Vec<Side>, nodes: &mut Ve
 impl Side {
     /// How many numbers tell it.
     fn count(&self) -> usize {
-        if let Side::Direction(count) = self { *count } else { 1 }
+        match self {
+            Side::Direction(count) => *count,
+            Side::Order => 2,
+            Side::Whole | Side::Angle | Side::Piece(_) => 1,
+        }
     }
 
     /// Whether it is another one.
     fn changes(&self, before: &[f64], after: &[f64]) -> bool {
         match self {
-            Side::Number => before[0] != after[0],
+            Side::Order => (before[0] < before[1]) != (after[0] < after[1]),
+            Side::Whole => before[0].floor() != after[0].floor(),
             Side::Angle => (after[0] - before[0]).abs() > LEAP,
             Side::Piece(curve) => curve.piece(before[0]) != curve.piece(after[0]),
             Side::Direction(_) => cosine(before, after) < REVERSED,
         }
+    }
+
+    /// Whether numbers on the way are on another side than those at its start: of a vector, which turns over close to zero, beyond a right angle.
+    fn has_changed(&self, before: &[f64], own: &[f64]) -> bool {
+        match self {
+            Side::Direction(_) => cosine(before, own) < 0.0,
+            _ => self.changes(before, own),
+        }
+    }
+
+    /// How far numbers are beyond the end of the side of those at the start of the way, below zero where they are not, on a way that leads to the
+    /// numbers `after`; `None` where no number passes zero there.
+    fn excess(&self, before: &[f64], own: &[f64], after: &[f64]) -> Option<f64> {
+        let is_up = after[0] > before[0];
+        let beyond = |end: f64| if is_up { own[0] - end } else { end - own[0] };
+        match self {
+            Side::Order if before[0] < before[1] => Some(own[0] - own[1]),
+            Side::Order => Some(own[1] - own[0]),
+            Side::Whole => Some(beyond(before[0].floor() + f64::from(u8::from(is_up)))),
+            Side::Piece(curve) => {
+                let piece = curve.piece(before[0]);
+                let knot = if is_up { Some(piece) } else { piece.checked_sub(1) };
+                knot.and_then(|knot| curve.knots().get(knot)).map(|&knot| beyond(knot))
+            }
+            Side::Direction(_) => Some(-cosine(before, own)),
+            Side::Angle => None,
+        }
+    }
+}
+
+/// A straight way between two lists of arguments of a formula, and the numbers that tell its sides somewhere on it.
+struct Way<'w> {
+    switches: &'w Switches,
+    from: &'w [f64],
+    to: &'w [f64],
+    inputs: Vec<f64>,
+    numbers: Vec<f64>,
+    work: ProgramWork<f64>,
+}
+
+impl Way<'_> {
+    /// At a share of it.
+    fn numbers_at(&mut self, share: f64) -> &[f64] {
+        self.inputs.clear();
+        self.inputs.extend(at(self.from, self.to, share));
+        self.switches.evaluate(&self.inputs, &mut self.numbers, &mut self.work);
+        &self.numbers
+    }
+
+    /// Shares of the way between which a switch changes sides, whose numbers stand from `first` on: no further apart than a width, or neighbours.
+    ///
+    /// Where numbers tell how far the switch is, the next share is that of the straight line through both ends, moved towards the middle so that it
+    /// falls to either side; round-off hides the last digits of where that is, so that it is moved further each time it falls short.
+    ///
+    /// Source: Oliveira & Takahashi, ACM Trans. Math. Softw. 47 (2020), "An enhancement of the bisection method average performance preserving
+    /// minmax optimality".
+    fn place(&mut self, side: &Side, first: usize, [before, after]: [&[f64]; 2], most: f64) -> Option<(f64, f64)> {
+        let own = first..first + side.count();
+        let (mut ends, mut hidden) = ([0.0, 1.0], HIDDEN);
+        let mut excess = [before, after].map(|numbers| side.excess(before, numbers, after));
+        for evaluation in 0..BY_NUMBERS + BY_HALVES {
+            let [low, high] = ends;
+            let (width, middle) = (high - low, 0.5 * (low + high));
+            if width <= most || !(low < middle && middle < high) {
+                break;
+            }
+            let by_line = match excess {
+                [Some(before), Some(behind)]
+                    if evaluation < BY_NUMBERS && before <= 0.0 && behind >= 0.0 && before < behind =>
+                {
+                    let found = low - width * before / (behind - before);
+                    let aside = (0.2 * width * width).max(hidden);
+                    (aside < (middle - found).abs()).then(|| (found + aside.copysign(middle - found), found < middle))
+                }
+                _ => None,
+            };
+            let share = by_line.map_or(middle, |(share, _)| share);
+            let numbers = &self.numbers_at(share)[own.clone()];
+            let end = usize::from(side.has_changed(before, numbers));
+            hidden = if by_line.is_some_and(|(_, is_low)| is_low == (end == 0)) { 8.0 * hidden } else { HIDDEN };
+            excess[end] = side.excess(before, numbers, after);
+            ends[end] = share;
+        }
+        (ends[1] > ends[0]).then_some((ends[0], ends[1]))
+    }
+
+    /// How the results change where a switch changes sides between two shares of the way, if that is worse than what is known.
+    fn kind_at(
+        &mut self,
+        side: &Side,
+        first: usize,
+        (low, high): (f64, f64),
+        known: Option<SwitchKind>,
+    ) -> Option<SwitchKind> {
+        let Way { switches, from, to, .. } = *self;
+        let (change, at_low) = if let Side::Direction(count) = *side {
+            let middle = 0.5 * (low + high);
+            let reversed = |near: &f64| {
+                let [a, b] =
+                    [middle - near, middle + near].map(|share| self.numbers_at(share)[first..first + count].to_vec());
+                side.changes(&a, &b)
+            };
+            let near = NEAR.into_iter().find(reversed)?;
+            let [mut short, long] =
+                [1.0, 2.0].map(|times| switches.change_between((from, to), middle - times * near, middle + times * near));
+            // what is smooth changes twice as much over twice the way
+            for (short, long) in [(&mut short.value, long.value), (&mut short.slope, long.slope)] {
+                *short = if *short > 0.75 * long { *short } else { 0.0 };
+            }
+            (short, middle - near)
+        } else {
+            (switches.change_between((from, to), low, high), low)
+        };
+        change.kind(known, || switches.terms(&at(from, to, at_low).collect::<Vec<_>>()))
     }
 }
 
@@ -189,64 +321,35 @@ impl Switches {
         })
     }
 
-    /// How the results change where switches change sides on the straight way between two lists of arguments: the worst; `None` if they go on
-    /// smoothly, as where one series takes over from another.
-    pub fn kind(&self, from: &[f64], to: &[f64]) -> Option<SwitchKind> {
+    /// How the results change where switches change sides on the straight way between two lists of arguments: the worst, if it is worse than what
+    /// is known; `None` where they go on smoothly, as where one series takes over from another.
+    pub fn kind(&self, from: &[f64], to: &[f64], known: Option<SwitchKind>) -> Option<SwitchKind> {
         let mut work = ProgramWork::default();
-        let (mut before, mut after) = (Vec::new(), Vec::new());
-        self.evaluate(from, &mut before, &mut work);
-        self.evaluate(to, &mut after, &mut work);
-        let mut worst = None;
+        let [before, after] = [from, to].map(|inputs| {
+            let mut numbers = Vec::new();
+            self.evaluate(inputs, &mut numbers, &mut work);
+            numbers
+        });
+        let mut way = Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work };
+        let mut worst = known;
         for (side, first) in self.changing(&before, &after) {
             let own = first..first + side.count();
-            let Some((low, high)) = self.place((from, to), (side, first), &before[own.clone()]) else { continue };
-            let (change, at_low) = if let Side::Direction(_) = side {
-                let middle = 0.5 * (low + high);
-                let reversed = |near: &f64| {
-                    let [a, b] = [middle - near, middle + near].map(|share| self.numbers_at((from, to), share));
-                    side.changes(&a[own.clone()], &b[own.clone()])
-                };
-                let Some(near) = NEAR.into_iter().find(reversed) else { continue };
-                let [mut short, long] =
-                    [1.0, 2.0].map(|times| self.change_between((from, to), middle - times * near, middle + times * near));
-                // what is smooth changes twice as much over twice the way
-                for (short, long) in [(&mut short.value, long.value), (&mut short.slope, long.slope)] {
-                    *short = if *short > 0.75 * long { *short } else { 0.0 };
+            // next to a kink only jumps count, which show from further away, too
+            let widths: &[f64] = if worst.is_some() { &[ROUGHLY, 0.0] } else { &[0.0] };
+            let mut kind = None;
+            for &width in widths {
+                let place = way.place(side, first, [&before[own.clone()], &after[own.clone()]], width);
+                kind = place.and_then(|place| way.kind_at(side, first, place, worst));
+                if kind.is_none() {
+                    break;
                 }
-                (short, middle - near)
-            } else {
-                (self.change_between((from, to), low, high), low)
-            };
-            worst = worst.max(change.kind(worst, || self.terms(&at((from, to), at_low))));
+            }
+            worst = worst.max(kind);
             if worst == Some(SwitchKind::Jump) {
                 break;
             }
         }
-        worst
-    }
-
-    fn numbers_at(&self, way: (&[f64], &[f64]), share: f64) -> Vec<f64> {
-        let (mut numbers, mut work) = (Vec::new(), ProgramWork::default());
-        self.evaluate(&at(way, share), &mut numbers, &mut work);
-        numbers
-    }
-
-    /// Neighbouring shares of the way between which a switch changes sides.
-    fn place(&self, way: (&[f64], &[f64]), (side, first): (&Side, usize), before: &[f64]) -> Option<(f64, f64)> {
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..60 {
-            let middle: f64 = 0.5 * (low + high);
-            if !(low < middle && middle < high) {
-                break;
-            }
-            let own = &self.numbers_at(way, middle)[first..first + side.count()];
-            let is_behind = match side {
-                Side::Direction(_) => cosine(before, own) < 0.0,
-                _ => side.changes(before, own),
-            };
-            if is_behind { high = middle } else { low = middle }
-        }
-        (high > low).then_some((low, high))
+        worst.filter(|_| worst > known)
     }
 
     /// The largest change of a result by an argument of its own size: results that cancel have its round-off.
@@ -266,7 +369,7 @@ impl Switches {
     fn change_between(&self, way: (&[f64], &[f64]), low: f64, high: f64) -> Change {
         let direction = || way.0.iter().zip(way.1).map(|(from, to)| to - from);
         let [below, above] = [low, high].map(|share| {
-            let inputs: Vec<f64> = at(way, share).into_iter().chain(direction()).collect();
+            let inputs: Vec<f64> = at(way.0, way.1, share).chain(direction()).collect();
             let mut results = vec![0.0; self.course.outputs()];
             self.course.run(&inputs, &mut results, &mut ProgramWork::default());
             results
@@ -307,6 +410,6 @@ impl Change {
     }
 }
 
-fn at((from, to): (&[f64], &[f64]), share: f64) -> Vec<f64> {
-    from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
+fn at(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64> {
+    from.iter().zip(to).map(move |(from, to)| from + share * (to - from))
 }
