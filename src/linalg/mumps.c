@@ -1,17 +1,14 @@
-/* MUMPS, for one process or for several of MPI, as `mumps.rs` calls it: analyse, factor and solve unsymmetric matrices by their entries. */
+/* MUMPS, for one process of MPI or for several, as `mumps.rs` calls it: analyse, factor and solve unsymmetric matrices by their entries. */
 
 #include <dmumps_c.h>
-#include <stdlib.h>
-#ifdef COSTATE_MPI
 #include <mpi.h>
-#endif
+#include <stdlib.h>
 
 /* Commands and settings of MUMPS. */
-enum { START = -1, END = -2, ANALYSE = 1, FACTOR = 2, SOLVE = 3, SELF_COMMUNICATOR = -987654, METIS = 5, BY_EACH_PROCESS = 3 };
+enum { START = -1, END = -2, ANALYSE = 1, FACTOR = 2, SOLVE = 3, METIS = 5, BY_EACH_PROCESS = 3 };
 /* Codes where it had planned for too little memory, and how often it may plan for more. */
 enum { TOO_LITTLE = -9, TOO_LITTLE_OF_NUMBERS = -8, TIMES = 8 };
 
-#ifdef COSTATE_MPI
 static void finish(void) {
     int finished;
     MPI_Finalized(&finished);
@@ -30,11 +27,6 @@ static int alone(void) {
     }
     return (int)MPI_Comm_c2f(MPI_COMM_SELF);
 }
-#else
-static int alone(void) {
-    return SELF_COMMUNICATOR;
-}
-#endif
 
 /* Starts MUMPS on the processes of a communicator of Fortran, or on this one alone where `communicator` is below zero, and analyses a pattern
  * with the ordering of METIS, or another one where the library has none (Debian's). Each process has some entries, each entry one process;
@@ -121,13 +113,11 @@ void mumps_solve(DMUMPS_STRUC_C *mumps, int transposed, int count, double *rhs) 
 
 /* Gives everything back, unless MPI has ended. */
 void mumps_end(DMUMPS_STRUC_C *mumps) {
-#ifdef COSTATE_MPI
     int finished;
     MPI_Finalized(&finished);
     if (finished) {
         return;
     }
-#endif
     mumps->job = END;
     dmumps_c(mumps);
     free(mumps);

@@ -59,7 +59,7 @@ impl Study for LinearSolvers {
             measure_foreign(report, &matrix)?;
         }
         if !cfg!(feature = "mumps") {
-            report.note("MUMPS and faer's sparse LU were not measured beside them: a program built with --features mumps does (it needs libmumps-seq-dev).");
+            report.note("MUMPS and faer's sparse LU were not measured beside them: a program built with --features mumps does (it needs libmumps-dev and what ranks need).");
         }
         Ok(())
     }
