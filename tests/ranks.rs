@@ -13,6 +13,7 @@ const FIRST_STEP: Duration = Duration::from_secs(if cfg!(debug_assertions) { 400
 /// The longest wait for another rank, where one sleeps \[s\].
 const LONGEST_WAIT: &str = if cfg!(debug_assertions) { "60" } else { "4" };
 
+const MPIRUN: &str = "mpirun is installed where the feature mpi is tested";
 const PROGRAM: &str = env!("CARGO_BIN_EXE_costate");
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/");
 
@@ -84,7 +85,19 @@ impl Folder {
     }
 
     fn run(&self, ranks: usize, arguments: &[&str]) -> Output {
-        self.command(ranks, arguments).output().expect("mpirun is installed where the feature mpi is tested")
+        self.command(ranks, arguments).output().expect(MPIRUN)
+    }
+
+    /// The gradient of a scene by ranks of some threads, which share its systems where there are several: what is printed, the functionals, and
+    /// the states.
+    fn gradient(&self, [ranks, threads]: [usize; 2], scene: &str, options: &[&str]) -> (Output, Value, Vec<u8>) {
+        let usual = ["gradient", scene, "--json", "--no-report", "--out", "results"];
+        let mut command = self.command(ranks, &[&usual, options].concat());
+        let output = command.env("RAYON_NUM_THREADS", threads.to_string()).output().expect(MPIRUN);
+        let words = text(&output.stdout);
+        assert_eq!(words.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{scene}: {words}");
+        let functionals = json(&output)["functionals"].clone();
+        (output, functionals, fs::read(self.0.join("results/histories.csv")).unwrap())
     }
 
     /// All processes of its commands that run, with their environment.
@@ -158,13 +171,10 @@ fn error_of(output: &Output) -> String {
 fn states_values_and_gradients_have_the_bits_of_one_process() {
     let folder = Folder::new("bits", 2);
     let gradient = |ranks: usize| {
-        let out = format!("of-{ranks}");
-        let output = folder.run(ranks, &["gradient", "plate.toml", "--check", "--json", "--no-report", "--out", &out]);
-        let words = text(&output.stdout);
-        assert_eq!(words.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{words}");
+        let (output, functionals, states) = folder.gradient([ranks, 1], "plate.toml", &["--check"]);
         let apart = &json(&output)["largest_relative_difference"];
         assert!(apart.as_f64().is_some_and(|apart| apart < 1e-11), "complex step of {ranks} ranks: {apart}");
-        (json(&output)["functionals"].clone(), fs::read(folder.0.join(out).join("histories.csv")).unwrap())
+        (functionals, states)
     };
     let (values, states) = gradient(1);
     assert!(
@@ -184,17 +194,15 @@ fn states_values_and_gradients_have_the_bits_of_one_process() {
 fn mumps_solves_the_same_on_any_number_of_ranks() {
     let folder = Folder::new("mumps", 2);
     let gradient = |ranks: usize, solver: &str| {
-        let usual = ["gradient", "plate.toml", "--json", "--no-report", "--out", "results", "--solver", solver];
-        let output = folder.run(ranks, &usual);
+        let (output, functionals, _) = folder.gradient([ranks, 1], "plate.toml", &["--solver", solver]);
         let words = text(&output.stdout);
         assert!(words.contains(&format!("{solver} LU")), "{words}");
-        assert_eq!(words.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{words}");
-        let functionals = json(&output)["functionals"].as_array().unwrap().clone();
+        assert_eq!(words.contains("ordered by"), solver == "mumps", "{words}");
         let numbers = |own: &Value| {
             let gradient = own["gradient"].as_object().unwrap().values().chain([&own["value"]]);
             gradient.map(|x| x.as_f64().unwrap()).collect::<Vec<f64>>()
         };
-        functionals.iter().map(numbers).collect::<Vec<_>>()
+        functionals.as_array().unwrap().iter().map(numbers).collect::<Vec<_>>()
     };
     let own = gradient(1, "multifrontal");
     for ranks in 1..=3 {
@@ -263,22 +271,18 @@ fn mechanisms_have_the_bits_of_one_process() {
     ] {
         let folder = Folder::new(name, 1);
         fs::write(folder.0.join("mechanism.toml"), scene).unwrap();
-        let gradient = |ranks: usize, threads: usize| {
-            let out = format!("{ranks}-{threads}");
-            let usual = ["gradient", "mechanism.toml", "--json", "--no-report", "--out", &out];
-            let mut command = folder.command(ranks, &[&usual, options].concat());
-            let output = command.env("RAYON_NUM_THREADS", threads.to_string()).output().unwrap();
+        let gradient = |layout: [usize; 2]| {
+            let (output, functionals, states) = folder.gradient(layout, "mechanism.toml", options);
             let words = text(&output.stdout);
-            assert_eq!(words.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{name}: {words}");
             assert_eq!(words.contains("redundant and left out"), name == "tube", "{words}");
-            (json(&output)["functionals"].clone(), fs::read(folder.0.join(out).join("histories.csv")).unwrap())
+            (functionals, states)
         };
-        let (values, states) = gradient(1, 1);
+        let (values, states) = gradient([1, 1]);
         let gradients = values.as_array().into_iter().flatten().filter_map(|own| own["gradient"].as_object());
         let moved = gradients.flat_map(|own| own.values()).filter(|x| x.as_f64().is_some_and(|x| x != 0.0)).count();
         assert!(moved > 3, "{name}: {values}");
-        for (ranks, threads) in [(1, 2), (2, 2), (3, 1), (4, 1)] {
-            let (others, other_states) = gradient(ranks, threads);
+        for [ranks, threads] in [[1, 2], [2, 2], [3, 1], [4, 1]] {
+            let (others, other_states) = gradient([ranks, threads]);
             assert_eq!(values, others, "{name}: {ranks} ranks, {threads} threads");
             assert!(states == other_states, "{name}: states of {ranks} ranks, {threads} threads");
         }
@@ -336,12 +340,10 @@ fn equilibria_and_their_stability_have_the_bits_of_one_process() {
         let folder = Folder::new(name, 2);
         fs::write(folder.0.join("shelf.toml"), shelf(settings)).unwrap();
         let gradient = |ranks: usize| {
-            let out = format!("of-{ranks}");
-            let output = folder.run(ranks, &["gradient", "shelf.toml", "--json", "--no-report", "--out", &out]);
+            let (output, functionals, states) = folder.gradient([ranks, 1], "shelf.toml", &[]);
             let said = text(&output.stdout);
-            assert_eq!(said.contains(&format!("shared by {ranks} ranks")), ranks > 1, "{said}");
             assert!(said.contains(words), "{said}");
-            (json(&output)["functionals"].clone(), fs::read(folder.0.join(out).join("histories.csv")).unwrap())
+            (functionals, states)
         };
         let one = gradient(1);
         for ranks in 2..=3 {

@@ -38,11 +38,13 @@ pub enum Backend {
 
 impl Backend {
     /// All, the choice by size first.
-    #[cfg(not(feature = "mumps"))]
-    pub const ALL: [Backend; 3] = [Backend::Automatic, Backend::Dense, Backend::Multifrontal];
-    /// All, the choice by size first.
-    #[cfg(feature = "mumps")]
-    pub const ALL: [Backend; 4] = [Backend::Automatic, Backend::Dense, Backend::Multifrontal, Backend::Mumps];
+    pub const ALL: [Backend; if cfg!(feature = "mumps") { 4 } else { 3 }] = [
+        Backend::Automatic,
+        Backend::Dense,
+        Backend::Multifrontal,
+        #[cfg(feature = "mumps")]
+        Backend::Mumps,
+    ];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {

@@ -413,3 +413,53 @@ impl Change {
 fn at(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64> {
     from.iter().zip(to).map(move |(from, to)| from + share * (to - from))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::{ArgumentKind, Recorded};
+    use crate::scalar::{Interpolant, Scalar};
+
+    /// Laws of x, with a switch at a place on the way from 0 to 1 and what it does there.
+    fn laws() -> [(&'static str, fn(Recorded) -> Recorded, f64, Option<SwitchKind>); 8] {
+        fn bent(x: Recorded) -> Recorded {
+            x.on_curve(&Curve::new(&[-1.0, 0.375, 2.0], &[0.0, 2.0, 1.0], Interpolant::Lines).expect("knots"), 0)
+        }
+        [
+            ("larger", |x| (x * x).max(Recorded::from(0.0625)), 0.25, Some(SwitchKind::Kink)),
+            ("next to round-off", |x| (x + 1e9).max(x * 2.0 + (1e9 - 0.125)), 0.125, Some(SwitchKind::Kink)),
+            ("jump", |x| x.exp().less(Recorded::from(1.5)).select(x, x + 0.5), 1.5f64.ln(), Some(SwitchKind::Jump)),
+            ("smooth", |x| x.less(Recorded::from(0.1)).select(x * x, x * x * x / x), 0.1, None),
+            ("curvature", |x| (x - 0.7).max(Recorded::from(0.0)).powi(2) + 1.0, 0.7, None),
+            ("whole", |x| (x * 1.9).floor(), 1.0 / 1.9, Some(SwitchKind::Jump)),
+            ("whole, downwards", |x| (x * -0.9 + 0.5).floor(), 0.5 / 0.9, Some(SwitchKind::Jump)),
+            ("table", bent, 0.375, Some(SwitchKind::Kink)),
+        ]
+    }
+
+    #[test]
+    fn switches_are_placed_between_neighbours() {
+        for (name, law, expected, kind) in laws() {
+            let formula = Formula::record([(ArgumentKind::Coordinate, 1)], |x| vec![law(x[0])]).expect("does not branch");
+            let switches = formula.switches(true).unwrap_or_else(|| panic!("{name} has a switch"));
+            let mut work = ProgramWork::default();
+            let [before, after] = [0.0, 1.0].map(|x| {
+                let mut numbers = Vec::new();
+                switches.evaluate(&[x], &mut numbers, &mut work);
+                numbers
+            });
+            let mut way = Way { switches: &switches, from: &[0.0], to: &[1.0], inputs: vec![], numbers: vec![], work };
+            let [(side, 0)] = switches.changing(&before, &after).collect::<Vec<_>>()[..] else { panic!("{name}: one side") };
+            let (low, high) = way.place(side, 0, [&before, &after], 0.0).expect("a place");
+            assert!(low < high && [low, high].contains(&(0.5 * (low + high))), "{name}: {low:e} {high:e}");
+            let sides = [low, high].map(|share| side.has_changed(&before, way.numbers_at(share)));
+            assert_eq!(sides, [false, true], "{name}");
+            let round_off = if name == "next to round-off" { 1e-6 } else { 1e-14 };
+            assert!((low - expected).abs() < round_off, "{name}: {low} for {expected}");
+            assert_eq!(switches.kind(&[0.0], &[1.0], None), kind, "{name}");
+            // beside a kink only a jump counts
+            let worse = kind.filter(|kind| *kind == SwitchKind::Jump);
+            assert_eq!(switches.kind(&[0.0], &[1.0], Some(SwitchKind::Kink)), worse, "{name}");
+        }
+    }
+}

@@ -34,6 +34,8 @@ const METHODS: [(&str, ConstraintLevel); 4] = [
 /// Most memory of a body of the longest one [KB], and the steps in which it is found: first guesses look back as many.
 const MEMORY: f64 = 22.0;
 const FEW: usize = 9;
+/// Numbers that are added up to see how fast memory is read.
+const NUMBERS: usize = 1 << 27;
 /// Steps of 0.5 s in the comparison of errors, and the bars of its chain.
 const LADDER: [usize; 3] = [250, 500, 1000];
 const LADDER_BODIES: usize = 10;
@@ -48,8 +50,23 @@ struct Cost {
     /// Shares of a step's time.
     shares: [f64; 4],
     counters: Counters,
+    /// Entries of L and U.
+    fill: f64,
     allocations: u64,
     value: f64,
+}
+
+impl Cost {
+    /// Time of one of each part of a step \[us\], in the order of [`PHASES`].
+    fn of_one(&self, steps: usize) -> [f64; 4] {
+        let Counters { residuals, factorizations, solves, .. } = self.counters;
+        let counts = [residuals, factorizations, factorizations, solves].map(|count| count as f64 / steps as f64);
+        std::array::from_fn(|phase| self.shares[phase] * self.forward_us / counts[phase])
+    }
+    /// What solutions read of the factors in a second \[GB\].
+    fn read_by_solutions(&self, steps: usize) -> f64 {
+        8e-3 * self.fill / self.of_one(steps)[3]
+    }
 }
 
 impl Study for ChainCost {
@@ -101,10 +118,37 @@ fn measure_all(report: &mut Report) -> Result<(), String> {
                 write_one(report, &format!("{label}/in {} steps", few.1), few, &same);
                 let growth = per_body(&long, LONG) / per_body(&same, few);
                 report.inform(format!("{label}/time per body at 10,000 bodies against 100 in as many steps"), growth);
+                let [long_each, same_each] = [(&long, LONG), (&same, few)].map(|(cost, size)| cost.of_one(size.1));
+                for (phase, what) in PHASES.into_iter().enumerate() {
+                    let growth = long_each[phase] / LONG.0 as f64 / (same_each[phase] / few.0 as f64);
+                    report.inform(format!("{label}/the same, {what} alone, of one"), growth);
+                }
+                for (cost, size) in [(&same, few), (&long, LONG)] {
+                    let read = cost.read_by_solutions(size.1);
+                    report.inform(format!("{label}/{} bodies/factors that solutions read [GB/s]", size.0), read);
+                }
             }
         }
     }
-    if short { Ok(()) } else { compare_errors(report) }
+    if short {
+        return Ok(());
+    }
+    report.inform("1 GB of numbers that a thread adds up [GB/s]", numbers_in_turn());
+    compare_errors(report)
+}
+
+/// What one thread reads at most in a second where numbers lie one after the other \[GB\].
+fn numbers_in_turn() -> f64 {
+    let numbers = vec![1.0f64; NUMBERS];
+    let seconds = (0..REPEATS).map(|_| {
+        let clock = Clock::start();
+        // sums side by side, so that none waits for the one before
+        let mut sums = [0.0; 64];
+        numbers.chunks_exact(64).for_each(|own| sums.iter_mut().zip(own).for_each(|(sum, number)| *sum += number));
+        std::hint::black_box(sums);
+        clock.seconds()
+    });
+    8e-9 * NUMBERS as f64 / seconds.fold(f64::INFINITY, f64::min)
 }
 
 /// Error of the tip against the time that it takes, for all methods.
@@ -214,6 +258,7 @@ fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> 
         prepare_s: begun.seconds(),
         shares: [0.0; 4],
         counters: Counters::default(),
+        fill: all.linear_solver().map_err(|error| error.to_string())?.work.map_or(f64::NAN, |work| work.fill as f64),
         allocations: 0,
         value: 0.0,
     };
