@@ -420,8 +420,10 @@ mod tests {
     use crate::program::{ArgumentKind, Recorded};
     use crate::scalar::{Interpolant, Scalar};
 
-    /// Laws of x, with a switch at a place on the way from 0 to 1 and what it does there.
-    fn laws() -> [(&'static str, fn(Recorded) -> Recorded, f64, Option<SwitchKind>); 8] {
+    /// A law of x by its name, the place of a switch of it on the way from 0 to 1, and what that does.
+    type Law = (&'static str, fn(Recorded) -> Recorded, f64, Option<SwitchKind>);
+
+    fn laws() -> [Law; 8] {
         fn bent(x: Recorded) -> Recorded {
             x.on_curve(&Curve::new(&[-1.0, 0.375, 2.0], &[0.0, 2.0, 1.0], Interpolant::Lines).expect("knots"), 0)
         }
