@@ -36,15 +36,12 @@ type OfASolver = [(&'static str, Times); 3];
 /// What MUMPS takes, with the order of elimination that it takes.
 pub struct OfMumps {
     pub ordering: &'static str,
-    pub of_a_system: OfASolver,
+    pub parts: OfASolver,
 }
 
 /// Times \[s\], counts of a step, and what the first step and its gradient give.
 pub struct Phases {
-    pub unknowns: f64,
-    /// Residual, matrix, factorization, solution, and transposed solution, of one system.
-    pub of_a_system: Parts,
-    pub of_mumps: Option<OfMumps>,
+    pub system: OneSystem,
     pub step: Times,
     /// For the first functional, and for two.
     pub adjoint: [Times; 2],
@@ -54,8 +51,6 @@ pub struct Phases {
     pub memory: Option<f64>,
     /// Value of the first functional, and then its gradient.
     pub results: Vec<f64>,
-    /// Elements that this rank evaluates for its part of a matrix, where ranks share it.
-    pub own_elements: Option<usize>,
 }
 
 /// A scene with so many steps and its first functionals.
@@ -98,8 +93,7 @@ fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
 impl Phases {
     /// Of a scene with two functionals.
     pub fn measure(scene: &dyn AnyScene, effort: Effort) -> Result<Self, RunError> {
-        let OneSystem { unknowns, of_a_system, own_elements, of_mumps } =
-            OneSystem::measure(&prepare(scene, 1, 1)?, effort)?;
+        let system = OneSystem::measure(&prepare(scene, 1, 1)?, effort)?;
         let before = memory_of_now();
         forget_peak();
         let first = Run::of(&prepare(scene, 1, 2)?)?;
@@ -112,27 +106,18 @@ impl Phases {
         }
         let ([step, one, two, [iterations, factorizations]], results) = (numbers, first.results);
         let adjoint = [one, two];
-        Ok(Phases {
-            unknowns,
-            of_a_system,
-            of_mumps,
-            step,
-            adjoint,
-            iterations,
-            factorizations,
-            memory,
-            results,
-            own_elements,
-        })
+        Ok(Phases { system, step, adjoint, iterations, factorizations, memory, results })
     }
 }
 
 /// A system of the last stage.
-struct OneSystem {
-    unknowns: f64,
-    of_a_system: Parts,
-    own_elements: Option<usize>,
-    of_mumps: Option<OfMumps>,
+pub struct OneSystem {
+    pub unknowns: f64,
+    /// Residual, matrix, factorization, solution, and transposed solution.
+    pub parts: Parts,
+    /// Elements that this rank evaluates for its part of a matrix, where ranks share it.
+    pub own_elements: Option<usize>,
+    pub of_mumps: Option<OfMumps>,
 }
 
 impl OneSystem {
@@ -171,11 +156,11 @@ impl OneSystem {
         let (of_matrix, [factor, solution, transposed], own_elements, _) = by(Backend::Multifrontal)?;
         let mumps = Backend::ALL.into_iter().find(|backend| with_mumps && backend.name() == "mumps");
         let of_mumps = match mumps.map(by).transpose()? {
-            Some((_, of_a_system, _, Some(ordering))) => Some(OfMumps { ordering, of_a_system }),
+            Some((_, parts, _, Some(ordering))) => Some(OfMumps { ordering, parts }),
             _ => None,
         };
-        let of_a_system = [("residual", of_residual), ("matrix", of_matrix), factor, solution, transposed];
-        Ok(OneSystem { unknowns: system.size() as f64, of_a_system, own_elements, of_mumps })
+        let parts = [("residual", of_residual), ("matrix", of_matrix), factor, solution, transposed];
+        Ok(OneSystem { unknowns: system.size() as f64, parts, own_elements, of_mumps })
     }
 }
 

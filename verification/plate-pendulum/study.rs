@@ -118,11 +118,11 @@ fn thicknesses(report: &mut Report) -> Result<(), RunError> {
 fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), RunError> {
     let name = |what: &str| format!("{}, {threads} thread{}/{what}", subject.name, if threads > 1 { "s" } else { "" });
     let own = Phases::measure(&*subject.scene, USUAL)?;
-    report.inform(name("unknowns"), own.unknowns);
-    for (what, [seconds, _]) in own.of_a_system {
+    report.inform(name("unknowns"), own.system.unknowns);
+    for (what, [seconds, _]) in own.system.parts {
         report.inform(name(&format!("{what} [s]")), seconds);
     }
-    let of_element = (own.of_a_system[0].1[0] + own.of_a_system[1].1[0]) / subject.elements as f64;
+    let of_element = (own.system.parts[0].1[0] + own.system.parts[1].1[0]) / subject.elements as f64;
     report.inform(name("residual and matrix of an element [us]"), 1e6 * of_element);
     report.inform(name("one forward step [s]"), own.step[0]);
     report.inform(name("its adjoint and gradient [s]"), own.adjoint[0][0]);

@@ -275,17 +275,17 @@ impl Subject {
         };
         let own = Phases::measure(&plate, effort).map_err(|error| error.to_string())?;
         let (after, on_processor) = (traffic(), processor_seconds() - on_processor);
-        report.inform("unknowns", own.unknowns);
+        report.inform("unknowns", own.system.unknowns);
         let mut tell = |what: &str, [seconds, path]: Times| {
             report.inform(format!("{what} [s]"), seconds);
             report.inform(format!("{what}{ON_PATH}"), path);
         };
-        own.of_a_system.iter().for_each(|&(what, times)| tell(what, times));
-        tell("residual and matrix", [0, 1].map(|time| own.of_a_system[0].1[time] + own.of_a_system[1].1[time]));
+        own.system.parts.iter().for_each(|&(what, times)| tell(what, times));
+        tell("residual and matrix", [0, 1].map(|time| own.system.parts[0].1[time] + own.system.parts[1].1[time]));
         tell("forward step", own.step);
         tell("adjoint of a step", own.adjoint[0]);
-        if let Some(OfMumps { ordering, of_a_system }) = &own.of_mumps {
-            for (what, [seconds, _]) in of_a_system {
+        if let Some(OfMumps { ordering, parts }) = &own.system.of_mumps {
+            for (what, [seconds, _]) in parts {
                 report.inform(format!("MUMPS, ordered by {ordering}: {what} [s]"), *seconds);
             }
         }
@@ -310,7 +310,7 @@ impl Subject {
         }
         let memory = own.memory.unwrap_or(f64::NAN);
         let of_rank = [on_processor, after.waited - before.waited, after.sent - before.sent, memory];
-        let shared = own.own_elements.unwrap_or(0) as f64;
+        let shared = own.system.own_elements.unwrap_or(0) as f64;
         let all = of_all_ranks(&[&of_rank[..], &[shared], &own.results].concat());
         let is_other = |rank: &&Vec<f64>| rank[5..].iter().zip(&own.results).any(|(a, b)| a.to_bits() != b.to_bits());
         report.at_most("ranks with other results", all.iter().filter(is_other).count() as f64, 0.0);
