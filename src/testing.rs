@@ -108,12 +108,6 @@ impl<E: Element> AnyElement for Shared<E> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.breakpoints(p)
-    }
     fn record_residual(&self) -> Result<Arc<Formula>, String> {
         self.0.record_residual()
     }
@@ -158,12 +152,6 @@ impl<C: AnyConstraint> AnyConstraint for Shared<C> {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameter_list()
-    }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.breakpoint_times(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.recorded_breakpoints(p)
     }
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         self.0.evaluate(numbers, t)

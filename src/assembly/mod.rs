@@ -12,7 +12,6 @@
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
 mod batches;
-mod breakpoints;
 mod clock;
 mod constraint_programs;
 mod constraint_rows;
@@ -40,7 +39,6 @@ mod terms;
 mod unit_length;
 mod variational;
 
-pub(crate) use breakpoints::BreakpointMap;
 pub use clock::Clock;
 pub use constraint_programs::ConstraintPart;
 pub(crate) use constraint_rows::ConstraintRows;

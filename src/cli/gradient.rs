@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{brief, json_number, relative_effect, say, say_json, warn};
+use super::console::{brief, json_number, relative_effect, say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::influences::say_influences;
@@ -17,7 +17,7 @@ use crate::integrators::{Counters, RunError};
 use crate::io::{Progress, number};
 use crate::program::making_time;
 use crate::scenes::{AnyScene, Prepared, Scenario};
-use crate::sensitivity::{Forward, Gradient};
+use crate::sensitivity::{Forward, Gradient, SwitchError};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use std::time::Instant;
@@ -145,8 +145,7 @@ fn run_one(
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
     show(&prepared, &simulation);
-    let behind = simulation.behind_jumps(&prepared);
-    say_simulated(&simulation, &prepared, page.as_mut(), options.scene.json);
+    say_simulated(&simulation, &prepared, options.scene.json);
     let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
@@ -163,6 +162,9 @@ fn run_one(
         return Err(error.into());
     }
     let (forward, check) = (&simulation.forward, options.check);
+    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| simulation.say_files())?;
+    let behind: Vec<&str> =
+        switched.iter().filter(|own| own.refused().is_some()).map(|own| own.functional.as_str()).collect();
     let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
         (0..prepared.functionals().len())
             .for_each(|row| say_gradient(&prepared, (row, forward.values[row]), &adjoint, None));
@@ -195,20 +197,15 @@ fn run_one(
     simulation.conclude(page, summary);
     simulation.say_files();
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
+    switched.iter().find_map(SwitchError::refused).map_or(Ok(()), |why| Err(Failure::run(why)))?;
     check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
     simulation.unwritten.map_or(Ok(()), Err)
 }
 
 /// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.
-fn say_simulated(simulation: &Simulation, prepared: &Prepared, mut page: Option<&mut Page>, as_json: bool) {
+fn say_simulated(simulation: &Simulation, prepared: &Prepared, as_json: bool) {
     simulation.say_functionals(prepared);
     simulation.say_resolution(prepared);
-    for crossing in simulation.crossings_in_words() {
-        warn(&crossing);
-        if let Some(page) = &mut page {
-            page.warning(&crossing);
-        }
-    }
     say_checkpoints(prepared, &simulation.forward);
     let mut simulated = simulation.json(prepared);
     simulated.insert("error".into(), json!("interrupted before the gradient was there"));
@@ -371,7 +368,7 @@ impl Check {
         let name = prepared.functionals()[k].name.as_str();
         match self.way {
             _ if behind.contains(&name) => Some(format!(
-                "the gradient of {name} is behind a jump, where it is wrong: complex step and runs of the same steps pass the same jump, so their \
+                "the gradient of {name} is wrong because of a switch within a step, which complex step and runs of the same steps pass, too: their \
                  agreement shows nothing"
             )),
             CheckWay::Independent if self.jumps[k] => Some(format!(

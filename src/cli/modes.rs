@@ -6,7 +6,7 @@ use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, mode_picture, motion};
 use super::rates::Rates;
 use super::report::{Clip, Page};
-use super::simulation::{crossings_in_words, names};
+use super::simulation::names;
 use super::snapshot::Snapshot;
 use super::still::StillOptions;
 use crate::integrators::{Mode, RunError};
@@ -66,7 +66,7 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     let found = if options.periodic {
         let found = prepared.periodic_modes(options.count).map_err(named)?;
         let PeriodicModes { period, gap, q, modes, faded, kinks } = found;
-        crossings_in_words(&kinks).iter().for_each(|words| warn(words));
+        kinks.iter().for_each(|kink| warn(&kink.to_string()));
         kind = Kind::Periodic { period, gap, faded };
         DifferentiatedModes { q, modes, gradients: Vec::new() }
     } else {

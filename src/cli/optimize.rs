@@ -12,7 +12,7 @@ use super::optimum::{conditions_json, largest_json, say_conditions, smooth_only}
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::check_folder;
-use super::simulation::{crossings_in_words, crossings_json, steps_in_words};
+use super::simulation::{crossings_json, steps_in_words};
 use super::snapshot::Snapshot;
 use super::stability::{Statement, statement};
 use crate::design::DesignVariable;
@@ -168,7 +168,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let motion = report.best_motion();
     let crossings = motion.as_ref().map_or(&[][..], |(_, _, crossings)| crossings);
     let mut shown = report.page(&charts.concat(), &motion);
-    let warnings = crossings_in_words(crossings);
+    let warnings: Vec<String> = crossings.iter().map(ToString::to_string).collect();
     warnings.iter().for_each(|warning| shown.warning(format!("best design: {warning}")));
     shown.write(&page, &files)?;
     let mut json = report.json(&files);

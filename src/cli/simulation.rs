@@ -11,7 +11,7 @@ use super::snapshot::Snapshot;
 use super::stability::{self, Statement};
 use crate::design::shortest;
 use crate::exchange::is_shared;
-use crate::functionals::{Extreme, Extremes, Measured, Times};
+use crate::functionals::{Extreme, Extremes};
 use crate::history::{Observer, Usage};
 use crate::integrators::{
     Counters, Crossing, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
@@ -310,25 +310,8 @@ impl Simulation {
         if let Some(balance) = self.balance.filter(|own| own.share().is_some_and(|share| share > StepError::COARSE)) {
             warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }
+        warnings.extend(self.forward.crossings.iter().map(ToString::to_string));
         warnings
-    }
-
-    /// What it means for a gradient that formulas of the model pass from one piece to another: one warning for each part.
-    pub fn crossings_in_words(&self) -> Vec<String> {
-        crossings_in_words(&self.forward.crossings)
-    }
-
-    /// Functionals that read behind a jump, whose gradients are wrong there: agreement with a complex step, which passes the same jump,
-    /// proves nothing.
-    pub fn behind_jumps<'p>(&self, prepared: &'p Prepared) -> Vec<&'p str> {
-        let jumps = self.forward.crossings.iter().filter(|crossing| crossing.kind == SwitchKind::Jump);
-        let (own, of_motion): (Vec<_>, Vec<_>) = jumps.partition(|crossing| crossing.is_functional);
-        let behind = prepared.functionals().iter().filter(|functional| {
-            let is_mass = matches!(&functional.measured, Measured::Group(group) if group.is_still(prepared.model()));
-            own.iter().any(|crossing| crossing.part == functional.name)
-                || !of_motion.is_empty() && functional.over.times() != Times::Start && !is_mass
-        });
-        behind.map(|functional| functional.name.as_str()).collect()
     }
 
     /// Writes the report, if there is one, and the summary, the last files of a run.
@@ -494,41 +477,14 @@ fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// One sentence for each part that passes from one piece of its formula to another.
-pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
-    let words = |crossing: &Crossing| {
-        let Crossing { part, is_functional, kind, step, t, count, last } = crossing;
-        let more = if *count > 1 { format!(", and in {} more steps until step {last}", count - 1) } else { String::new() };
-        let (what, follows) = match (kind, is_functional) {
-            (SwitchKind::Jump, false) => (
-                "jumps",
-                "gradients of what is measured behind it are wrong, and so are their complex steps; keep the motion on one side, or write the \
-                 formula without the jump; the estimated error of such a step is not to be trusted",
-            ),
-            (SwitchKind::Kink, false) => (
-                "has a kink",
-                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps and \
-                 compare; the estimated error of such a step is not to be trusted",
-            ),
-            (SwitchKind::Jump, true) => {
-                ("jumps", "its gradient is wrong, and so is its complex step; measure something that does not jump")
-            }
-            (SwitchKind::Kink, true) => {
-                ("has a kink", "its gradient is right to first order of the step only; take smaller steps and compare")
-            }
-        };
-        let whose = if *is_functional { "the formula of functional" } else { "the formula of" };
-        format!("step {step} (t = {} s){more}: {whose} \"{part}\" {what} there: {follows}", shortest(*t))
-    };
-    crossings.iter().map(words).collect()
-}
-
-/// The same for JSON.
+/// Crossings of switches for JSON.
 pub fn crossings_json(crossings: &[Crossing]) -> Value {
     let object = |crossing: &Crossing| {
-        let Crossing { part, is_functional, kind, step, t, count, last } = crossing;
+        let Crossing { part, is_functional, kind, step, t, count, last, passed_over } = crossing;
         let kind = if *kind == SwitchKind::Jump { "jump" } else { "kink" };
-        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last})
+        let passed = passed_over.map(json_number);
+        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last,
+               "passed_over_s": passed})
     };
     crossings.iter().map(object).collect()
 }

@@ -158,10 +158,6 @@ pub trait AnyElement: Send + Sync {
     fn node_kinds(&self) -> Vec<NodeKind>;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Times at which a load jumps.
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64>;
-    /// The same times in recorded numbers.
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded>;
     /// Records R(a, v, q, p, t).
     fn record_residual(&self) -> Recording;
     /// Records w_P P + w_F F as a function of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
@@ -215,12 +211,6 @@ impl<E: Element> AnyElement for E {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
-    }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.breakpoints(p)
     }
     fn record_residual(&self) -> Recording {
         record_residual(self)
@@ -413,14 +403,6 @@ impl ElementPhysics {
     pub fn parameter_list(&self) -> Vec<Parameter> {
         self.0.own.parameter_list()
     }
-    /// Times at which a load jumps.
-    pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.own.breakpoint_times(p)
-    }
-    /// The same times in recorded numbers.
-    pub(crate) fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.own.recorded_breakpoints(p)
-    }
     /// Whether its energies are complete.
     pub fn has_energies(&self) -> bool {
         *self.0.has_energies.get_or_init(|| self.0.own.has_energies())
@@ -532,10 +514,6 @@ pub trait AnyConstraint: Send + Sync {
     }
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Times at which the prescribed motion is not smooth.
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64>;
-    /// The same times in recorded numbers.
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded>;
     /// g or h of recorded numbers (v, q, p) and t.
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
 }
@@ -576,12 +554,6 @@ impl<C: Constraint> AnyConstraint for C {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.breakpoints(p)
-    }
     fn evaluate(&self, [_, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         let mut g = vec![Recorded::from(0.0); self.equations()];
         self.g(q, p, t, &mut g);
@@ -601,12 +573,6 @@ impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
-    }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.breakpoints(p)
     }
     fn evaluate(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         let mut h = vec![Recorded::from(0.0); C::EQUATIONS];
@@ -693,14 +659,6 @@ impl ConstraintPhysics {
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
         self.0.own.parameter_list()
-    }
-    /// Times at which the prescribed motion is not smooth.
-    pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.own.breakpoint_times(p)
-    }
-    /// The same times in recorded numbers.
-    pub(crate) fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.own.recorded_breakpoints(p)
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {

@@ -75,10 +75,6 @@ pub trait Element: Send + Sync + 'static {
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
         S::zero()
     }
-    /// Times at which a load jumps: steps end there and the acceleration is solved anew.
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        Vec::new()
-    }
     /// The residual of an element with a node map, in stages; of [`Flexible`](super::Flexible) alone.
     #[doc(hidden)]
     fn in_stages(&self, _s: State<Recorded>, _p: &[Recorded], _t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {

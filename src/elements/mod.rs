@@ -46,5 +46,5 @@ pub use parameter::{Admissible, Parameter};
 pub use table::Table;
 pub(crate) use time_formula::RecordedFunction;
 pub use time_formula::TimeFormula;
-pub use time_function::{MOST_BREAKPOINTS, TimeFunction};
+pub use time_function::TimeFunction;
 pub(crate) use turning::{InTurningFrame, SPIN_PARAMETERS, turn, turn_gradient};

@@ -38,7 +38,7 @@ impl Table {
         let piece = pieces(nothing, &|k| number(k as f64), number(end as f64));
         Ok(Table {
             interpolant,
-            piece: Arc::new(piece.with_kinks(interpolant.has_kinks())),
+            piece: Arc::new(piece.joined_by(interpolant)),
             share: Arc::new(pieces(nothing, &|k| [0.0, 1.0 / h(k), 0.0, 0.0], number(1.0))),
             width: Arc::new(pieces(number(h(0)), &|k| number(h(k)), number(h(last - 1)))),
             beyond: [(identity, nothing), (nothing, identity)]

@@ -117,12 +117,6 @@ impl AnyElement for InTurningFrame {
     fn parameter_list(&self) -> Vec<Parameter> {
         [self.own.parameter_list(), spin_parameters()].concat()
     }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.own.breakpoint_times(&p[..self.own.parameter_count()])
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.own.recorded_breakpoints(&p[..self.own.parameter_count()])
-    }
     fn record_residual(&self) -> Recording {
         self.own.residual().with_parameters(SPIN_PARAMETERS, |x, spin| self.in_world(x, spin))
     }

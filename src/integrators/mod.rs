@@ -58,7 +58,7 @@ pub(crate) use complex_modes::complex_modes;
 pub use counters::Counters;
 pub(crate) use counters::Phase;
 pub use crossings::Crossing;
-pub(crate) use crossings::{Place, SwitchWatch};
+pub(crate) use crossings::{Place, SwitchWatch, each_formula};
 pub(crate) use dividing::march_dividing;
 pub use error::RunError;
 pub(crate) use given::{march, march_along};

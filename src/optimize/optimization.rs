@@ -2,7 +2,7 @@ use super::{DesignHistory, Ended, Stopping};
 use crate::design::DesignVariable;
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
-use crate::integrators::{Method, RunError};
+use crate::integrators::{Method, RunError, TimeGrid};
 use crate::scenes::{AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes};
 
 /// Where gradients come from.
@@ -63,6 +63,8 @@ pub struct Optimization<'s> {
     pub(super) places: Vec<(usize, String)>,
     /// Those of them that are aggregates.
     aggregates: Vec<(String, AggregateKind)>,
+    /// The steps of each case at the initial design, whose numbers between breakpoints all designs have.
+    pub(super) grids: Vec<TimeGrid>,
 }
 
 /// One simulation of a design.
@@ -130,13 +132,17 @@ impl<'s> Optimization<'s> {
     pub fn new(scene: &'s dyn AnyScene, problem: OptimizationProblem, cases: Vec<Case<'s>>) -> Result<Self, RunError> {
         let variables = scene.variables();
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-        let mut all = Vec::new();
+        let (mut all, mut grids) = (Vec::new(), Vec::new());
         for (place, case) in cases.iter().enumerate() {
             if case.scene.variables().iter().map(|own| &own.name).ne(variables.iter().map(|own| &own.name)) {
                 let words = case.told("its design variables are not those of the scene, which all share".into());
                 return Err(RunError::Input(words));
             }
             let mechanism = case.scene.build_real(&initial).map_err(RunError::Input)?;
+            let Settings { end, steps, control, .. } = &case.settings;
+            let breakpoints = mechanism.breakpoints(*end).map_err(RunError::Input)?;
+            let steps = if control.is_some() { 1 } else { *steps };
+            grids.push(TimeGrid::uniform(*end, steps, &breakpoints).map_err(RunError::Input)?);
             let own = mechanism.functionals.iter();
             all.extend(own.map(|own| CaseFunctional {
                 case: place,
@@ -167,7 +173,19 @@ impl<'s> Optimization<'s> {
         all.retain(|own| named(&own.full));
         let (functionals, places) = all.into_iter().map(|own| ((own.full, own.unit), (own.case, own.name))).unzip();
         let (keep, gradient, stopping) = (Keep::default(), GradientBy::Adjoint, Stopping::default());
-        Ok(Optimization { scene, problem, cases, keep, gradient, stopping, variables, functionals, places, aggregates })
+        Ok(Optimization {
+            scene,
+            problem,
+            cases,
+            keep,
+            gradient,
+            stopping,
+            variables,
+            functionals,
+            places,
+            aggregates,
+            grids,
+        })
     }
 
     /// The design variables.

@@ -23,6 +23,7 @@ mod operation;
 mod recorded;
 mod refused;
 mod running;
+mod switch_times;
 mod switches;
 mod undefined;
 
@@ -38,4 +39,5 @@ pub use operation::Node;
 pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
 pub use refused::refuses_machine_code;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
-pub use switches::{SwitchKind, Switches};
+pub use switch_times::SwitchTime;
+pub use switches::{Reads, SwitchKind, Switches, between};

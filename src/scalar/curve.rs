@@ -3,6 +3,10 @@ use super::slopes::{monotone_slopes, natural_slopes};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+/// Knots of a monotone table of time that steps still end at: its second derivative jumps there, which costs methods above third order their
+/// order; ends of steps at each of many knots would cost more. With a few more knots than this `esdirk4` is of order 3.3 (study `signals`).
+pub const MOST_BREAKPOINTS: usize = 100;
+
 /// How values are joined between knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolant {
@@ -43,13 +47,14 @@ pub struct Curve {
     /// The last knot belongs to the piece on its left.
     is_closed: bool,
     has_kinks: bool,
+    has_breakpoints: bool,
 }
 
 impl Hash for Curve {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let numbers = self.knots.iter().chain(self.pieces.as_flattened());
         numbers.for_each(|number| number.to_bits().hash(state));
-        (self.is_closed, self.has_kinks).hash(state);
+        (self.is_closed, self.has_kinks, self.has_breakpoints).hash(state);
     }
 }
 
@@ -100,17 +105,19 @@ impl Curve {
         let end = |k: usize| [values[k], slope(k), 0.0, 0.0];
         let pieces = std::iter::once(end(0)).chain(inner).chain([end(last)]).collect();
         let has_kinks = interpolant.has_kinks();
-        Ok(Arc::new(Self::of_pieces(knots, pieces, !has_kinks).with_kinks(has_kinks)))
+        Ok(Arc::new(Self::of_pieces(knots, pieces, !has_kinks).joined_by(interpolant)))
     }
 
     /// Of its pieces, one more than knots.
     pub(crate) fn of_pieces(knots: &[f64], pieces: Vec<[f64; 4]>, is_closed: bool) -> Self {
-        Curve { knots: knots.to_vec(), pieces, is_closed, has_kinks: false }
+        Curve { knots: knots.to_vec(), pieces, is_closed, has_kinks: false, has_breakpoints: false }
     }
 
-    /// Says whether what is made of it jumps or bends at its knots.
-    pub(crate) fn with_kinks(self, has_kinks: bool) -> Self {
-        Curve { has_kinks, ..self }
+    /// Says how smooth what is made of it is at its knots.
+    pub(crate) fn joined_by(self, interpolant: Interpolant) -> Self {
+        let has_kinks = interpolant.has_kinks();
+        let curvature_jumps = interpolant == Interpolant::Monotone && self.knots.len() <= MOST_BREAKPOINTS;
+        Curve { has_kinks, has_breakpoints: has_kinks || curvature_jumps, ..self }
     }
 
     /// The knots.
@@ -126,6 +133,11 @@ impl Curve {
     /// Whether value or slope jump at the knots.
     pub(crate) fn has_kinks(&self) -> bool {
         self.has_kinks
+    }
+
+    /// Whether steps end at its knots where it is a function of time.
+    pub(crate) fn has_breakpoints(&self) -> bool {
+        self.has_breakpoints
     }
 
     /// Number of the piece at `t`, from 0 before the first knot on.

@@ -2,7 +2,7 @@ use super::builder::MechanismBuilder;
 use super::scene::{AnyScene, Settings};
 use super::unknown;
 use crate::assembly::{Attached, Model, VectorsAvq};
-use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
+use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated, shortest};
 use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
@@ -13,7 +13,7 @@ use crate::integrators::{
 use crate::linalg::{Factorization, SolverPlan};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
-use crate::sensitivity::{Analysis, largest_difference};
+use crate::sensitivity::{Analysis, Breakpoints, largest_difference};
 use std::ops::Range;
 
 /// A scene at one design, ready to run: built, checked, with its steps laid out.
@@ -92,7 +92,6 @@ impl<'s> Prepared<'s> {
             )));
         }
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
-        let breakpoints = mechanism.breakpoints();
         let Settings { end, steps, control, divide, mut policy, .. } = settings;
         // load steps lead to equilibria themselves
         policy.from_equilibrium &= !method.table.is_static();
@@ -100,13 +99,28 @@ impl<'s> Prepared<'s> {
             control.check(&method.table)?;
         }
         let steps = if control.is_some() { 1 } else { steps };
-        let grid = TimeGrid::uniform(end, steps, &breakpoints).map_err(RunError::Input)?;
+        let breakpoints = mechanism.all_breakpoints(end).map_err(RunError::Input)?;
+        if let Some(own) = breakpoints.all().iter().find(|own| own.is_constraint && own.kind.is_some() && own.at.t > 0.0) {
+            let (name, t) = (&own.part, shortest(own.at.t));
+            return Err(RunError::Input(format!(
+                "the motion that \"{name}\" prescribes or its rate would jump at t = {t} s; give it a smooth ramp or a table"
+            )));
+        }
+        let grid = TimeGrid::uniform(end, steps, &breakpoints.times()).map_err(RunError::Input)?;
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
         let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, divide, plan, keep };
         prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
         match prepared.functionals().iter().find_map(|functional| functional.refused(prepared.model())) {
             Some(why) => Err(RunError::Input(why)),
             None => Ok(prepared),
+        }
+    }
+
+    /// Takes the steps that were laid for another design of the scene, so that the number of those between two breakpoints does not change from
+    /// design to design, and values with it.
+    pub(crate) fn keep_steps_of(&mut self, other: &TimeGrid) {
+        if self.grid.is_of_same_run(other) {
+            self.grid = other.clone();
         }
     }
 
@@ -245,9 +259,20 @@ impl<'s> Prepared<'s> {
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Times at which loads jump or drivers are not smooth.
-    pub fn breakpoints(&self) -> Vec<f64> {
-        self.model.breakpoints(&self.numbers.p.iter().map(|p| p.value()).collect::<Vec<f64>>())
+    /// Times of a run from 0 to `end` at which formulas jump or bend whatever the motion is, such as those of loads, drivers and states:
+    /// steps end there.
+    ///
+    /// # Errors
+    /// A part with more than a million of them.
+    pub fn breakpoints(&self, end: f64) -> Result<Vec<f64>, String> {
+        Ok(self.all_breakpoints(end)?.times())
+    }
+
+    fn all_breakpoints(&self, end: f64) -> Result<Breakpoints, String> {
+        let values = |numbers: &[S]| numbers.iter().map(|number| number.value()).collect();
+        let ModelNumbers { p, q, v } = &self.numbers;
+        let numbers = ModelNumbers { p: values(p), q: values(q), v: values(v) };
+        Breakpoints::of(&self.model, &self.functionals, &numbers, end)
     }
 }
 

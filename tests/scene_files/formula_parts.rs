@@ -240,7 +240,6 @@ fn what_is_wrong_with_formulas_is_told() {
             element("nodes = { a = \"angle\" }\nforce = { a = [1, 2, 3] }"),
             "\"a\" is a coordinate, which takes a number here",
         ),
-        (element("nodes = { a = \"body\" }\nforce = { a = \"if_less(t, 0.1, 1, 0) * a.x_axis\" }"), "give breakpoints"),
         (element("nodes = { k = \"body\" }\nforce = { k = \"k.x_axis\" }"), "\"k\" is a name of this file, too"),
         (element("nodes = { sin = \"body\" }\nforce = { sin = \"sin.x_axis\" }"), "\"sin\" means a function in formulas"),
         (

@@ -244,7 +244,6 @@ fn what_is_wrong_with_a_state_is_told() {
         ("initial = { sum", "initial = { sin", "\"sin\" means a function"),
         ("c.thrust - 3", "c.trust - 3", "c.sum, c.thrust"),
         ("force = { block", "force = { c", "\"c\" is a state: its own section says how it changes"),
-        ("sum = \"target - block.position.x\" }", "sum = \"abs(sin(t))\" }", "give breakpoints"),
         ("initial = { sum", "output = { sum = 1 }\ninitial = { sum", "\"sum\" is a value of this state"),
         ("initial = { sum", "output = { \"2\" = 1 }\ninitial = { sum", "\"2\" cannot be used in formulas"),
         ("initial = { sum", "output = { more = \"block.speed\" }\ninitial = { sum", "of which formulas know block.position"),

@@ -13,7 +13,7 @@ use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
 use super::options::SceneOptions;
 use super::results::check_folder;
-use super::simulation::{crossings_in_words, steps_in_words, warnings, with_hint};
+use super::simulation::{steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
 use crate::exchange::{is_first, of_first_at_work, see_work, world};
 use crate::history::{Keep, Watch};
@@ -226,6 +226,7 @@ impl<'s> Sweep<'s> {
             let x = self.variation.design(&self.base.x, place);
             let mut prepared = Prepared::with(self.scene, &x, self.method.clone(), self.settings.clone())
                 .map_err(|error| self.options.scene.located(self.scene, error))?;
+            prepared.keep_steps_of(&self.base.grid);
             // there are as many runs at once as threads
             prepared.keep = if self.options.gradient { Keep::shared_by(self.threads) } else { Keep::Nothing };
             let names = prepared.functionals().iter().map(|own| &own.name);
@@ -246,7 +247,8 @@ impl<'s> Sweep<'s> {
                     let of_modes = modes.rows.iter().flatten().cloned();
                     let rows = prepared.analysis().adjoint(&prepared.x, &forward)?.rows.into_iter().chain(of_modes);
                     let own = |row: Vec<f64>| self.variation.axes.iter().map(move |axis| row[axis.place]);
-                    let told = [warnings(&prepared, &forward), crossings_in_words(&forward.crossings)].concat();
+                    let told = [warnings(&prepared, &forward), forward.crossings.iter().map(ToString::to_string).collect()]
+                        .concat();
                     Ok((values.into_iter().chain(rows.flat_map(own)).collect(), told))
                 }
                 _ => Ok((values, warnings(&prepared, &forward))),

@@ -59,7 +59,4 @@ impl<J: Constraint> Element for Soft<J> {
             *s = c * rate;
         }
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.breakpoints(&p[2 * self.0.equations()..])
-    }
 }

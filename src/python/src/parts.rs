@@ -157,7 +157,6 @@ impl Description {
                 (Kind::Element, "damping") => (2 * strains + m + 1, strains),
                 (Kind::Element, "dissipation") => (2 * strains + m, 1),
                 (Kind::Element, "mass") => (m, 1),
-                (Kind::Element | Kind::Constraint, "breakpoints") => (m, tape.count()),
                 (Kind::Constraint, "g") => (n + m + 1, self.equations),
                 (Kind::Quantity, "value") => (3 * n + m + 1, 1),
                 _ => return Err(format!("\"{}\" has no formula {name}", self.name)),
@@ -262,9 +261,6 @@ impl Element for Law {
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         self.0.number("mass", &[p])
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.replay("breakpoints", &[p]).unwrap_or_default()
-    }
 }
 
 impl Constraint for Law {
@@ -281,9 +277,6 @@ impl Constraint for Law {
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         self.0.write("g", &[q, p, &[t]], g);
-    }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.replay("breakpoints", &[p]).unwrap_or_default()
     }
 }
 

@@ -313,17 +313,6 @@ impl Expression {
         Expression { operations: self.operations.iter().map(renamed).collect(), is_vector: self.is_vector }
     }
 
-    /// Whether a comparison chooses in it, so that it may jump or have a kink.
-    pub fn chooses(&self) -> bool {
-        use Function::{Abs, IfLess, Max, Min};
-        self.operations.iter().any(|own| matches!(own, Operation::Call(Abs | IfLess | Max | Min)))
-    }
-
-    /// Whether it uses a name and chooses.
-    pub fn chooses_by(&self, name: usize) -> bool {
-        self.uses(name) && self.chooses()
-    }
-
     /// Its value, if no design variable changes it.
     pub fn constant(&self, scope: &Scope) -> Option<Quantity<f64>> {
         constant(&self.operations, scope)

@@ -4,7 +4,7 @@ use super::expression::{Expression, Quantity};
 use super::fields::{Fields, NamedNode, Value};
 use super::formula_of::FormulaOf;
 use super::keys::one_form;
-use super::known::{Builder, Found, Known, fixed_list};
+use super::known::{Builder, Found, Known};
 use super::mistake::Mistake;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type::{Fixeds, Node, Vector};
@@ -28,7 +28,7 @@ pub(super) const DEFINITIONS: Key = may(
 pub(super) const BREAKPOINTS: Key = may(
     "breakpoints",
     Fixeds(0, "s"),
-    "times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none",
+    "from the times when jumps and bends of formulas of t were not found from these: not needed, any",
 );
 
 /// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
@@ -83,7 +83,6 @@ impl KnownNode {
 pub(super) struct Formulas {
     pub nodes: Vec<KnownNode>,
     pub all: Vec<FormulaOf>,
-    breakpoints: Vec<f64>,
 }
 
 impl Formulas {
@@ -147,9 +146,6 @@ impl Formulas {
         let first: usize = self.nodes[..node].iter().map(|node| node.kind.dofs()).sum();
         first..first + self.nodes[node].kind.dofs()
     }
-    pub fn breakpoints<S: Scalar>(&self) -> Vec<S> {
-        self.breakpoints.iter().map(|&time| S::from(time)).collect()
-    }
 }
 
 /// The nodes of formulas, and the formulas as they are read.
@@ -158,8 +154,6 @@ pub(super) struct Reading<'f, S> {
     pub names: Vec<&'f str>,
     pub nodes: Vec<NodeId>,
     pub formulas: Formulas,
-    /// Breakpoints are given, and be it none.
-    tells_breakpoints: bool,
     /// Parameters of points and formulas.
     pub p: Vec<S>,
 }
@@ -171,9 +165,9 @@ impl<'f, S: Scalar> Reading<'f, S> {
             _ => &[],
         };
         let _names_of_formulas = fields.get("define");
-        let formulas = Formulas { nodes: Vec::new(), all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
-        let tells_breakpoints = fields.get("breakpoints").is_some();
-        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, tells_breakpoints, p: Vec::new() };
+        fields.get("breakpoints");
+        let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
+        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {
             let [node] = known.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
@@ -225,11 +219,7 @@ impl<'f, S: Scalar> Reading<'f, S> {
         if !time && formula.uses(place) {
             return Err(Mistake::new(at, "this cannot depend on the time t; a force can"));
         }
-        if time && formula.chooses_by(place) && !self.tells_breakpoints {
-            let text = "this chooses by abs, min, max or if_less and depends on t; give breakpoints, the times at which it jumps or bends, or [] if there are none";
-            return Err(Mistake::new(at, text));
-        }
-        let (own, numbers) = FormulaOf::of(formula, &self.known.names, Vec::new());
+        let (own, numbers) = FormulaOf::of(formula, &self.known.names);
         self.formulas.all.push(own);
         self.p.extend(numbers);
         Ok(self.formulas.all.len() - 1)

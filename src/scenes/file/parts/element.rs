@@ -67,9 +67,6 @@ impl Element for FormulaElement {
             }
         }
     }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.formulas.breakpoints()
-    }
 }
 
 pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {

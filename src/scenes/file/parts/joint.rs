@@ -59,9 +59,6 @@ impl Constraint for FormulaJoint {
         let known = self.0.arguments([&still, q], t, p);
         g.iter_mut().enumerate().for_each(|(which, own)| *own = self.0.number(which, &known, p));
     }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.0.breakpoints()
-    }
 }
 
 /// A joint by its equations.

@@ -36,9 +36,6 @@ impl Element for FormulaState {
             r[place] += s.a[place] - self.0.number(which, &known, p);
         }
     }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.0.breakpoints()
-    }
 }
 
 pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
