@@ -164,13 +164,13 @@ fn turning<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Node> {
 
 /// Coordinates of a node whose accelerations have a column: those of its place, or all of a node without one.
 fn accelerated(node: &Node) -> usize {
-    if matches!(node.kind, NodeKind::Coordinates(_)) { node.dofs.len() } else { 3 }
+    if node.kind.in_space().is_none() { node.dofs.len() } else { 3 }
 }
 
 /// A coordinate or its rate, without the node.
 fn coordinate_name(node: &Node, index: usize, rate: bool) -> String {
     let (coordinate, unit, per_second) = match (node.kind, index) {
-        (NodeKind::Coordinates(_), index) => (format!("q{index}"), "", ""),
+        (NodeKind::Coordinates(_) | NodeKind::States(_), index) => (format!("q{index}"), "", ""),
         (kind, 0..3) => (kind.coordinate_name(index), " [m]", " [m/s]"),
         (kind, _) => (kind.coordinate_name(index), " [-]", " [1/s]"),
     };
@@ -179,7 +179,7 @@ fn coordinate_name(node: &Node, index: usize, rate: bool) -> String {
 
 fn acceleration_name(node: &Node, index: usize) -> String {
     match node.kind {
-        NodeKind::Coordinates(_) => format!("d2q{index}/dt2"),
+        NodeKind::Coordinates(_) | NodeKind::States(_) => format!("d2q{index}/dt2"),
         kind => format!("d2{}/dt2 [m/s2]", kind.coordinate_name(index)),
     }
 }

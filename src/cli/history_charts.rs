@@ -4,7 +4,6 @@ use super::columns::{courses, moving};
 use super::motions::extent;
 use super::snapshot::{Snapshot, thinned};
 use crate::assembly::{Node, NodeId};
-use crate::elements::NodeKind;
 use crate::functionals::Measured;
 use crate::io::{Chart, Series, Style};
 use crate::scenes::Prepared;
@@ -36,7 +35,7 @@ fn telling<'p>(prepared: &'p Prepared, all: Vec<&'p Node>) -> Vec<&'p Node> {
 /// One panel for each direction in which something moves, one for free coordinates, one for the energy, those of forces and moments of joints,
 /// one for each unit of what functionals measure.
 pub fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec<Chart> {
-    let in_space = |node: &&Node| !matches!(node.kind, NodeKind::Coordinates(_));
+    let in_space = |node: &&Node| node.kind.in_space().is_some();
     let places: Vec<&Node> = moving(prepared.model()).filter(in_space).collect();
     let mut charts = charts_of_places(prepared, moments, &places);
     if let Some(start) = moments.first().and_then(|moment| moment.energy) {
@@ -95,7 +94,7 @@ fn charts_of_places(prepared: &Prepared, moments: &[Snapshot], places: &[&Node])
             charts.push(panel(format!("{direction} [m]"), series, all));
         }
     }
-    let free = moving(model).filter(|node| matches!(node.kind, NodeKind::Coordinates(_)));
+    let free = moving(model).filter(|node| node.kind.in_space().is_none());
     let series: Vec<Series> = free
         .flat_map(|node| node.dofs.clone().map(move |dof| (format!("{} q{}", node.name, dof - node.dofs.start), dof)))
         .map(|(name, dof)| curve(moments, name, |moment| moment.q[dof]))

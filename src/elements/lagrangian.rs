@@ -91,6 +91,17 @@ pub(super) fn sizes(element: &dyn ElementFormulas) -> (usize, usize) {
     (dofs_of(&element.node_kinds()), element.parameter_count())
 }
 
+/// For each coordinate whether it is that of a state of first order, which has neither energy nor power.
+fn are_states(element: &dyn ElementFormulas) -> Vec<bool> {
+    element.node_kinds().into_iter().flat_map(|kind| vec![kind.is_of_states(); kind.dofs()]).collect()
+}
+
+/// Those of some numbers that belong to coordinates, not to states.
+fn of_coordinates(element: &dyn ElementFormulas, numbers: &[Recorded]) -> Vec<Recorded> {
+    let all = numbers.iter().zip(are_states(element));
+    all.filter(|(_, is_state)| !is_state).map(|(own, _)| *own).collect()
+}
+
 fn zeros(count: usize) -> Vec<Recorded> {
     vec![Recorded::from(0.0); count]
 }
@@ -213,7 +224,7 @@ pub(super) fn impulse(
     [of_momentum, of_force]: [Recorded; 2],
 ) -> Option<Vec<Recorded>> {
     let (force, momentum) = match written(element, s, p, t) {
-        Some(residual) if !has_energies(element) => {
+        Some(residual) if are_states(element).contains(&true) || !has_energies(element) => {
             let moving: Vec<(Recorded, Recorded)> = s.a.iter().copied().zip(s.v.iter().copied()).collect();
             let momentum = along_motion(&residual, &moving);
             // what the momentum depends on beside v: M of anything else would leave its derivatives behind
@@ -237,7 +248,8 @@ pub(super) fn impulse(
     Some(momentum.into_iter().zip(force).map(|(momentum, force)| of_momentum * momentum + of_force * force).collect())
 }
 
-/// Power with which the element changes its energies beside what the motion does: of its forces, losses and what drives it, d(T + V)/dt - R . v.
+/// Power with which the element changes its energies beside what the motion does: of its forces, losses and what drives it, d(T + V)/dt - R . v, in
+/// which states of first order do not count: their equations are no forces.
 ///
 /// What energies make of the residual cancels in that; it is left out where both ways agree at two states, which they do for kinetic energies that
 /// are quadratic in velocities.
@@ -247,7 +259,8 @@ pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Reco
     // as energies are told, which know no time
     let Energies { kinetic, potential, .. } = Energies::of(element, [s.v, s.q, p], Recorded::from(0.0));
     let own = residual(element, s, p, t).0;
-    let whole = along_motion(&[kinetic + potential], &moving)[0] - work_of(&own, s.v);
+    let [own_rates, own] = [s.v, &own].map(|numbers| of_coordinates(element, numbers));
+    let whole = along_motion(&[kinetic + potential], &moving)[0] - work_of(&own, &own_rates);
     let mut applied = zeros(s.q.len());
     element.add_force(s.v, s.q, p, t, &mut applied);
     let e = strains(element, s.q, p, t);
@@ -255,7 +268,7 @@ pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Reco
     let with_time: Vec<(Recorded, Recorded)> = of_q.iter().copied().chain([(t, Recorded::from(1.0))]).collect();
     let stresses = losses(element, [&e, &along_motion(&e, &with_time), p], t);
     let lost = work_of(&stresses, &along_motion(&e, &of_q));
-    (work_of(&applied, s.v) - lost, whole)
+    (work_of(&of_coordinates(element, &applied), &own_rates) - lost, whole)
 }
 
 fn work_of(forces: &[Recorded], rates: &[Recorded]) -> Recorded {
@@ -322,8 +335,8 @@ pub(super) fn has_energies(element: &dyn ElementFormulas) -> bool {
             let steady = is_zero(gradient(stored, t)[0]);
             let lossless = losses(element, [&e, &zeros(e.len()), p], t[0]).into_iter().all(is_zero);
             let Some(own) = written(element, s, p, t[0]) else { return steady && lossless };
-            is_written = true;
-            let made = from_energies(element, s, p, t[0]);
+            let [own, made] = [own, from_energies(element, s, p, t[0])].map(|rows| of_coordinates(element, &rows));
+            is_written = !own.iter().all(|row| is_zero(*row));
             steady && lossless && agree(&values, &own, &made)
         });
         agrees && !(is_written && recording.graph.has_choices())
@@ -343,7 +356,7 @@ pub(super) fn is_conservative(element: &dyn ElementFormulas) -> bool {
         let moving: Vec<(Recorded, Recorded)> = q.iter().copied().zip(v.iter().copied()).collect();
         let losses = losses(element, [&e, &along_motion(&e, &moving), p], t[0]);
         e.extend(&losses);
-        is_free = force.iter().chain(&losses).all(|&force| is_zero(force));
+        is_free = of_coordinates(element, &force).iter().chain(&losses).all(|&force| is_zero(force));
         e
     });
     is_free && forces.is_ok() && has_energies(element)

@@ -7,7 +7,8 @@
 //! (K + s C + s^2 M) y + A^T nu = -(M w + C x + s M x),  A y = 0,    z = x + s y
 //! ```
 //!
-//! (shift and invert of the linearized quadratic problem; Tisseur & Meerbergen 2001). M may be singular: what it leaves out vibrates infinitely fast.
+//! (shift and invert of the linearized quadratic problem; Tisseur & Meerbergen 2001). M may be singular: what it leaves out vibrates infinitely fast,
+//! but for states of first order, which have one value each by C (see [`AtRest`](crate::elements::AtRest)).
 
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -111,7 +112,7 @@ pub fn complex_modes(
     let (ritz, shift) = near_zero(&mut operator, (&damping, largest), count)?;
     let mut damped = Damped { operator: &mut operator, damping: &damping, shift };
     let mut is_state = vec![false; problem.model.dofs];
-    problem.model.states.iter().for_each(|node| is_state[problem.model.node(*node).dofs.clone()].fill(true));
+    problem.model.state_dofs().for_each(|dof| is_state[dof] = true);
     let (mut modes, mut rigid_shapes) = (Vec::new(), Vec::new());
     for pair in &ritz {
         let vectors = pair.vector.each_ref().map(|part| damped.apply(part));
@@ -176,7 +177,7 @@ fn near_zero(
     unreachable!("the last attempt returns")
 }
 
-/// Whether anything moves but states: these are rates, and what they are rates of is nothing.
+/// Whether anything moves but states: one that nothing reads goes on by itself.
 fn is_motion(shape: &[f64], is_state: &[bool]) -> bool {
     let moving = shape.iter().zip(is_state).filter(|(_, is_state)| !**is_state).map(|(own, _)| own * own).sum::<f64>();
     moving > SAME * SAME * dot(shape, shape)

@@ -76,10 +76,10 @@ pub(crate) use record::{Guide, Recorder, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;
-pub(crate) use resting_start::resting_start;
+pub(crate) use resting_start::{resting_start, staying_states};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
-pub(crate) use start::{InitialState, StartPlan};
+pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;
 pub(crate) use step_points::StepRule;
@@ -89,7 +89,7 @@ pub(crate) use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::Mode;
-pub(crate) use vibrations::vibrations;
+pub(crate) use vibrations::{equilibrium_at, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -1,7 +1,8 @@
 //! Small undamped vibrations about an equilibrium: K x = omega^2 M x on the manifold of the constraints.
 //!
 //! With R and A at (0, 0, q): M = dR/da, and K = d(R + A^T mu)/dq holds the geometric stiffness and the curvature of all reactions.
-//! Loads and drivers are frozen, dampers have no effect. The lowest modes are the largest of the operator x -> y,
+//! Loads and drivers are frozen, dampers have no effect, and states of first order stay at the values of the equilibrium: what their rates do to a
+//! vibration is damping. The lowest modes are the largest of the operator x -> y,
 //!
 //! ```text
 //! (K + s M) y + A^T nu = M x,  A y = 0:   theta = 1 / (omega^2 + s),
@@ -120,6 +121,23 @@ pub fn vibrations(
     }
     modes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     Ok(modes.into_iter().map(|(_, mode)| mode).collect())
+}
+
+/// The start of a problem as an equilibrium at time (or load factor) `t`, states of first order with it.
+///
+/// # Errors
+/// As for [`vibrations`].
+pub(crate) fn equilibrium_at(
+    problem: &Problem<f64>,
+    method: &Method,
+    plan: &StartPlan,
+    t: f64,
+) -> Result<Vec<f64>, RunError> {
+    let mut operator = Operator::new(problem, method, plan, (t, 1))?;
+    let largest = operator.largest_ratio();
+    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
+    operator.set_shift([shift, shift.sqrt()])?;
+    Ok(operator.base.q)
 }
 
 /// Where an error is met.
@@ -259,7 +277,7 @@ impl<'m> Operator<'m> {
         let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         let no_equilibrium = |how: String| {
             Err(RunError::Input(format!(
-                "vibrations need an equilibrium to start from, but {how}: find it first by the method \"static\""
+                "vibrations need an equilibrium to start from, but {how}: find it first by the method \"static\", or begin there (start = \"equilibrium\")"
             )))
         };
         if let Err(failure) =

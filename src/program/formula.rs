@@ -386,6 +386,14 @@ impl Formula {
         })
     }
 
+    /// The formula with others in place of its arguments, which `arguments` makes of these.
+    ///
+    /// # Errors
+    /// None that it did not have itself.
+    pub fn with_arguments(&self, arguments: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
+        Self::record_in_stages(self.arguments.kinds().to_vec(), |x| self.again(&arguments(x)))
+    }
+
     /// Its results for arguments of another recording.
     fn again(&self, arguments: &[Recorded]) -> Results {
         let of_stages = |stages: &Stages<Node>| [stages.numbers.concat(), stages.forces.clone()].concat();

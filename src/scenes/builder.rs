@@ -46,6 +46,7 @@ use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::entries::{Given, Placed};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
+use crate::integrators::Table;
 use crate::program::Recorded;
 use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
@@ -186,7 +187,11 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A node of coordinates that the scene's own elements give a meaning to, with their rates.
     pub fn coordinates(&mut self, name: &str, q: &[S], v: &[S]) -> NodeId {
-        let node = self.add_node(name, NodeKind::Coordinates(q.len()), false, q);
+        self.with_rates(name, NodeKind::Coordinates(q.len()), q, v)
+    }
+
+    fn with_rates(&mut self, name: &str, kind: NodeKind, q: &[S], v: &[S]) -> NodeId {
+        let node = self.add_node(name, kind, false, q);
         if q.len() != v.len() {
             self.mistakes.push(format!("\"{name}\" has {} coordinates but {} velocities", q.len(), v.len()));
         }
@@ -197,12 +202,32 @@ impl<S: Scalar> MechanismBuilder<S> {
         node
     }
 
-    /// A node whose rates are states z of first order, with their start: an element of one's own gives z' = f, by the residual a - f with
-    /// z = v. They have no energy; an equilibrium at which a motion begins leaves them as they are given.
+    /// A node of states z of first order ([`NodeKind::States`]), with their start: an element of one's own gives z' = f, by the residual a - f with
+    /// z = v. They have no energy. An equilibrium at which a motion begins finds them with the coordinates, f = 0: the start is where the search
+    /// begins, and stays what a state has that no other number of the equilibrium depends on, or whose rate depends on none of these.
     pub fn states(&mut self, name: &str, initial: &[S]) -> NodeId {
-        let node = self.coordinates(name, &vec![S::zero(); initial.len()], initial);
-        self.model.states.push(node);
-        node
+        self.with_rates(name, NodeKind::States(initial.len()), &vec![S::zero(); initial.len()], initial)
+    }
+
+    /// The mechanism as an integrator sees it: in statics states of first order are unknowns like coordinates.
+    pub(super) fn for_table(mut self, table: &Table) -> Self {
+        let states: Vec<usize> = self.model.state_dofs().collect();
+        if states.is_empty() || !table.is_static() {
+            return self;
+        }
+        let ModelNumbers { q, v, .. } = &mut self.numbers;
+        states.iter().for_each(|&dof| q[dof] = std::mem::replace(&mut v[dof], S::zero()));
+        let functionals = std::mem::take(&mut self.functionals).into_iter().map(|mut own| {
+            if let Measured::Local { nodes, constraints, parameters, quantity } = own.measured {
+                let dofs = nodes.iter().flat_map(|node| self.model.nodes[node.0].dofs.clone());
+                let places = dofs.enumerate().filter(|(_, dof)| states.contains(dof)).map(|(place, _)| place).collect();
+                own.measured = Measured::Local { nodes, constraints, parameters, quantity: quantity.at_rest(places) };
+            }
+            own
+        });
+        self.functionals = functionals.collect();
+        self.model = self.model.with_states_as_coordinates();
+        self
     }
 
     /// The ground: a body at the origin that never moves.
@@ -219,7 +244,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Gives a node a velocity [m/s] and, if it is a body or a cable's node, an angular velocity in world components [rad/s].
     pub fn set_velocity(&mut self, node: NodeId, velocity: Vector3<S>, omega_world: Vector3<S>) {
         let Some(kind) = self.kind_of("set_velocity", node) else { return };
-        if let NodeKind::Coordinates(_) = kind {
+        if kind.in_space().is_none() {
             let name = &self.model.nodes[node.0].name;
             self.mistakes
                 .push(format!("\"{name}\" has no place in space: give the rates of its coordinates where it is made"));

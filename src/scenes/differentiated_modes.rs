@@ -2,7 +2,8 @@ use super::{ModeMeasure, Prepared};
 use crate::assembly::RestingModel;
 use crate::design::{DesignChain, ModelNumbers};
 use crate::integrators::{
-    Mode, ModeGroup, Problem, RunError, SAME_MODE, complex_modes, is_cut, mode_vectors, value_of, vibrations,
+    Mode, ModeGroup, Problem, RunError, SAME_MODE, Systems, complex_modes, is_cut, mode_vectors, staying_states, value_of,
+    vibrations,
 };
 use crate::scalar::Complex64;
 use crate::sensitivity::{Still, ValueBars, value_rates};
@@ -41,10 +42,10 @@ impl Prepared<'_> {
     /// # Errors
     /// As for these; vectors that do not settle, modes that meet and become one, and an equilibrium that does not follow from its equations.
     pub fn modes_with_gradients(&self, count: usize, damped: bool) -> Result<DifferentiatedModes, RunError> {
-        let (start, plan, t) = self.still_state()?;
         let is_damped = damped || self.spin_rate().is_some();
-        let frame = self.model().in_frame();
-        let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
+        let (frame, start, plan, t) = self.still_state()?;
+        let vibrating = if is_damped { frame.model.clone() } else { frame.model.with_states_held() };
+        let problem = Problem { model: &vibrating, p: frame.parameters(&self.mechanism.numbers.p), start };
         let find = if is_damped { complex_modes } else { vibrations };
         let mut sought = count + BEYOND;
         let mut modes = find(&problem, &self.method, &plan, t, sought)?;
@@ -55,14 +56,16 @@ impl Prepared<'_> {
         let asked = count.min(modes.len());
         let vectors = mode_vectors(&problem, &self.method, &plan, t, (&modes, asked), is_damped)?;
         let chain = self.analysis().checked_chain(&self.x)?;
+        let is_free = !staying_states(&self.problem()).is_empty();
         let still = Still {
             vectors: &vectors,
+            system: Systems::new(&frame.model, &self.method.unreduced(), &plan.dropped).plain,
             p: &problem.p,
             active: &frame.parameters(&chain.active_parameters()),
             method: &self.method,
             t,
             is_damped,
-            has_rigid_motions: modes.iter().any(|mode| mode.frequency == 0.0 && mode.growth == 0.0),
+            is_free: is_free || modes.iter().any(|mode| mode.frequency == 0.0 && mode.growth == 0.0),
         };
         let mut gradients: Vec<Option<ModeGradient>> = vec![None; asked];
         for (group, bars) in vectors.groups.iter().zip(still.gradients()?) {
@@ -164,7 +167,9 @@ impl Prepared<'_> {
 fn by_design(chain: &DesignChain, frame: &RestingModel, ValueBars { p, q }: &ValueBars) -> [Vec<f64>; 2] {
     let numbers = chain.real();
     [0, 1].map(|part| {
-        let mut bar = ModelNumbers { p: vec![0.0; numbers.p.len()], q: q[part].clone(), v: vec![0.0; numbers.v.len()] };
+        let zeros = |list: &[f64]| vec![0.0; list.len()];
+        let mut bar = ModelNumbers { p: zeros(&numbers.p), q: zeros(&numbers.q), v: zeros(&numbers.v) };
+        frame.set_motion(&q[part], &mut bar.q, &mut bar.v);
         frame.add_gradient(&p[part], &mut bar.p);
         chain.gradient(&bar)
     })

@@ -91,7 +91,7 @@ impl<'s> Prepared<'s> {
                 method.table.name
             )));
         }
-        let mechanism = scene.build_real(x).map_err(RunError::Input)?;
+        let mechanism = scene.build_real(x).map_err(RunError::Input)?.for_table(&method.table);
         let Settings { end, steps, control, divide, mut policy, .. } = settings;
         // load steps lead to equilibria themselves
         policy.from_equilibrium &= !method.table.is_static();
@@ -223,7 +223,7 @@ impl<'s> Prepared<'s> {
         x: &[f64],
         built: Result<MechanismBuilder<S>, String>,
     ) -> Result<ModelNumbers<S>, String> {
-        let built = built?;
+        let built = built?.for_table(&self.method.table);
         // at its own design a scene has the options that it has
         let is_own = x.iter().map(|x| x.to_bits()).eq(self.x.iter().map(|x| x.to_bits()));
         let (ours, theirs) = (self.model(), &built.model);

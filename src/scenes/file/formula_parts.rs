@@ -60,8 +60,6 @@ pub(super) fn of_section(section: &str) -> &'static [OfNode] {
 #[derive(Clone, Copy)]
 pub(super) struct KnownNode {
     pub kind: NodeKind,
-    /// Its rates are states.
-    pub is_state: bool,
     /// Place, velocity and force are those of a point of it.
     pub has_point: bool,
 }
@@ -70,7 +68,7 @@ impl KnownNode {
     /// Words of what formulas know of it, and whether that is a rate.
     fn known(self) -> Vec<(&'static str, bool)> {
         let of_node = match self.kind {
-            NodeKind::Coordinates(count) if self.is_state => return vec![("state", true); count],
+            NodeKind::States(count) => return vec![("state", true); count],
             NodeKind::Body | NodeKind::Natural => OF_BODY,
             NodeKind::Point | NodeKind::Slope => OF_POINT,
             NodeKind::Coordinates(_) => OF_COORDINATE,
@@ -106,13 +104,14 @@ impl Formulas {
     /// What formulas know of all nodes, and the time behind it.
     pub fn arguments<S: Scalar>(&self, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<Quantity<S>> {
         let mut all = Vec::new();
-        for (node, &KnownNode { kind, is_state, .. }) in self.nodes.iter().enumerate() {
+        for (node, &KnownNode { kind, .. }) in self.nodes.iter().enumerate() {
             let (v, q) = (&v[self.place(node)], &q[self.place(node)]);
-            if let NodeKind::Coordinates(_) = kind {
-                match is_state {
-                    true => all.extend(v.iter().map(|&state| Quantity::Number(state))),
-                    false => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
-                }
+            match kind {
+                NodeKind::States(_) => all.extend(v.iter().map(|&state| Quantity::Number(state))),
+                NodeKind::Coordinates(_) => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
+                _ => {}
+            }
+            if kind.in_space().is_none() {
                 continue;
             }
             let point = self.point(node, p);
@@ -173,7 +172,7 @@ impl<'f, S: Scalar> Reading<'f, S> {
                 return Err(Mistake::new(*at, "one node is wanted"));
             };
             let kind = m.model.find_node(node).map(|own| own.kind);
-            own.add(name, node, kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?, m);
+            own.add(name, node, kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?);
             if let Some(point) = point {
                 own.add_point(*at, point, m)?;
             }
@@ -181,10 +180,10 @@ impl<'f, S: Scalar> Reading<'f, S> {
         Ok(own)
     }
 
-    pub fn add(&mut self, name: &'f str, node: NodeId, kind: NodeKind, m: &Builder<S>) {
+    pub fn add(&mut self, name: &'f str, node: NodeId, kind: NodeKind) {
         self.names.push(name);
         self.nodes.push(node);
-        self.formulas.nodes.push(KnownNode { kind, is_state: m.model.states.contains(&node), has_point: false });
+        self.formulas.nodes.push(KnownNode { kind, has_point: false });
     }
 
     /// Takes a point of the last node.

@@ -80,8 +80,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
             let Some(node) = reading.names.iter().position(|name| name == of) else {
                 return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
             };
-            let KnownNode { kind, is_state, .. } = reading.formulas.nodes[node];
-            if is_state {
+            let KnownNode { kind, .. } = reading.formulas.nodes[node];
+            if kind.is_of_states() {
                 return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
             }
             let wants_vector = kind.in_space().is_some();

@@ -61,7 +61,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     }
     let mut reading = Reading::new(known, fields, m)?;
     let node = m.states(name, &start);
-    reading.add("", node, NodeKind::Coordinates(start.len()), m);
+    reading.add("", node, NodeKind::States(start.len()));
     for (value, at, _) in initial {
         let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
             return Err(Mistake::new(*at, format!("{value} has a start, but no rate")));
