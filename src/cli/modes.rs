@@ -68,11 +68,11 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         let PeriodicModes { period, gap, q, modes, faded, kinks } = found;
         kinks.iter().for_each(|kink| warn(&kink.to_string()));
         kind = Kind::Periodic { period, gap, faded };
-        DifferentiatedModes { q, modes, gradients: Vec::new() }
+        DifferentiatedModes { q, modes, gradients: Vec::new(), proved: true }
     } else {
         find(options, &prepared, kind).map_err(named)?
     };
-    let DifferentiatedModes { q, modes, .. } = &found;
+    let DifferentiatedModes { q, modes, proved, .. } = &found;
     let about = match kind {
         Kind::Periodic { .. } => "motion of a period",
         _ if prepared.method.table.is_static() => "equilibrium",
@@ -93,8 +93,13 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     }
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
-    } else if modes.len() < options.count {
+    } else if modes.len() < options.count && *proved {
         say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
+    }
+    if !proved {
+        say(
+            "that no mode is missing is not proved: the model is large, and its matrices have no symmetry that would tell\n",
+        );
     }
     let mut files = draw(&prepared, q, modes, &folder)?;
     let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
@@ -135,11 +140,7 @@ fn find(options: &ModesOptions, prepared: &Prepared, kind: Kind) -> Result<Diffe
     if options.gradients {
         return prepared.modes_with_gradients(options.count, kind == Kind::Complex);
     }
-    let (q, modes) = match kind {
-        Kind::Undamped => prepared.modes_with_state(options.count)?,
-        _ => prepared.complex_modes_with_state(options.count)?,
-    };
-    Ok(DifferentiatedModes { q, modes, gradients: Vec::new() })
+    prepared.modes_at_rest(options.count, kind == Kind::Complex)
 }
 
 /// Modes over rates of a turn, if they are asked for.

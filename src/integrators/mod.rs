@@ -46,6 +46,7 @@ mod table;
 pub(crate) mod tables;
 mod variational_momentum;
 mod vibrations;
+mod whole_basis;
 
 pub use crate::program::SwitchKind;
 pub(crate) use adaptive::march_adaptive;
@@ -89,7 +90,7 @@ pub(crate) use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::Mode;
-pub(crate) use vibrations::{equilibrium_at, vibrations};
+pub(crate) use vibrations::{Modes, equilibrium_at, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -118,7 +118,8 @@ pub(crate) fn mode_vectors(
     let system = operator.newton.system.clone();
     let pencil = Pencil::new(&system, operator.nodes, [&stiffness, &operator.mass], damping.as_ref());
     let turns = found.iter().any(|(lambda, _)| lambda.re != 0.0 && lambda.im != 0.0);
-    let mut amplitudes = Amplitudes::new(&pencil, turns).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
+    let amplitudes = Amplitudes::new(&pencil, turns).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
+    let mut amplitudes = amplitudes.beside_modes();
     let mut groups = Vec::new();
     for (lambda, members) in found {
         let [right, left] = vectors(&mut amplitudes, &pencil, lambda, members.len())?;

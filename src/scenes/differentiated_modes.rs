@@ -2,8 +2,8 @@ use super::{ModeMeasure, Prepared};
 use crate::assembly::RestingModel;
 use crate::design::{DesignChain, ModelNumbers};
 use crate::integrators::{
-    Mode, ModeGroup, Problem, RunError, SAME_MODE, Systems, complex_modes, is_cut, mode_vectors, staying_states, value_of,
-    vibrations,
+    Mode, ModeGroup, Modes, Problem, RunError, SAME_MODE, Systems, complex_modes, is_cut, mode_vectors, staying_states,
+    value_of, vibrations,
 };
 use crate::scalar::Complex64;
 use crate::sensitivity::{Still, ValueBars, value_rates};
@@ -28,8 +28,10 @@ pub struct DifferentiatedModes {
     pub q: Vec<f64>,
     /// The modes.
     pub modes: Vec<Mode>,
-    /// For each mode; `None` for a rigid motion.
+    /// For each mode; `None` for a rigid motion. Empty where they were not asked for.
     pub gradients: Vec<Option<ModeGradient>>,
+    /// Whether it is proved that no mode is missing before the last one, or at all where fewer were found than asked for.
+    pub proved: bool,
 }
 
 /// Modes that are looked for beyond those asked for, so that none of several with one value is missing.
@@ -48,11 +50,12 @@ impl Prepared<'_> {
         let problem = Problem { model: &vibrating, p: frame.parameters(&self.mechanism.numbers.p), start };
         let find = if is_damped { complex_modes } else { vibrations };
         let mut sought = count + BEYOND;
-        let mut modes = find(&problem, &self.method, &plan, t, sought)?;
-        while modes.len() >= sought && is_cut(&modes, count) {
+        let mut found = find(&problem, &self.method, &plan, t, sought)?;
+        while found.list.len() >= sought && is_cut(&found.list, count) {
             sought *= 2;
-            modes = find(&problem, &self.method, &plan, t, sought)?;
+            found = find(&problem, &self.method, &plan, t, sought)?;
         }
+        let Modes { list: mut modes, proved } = found;
         let asked = count.min(modes.len());
         let vectors = mode_vectors(&problem, &self.method, &plan, t, (&modes, asked), is_damped)?;
         let chain = self.analysis().checked_chain(&self.x)?;
@@ -74,12 +77,9 @@ impl Prepared<'_> {
             own.for_each(|(&place, own)| gradients[place] = Some(own));
         }
         modes.truncate(asked);
-        Ok(DifferentiatedModes { q: problem.start.q, modes, gradients })
+        Ok(DifferentiatedModes { q: problem.start.q, modes, gradients, proved })
     }
 }
-
-/// Modes that are looked for beyond the numbers that are asked for: so many do not count, as rigid motions.
-const RIGID: usize = 6;
 
 /// Whether two modes have one value.
 fn is_same(one: &Mode, other: &Mode) -> bool {
@@ -87,7 +87,7 @@ fn is_same(one: &Mode, other: &Mode) -> bool {
 }
 
 /// A mode, with its derivatives where they were asked for.
-type Vibrating = (Mode, Option<ModeGradient>);
+type Measured = (Mode, Option<ModeGradient>);
 
 impl Prepared<'_> {
     /// What is measured of modes.
@@ -95,32 +95,35 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::complex_modes_with_state`]; fewer modes than that.
     pub(crate) fn measured_modes(&self, measures: &[ModeMeasure]) -> Result<Vec<f64>, RunError> {
-        let value = |modes: &[Vibrating], measure: &ModeMeasure| {
-            let mode = &modes[measure.number - 1].0;
-            if measure.growth { mode.growth } else { mode.frequency }
-        };
-        self.measured(measures, &value, &|count, damped| {
-            let damped = damped || self.spin_rate().is_some();
-            let found = if damped { self.complex_modes_with_state(count) } else { self.modes_with_state(count) };
-            Ok(DifferentiatedModes { q: Vec::new(), modes: found?.1, gradients: Vec::new() })
+        self.measured(measures, &|modes, measure| Ok(measure.value(&modes[measure.number - 1].0)), &|count, damped| {
+            self.modes_at_rest(count, damped || self.spin_rate().is_some())
         })
     }
 
     /// Its derivatives by all design variables.
     ///
     /// # Errors
-    /// As for [`Prepared::modes_with_gradients`].
+    /// As for [`Prepared::modes_with_gradients`]; rigid motions, whose frequency has no derivative.
     pub(crate) fn measured_modes_by_design(&self, measures: &[ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
-        let row = |modes: &[Vibrating], measure: &ModeMeasure| {
-            let own = &modes[measure.number - 1].0;
-            let equal = |(mode, _): &&Vibrating| is_same(mode, own);
+        let row = |modes: &[Measured], measure: &ModeMeasure| {
+            let (own, gradient) = &modes[measure.number - 1];
+            if gradient.is_none() {
+                let ModeMeasure { name, number, .. } = measure;
+                let first = modes.iter().position(|own| own.1.is_some());
+                let first = first
+                    .map_or("there is no other".into(), |first| format!("the first that is none is mode {}", first + 1));
+                return Err(RunError::Input(format!(
+                    "\"{name}\" is of mode {number}, a rigid motion here, which has no derivative: {first} (`costate modes` numbers them)"
+                )));
+            }
+            let equal = |(mode, _): &&Measured| is_same(mode, own);
             let group: Vec<&ModeGradient> = modes.iter().filter(equal).filter_map(|own| own.1.as_ref()).collect();
             let mut mean = vec![0.0; self.x.len()];
             for gradient in &group {
-                let rates = if measure.growth { &gradient.growth } else { &gradient.frequency };
+                let rates = measure.rates(own, gradient);
                 mean.iter_mut().zip(rates).for_each(|(mean, rate)| *mean += rate / group.len() as f64);
             }
-            mean
+            Ok(mean)
         };
         self.measured(measures, &row, &|count, damped| self.modes_with_gradients(count, damped))
     }
@@ -129,35 +132,34 @@ impl Prepared<'_> {
     fn measured<T>(
         &self,
         measures: &[ModeMeasure],
-        make: &dyn Fn(&[Vibrating], &ModeMeasure) -> T,
+        make: &dyn Fn(&[Measured], &ModeMeasure) -> Result<T, RunError>,
         find: &dyn Fn(usize, bool) -> Result<DifferentiatedModes, RunError>,
     ) -> Result<Vec<T>, RunError> {
         let mut all: Vec<Option<T>> = measures.iter().map(|_| None).collect();
         for damped in [false, true] {
             let own = || measures.iter().enumerate().filter(|(_, own)| own.damped == damped);
-            let Some(last) = own().max_by_key(|(_, own)| own.number) else { continue };
-            let mut count = last.1.number + RIGID;
-            let vibrating = loop {
-                let DifferentiatedModes { modes, mut gradients, .. } = find(count, damped)?;
+            let Some((_, last)) = own().max_by_key(|(_, own)| own.number) else { continue };
+            let mut count = last.number + BEYOND;
+            let modes = loop {
+                let DifferentiatedModes { modes, mut gradients, proved, .. } = find(count, damped)?;
                 gradients.resize(modes.len(), None);
                 let is_all = modes.len() < count;
-                let both = modes.into_iter().zip(gradients);
-                let vibrating: Vec<_> = both.filter(|(mode, _)| mode.frequency > 0.0).collect();
+                let modes: Vec<Measured> = modes.into_iter().zip(gradients).collect();
+                let Some((own, _)) = modes.get(last.number - 1) else {
+                    let ModeMeasure { name, number, .. } = last;
+                    let there = if proved { "there are" } else { "those found are" };
+                    let words = format!("\"{name}\" is of mode {number}; {there} only {}", modes.len());
+                    return Err(RunError::Input(words));
+                };
                 // with all that have its value
-                let own = vibrating.get(last.1.number - 1).zip(vibrating.last());
-                if own.is_some_and(|(own, end)| is_all || !is_same(&own.0, &end.0)) {
-                    break vibrating;
-                }
-                if is_all {
-                    let ModeMeasure { name, number, .. } = last.1;
-                    return Err(RunError::Input(format!(
-                        "\"{name}\" is of mode {number}; there are {} that vibrate",
-                        vibrating.len()
-                    )));
+                if is_all || modes.last().is_some_and(|(end, _)| !is_same(own, end)) {
+                    break modes;
                 }
                 count *= 2;
             };
-            own().for_each(|(place, measure)| all[place] = Some(make(&vibrating, measure)));
+            for (place, measure) in own() {
+                all[place] = Some(make(&modes, measure)?);
+            }
         }
         Ok(all.into_iter().flatten().collect())
     }

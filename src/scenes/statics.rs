@@ -1,9 +1,9 @@
-use super::Prepared;
+use super::{DifferentiatedModes, Prepared};
 use crate::assembly::{Model, RestingModel, VectorsAvq};
 use crate::functionals::{Functional, Sample};
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan, StartRecord,
-    StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
+    ArcLength, InitialState, Mode, Modes, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan,
+    StartRecord, StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
     march_adaptive, march_dividing, resting_start, vibrations,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, SpatialVector, Vector3};
@@ -98,11 +98,8 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::modes`].
     pub fn modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
-        let (frame, start, plan, load) = self.still_state()?;
-        let held = frame.model.with_states_held();
-        let problem = self.vibrating(&frame, &held, start);
-        let modes = vibrations(&problem, &self.method, &plan, load, count)?;
-        Ok((problem.start.q, modes))
+        let found = self.modes_at_rest(count, false)?;
+        Ok((found.q, found.modes))
     }
 
     /// Lowest modes of small vibrations with dampers, states of first order and, about a steady turn, Coriolis and centrifugal forces in the frame
@@ -111,10 +108,21 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::modes`].
     pub fn complex_modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
+        let found = self.modes_at_rest(count, true)?;
+        Ok((found.q, found.modes))
+    }
+
+    /// The modes of either, and whether it is proved that none is missing; their derivatives are by [`Prepared::modes_with_gradients`].
+    ///
+    /// # Errors
+    /// As for [`Prepared::modes`].
+    pub fn modes_at_rest(&self, count: usize, damped: bool) -> Result<DifferentiatedModes, RunError> {
         let (frame, start, plan, load) = self.still_state()?;
-        let problem = self.vibrating(&frame, &frame.model, start);
-        let modes = complex_modes(&problem, &self.method, &plan, load, count)?;
-        Ok((problem.start.q, modes))
+        let vibrating = if damped { frame.model.clone() } else { frame.model.with_states_held() };
+        let problem = self.vibrating(&frame, &vibrating, start);
+        let find = if damped { complex_modes } else { vibrations };
+        let Modes { list, proved } = find(&problem, &self.method, &plan, load, count)?;
+        Ok(DifferentiatedModes { q: problem.start.q, modes: list, gradients: Vec::new(), proved })
     }
 
     /// How what the functionals measure vibrates where a design variable d varies harmonically by a small d cos(omega t) about the equilibrium of
