@@ -204,7 +204,13 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
         Some(_) => "--longest-step".into(),
         None => format!("--steps above {}", prepared.grid.steps()),
     };
-    let message = failure.message.replace("a smaller step", &format!("a smaller step ({option})"));
+    let chosen = if prepared.method.table.embedded.is_some() { "" } else { " with another method" };
+    let stiff = ", or for stiff forces the method sdirk4";
+    let message =
+        if prepared.method.table.name == "sdirk4" { failure.message.replace(stiff, "") } else { failure.message.clone() };
+    let message = message.replace("a smaller step", &format!("a smaller step ({option})"));
+    let message =
+        message.replace("steps chosen by their error", &format!("steps chosen by their error (--tolerance 1e-6{chosen})"));
     Failure { message, ..failure }
 }
 
@@ -507,15 +513,17 @@ pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
             ),
             (SwitchKind::Kink, false) => (
                 "has a kink",
-                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps and \
-                 compare; the estimated error of such a step is not to be trusted",
+                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps, or let \
+                 them be chosen to come close to it (--tolerance 1e-12), and compare; the estimated error of such a step is not to be trusted",
             ),
             (SwitchKind::Jump, true) => {
                 ("jumps", "its gradient is wrong, and so is its complex step; measure something that does not jump")
             }
-            (SwitchKind::Kink, true) => {
-                ("has a kink", "its gradient is right to first order of the step only; take smaller steps and compare")
-            }
+            (SwitchKind::Kink, true) => (
+                "has a kink",
+                "its gradient is right to first order of the step only; take smaller steps, or let them be chosen (--tolerance 1e-12), and \
+                     compare",
+            ),
         };
         let whose = if *is_functional { "the formula of functional" } else { "the formula of" };
         format!("step {step} (t = {} s){more}: {whose} \"{part}\" {what} there: {follows}", shortest(*t))
