@@ -42,7 +42,8 @@ fn crossing(Crossing { part, kind, step, t, .. }: &Crossing) -> String {
         SwitchKind::Jump => ("jumps", "gradients of what is measured behind it are wrong, and so are their complex steps"),
         SwitchKind::Kink => (
             "has a kink",
-            "gradients of what is measured behind it are right to first order of the step only; take smaller steps",
+            "gradients of what is measured behind it are right to first order of the step only; take smaller steps, or let \
+             them be chosen with a tolerance of 1e-12",
         ),
     };
     format!("step {step} (t = {t} s): the formula of \"{part}\" {what} there: {follows}")

@@ -12,7 +12,7 @@ const ELSEWHERE: &[(&[&str], &str)] = &[
     (
         &["friction", "frictional", "coulomb", "mu"],
         "there is no dry friction; write its force by a smooth formula of the rate v: [[spring]] of type \"slide_law\" with \
-         force = \"f * tanh(v / 1e-3)\", on joint angles of type \"angle_law\"",
+         force = \"f * tanh(v / 1e-3)\", on joint angles of type \"angle_law\" with moment = ..",
     ),
     (
         &["stop", "stopper", "bumper", "limiter", "range"],
