@@ -109,7 +109,8 @@ fn gradient_name(gradient: GradientBy) -> &'static str {
     }
 }
 
-/// Writes the history whenever it changes, but not before it has the points of the one that it goes on with; moves the progress bar, and stops at Ctrl-C.
+/// Writes the history whenever it changes, but not before it has the points of the one that it goes on with; moves the
+/// progress bar, and stops at Ctrl-C.
 struct Recording<'g> {
     path: PathBuf,
     /// How many points that one has.

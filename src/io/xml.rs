@@ -1,7 +1,7 @@
 //! Texts in files of XML: pictures and meshes.
 
-/// A text as the content or an attribute of an element: marks of XML by their names, and a sign of replacement for each character that no file of
-/// XML 1.0 may hold.
+/// A text as the content or an attribute of an element: marks of XML by their names, and a sign of replacement for each
+/// character that no file of XML 1.0 may hold.
 pub fn xml_text(text: &str) -> String {
     let mut own = String::with_capacity(text.len());
     for letter in text.chars() {

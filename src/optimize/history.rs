@@ -51,7 +51,8 @@ pub struct DesignPoint {
     pub violation: f64,
     /// What it cost.
     pub work: Work,
-    /// A whole number for what its values and gradients follow from: laws, numbers, method, settings. Not a number where it is not known.
+    /// A whole number for what its values and gradients follow from: laws, numbers, method, settings. Not a number where it
+    /// is not known.
     pub fingerprint: f64,
 }
 

@@ -8,9 +8,9 @@ use std::hash::{Hash, Hasher};
 /// Bits of a whole number that a real one holds.
 const BITS: u32 = f64::MANTISSA_DIGITS;
 
-/// A whole number that is the same for the same laws, numbers, method and settings, and with gradients for the same way in which the numbers
-/// follow the variables: a table whose row has it can be gone on with. Of what is measured, functionals and modes by name, others do not count. Not
-/// a number for a design that cannot be built.
+/// A whole number that is the same for the same laws, numbers, method and settings, and with gradients for the same way in
+/// which the numbers follow the variables: a table whose row has it can be gone on with. Functionals and modes that are not
+/// measured do not count. Not a number for a design that cannot be built.
 pub(crate) fn fingerprint(
     scene: &dyn AnyScene,
     x: &[f64],

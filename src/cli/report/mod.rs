@@ -58,8 +58,8 @@ fn command() -> String {
     program.chain(words).map(quoted).collect::<Vec<_>>().join(" ")
 }
 
-/// JSON that a script element may hold whatever stands in it: these characters occur in texts alone, where they are written by their numbers. (A
-/// `<!--` with a `<script` behind it would keep `</script>` from ending the element.)
+/// JSON that a script element may hold whatever stands in it: these characters occur in texts alone, where they are written
+/// by their numbers. (A `<!--` with a `<script` behind it would keep `</script>` from ending the element.)
 fn in_script(value: &Value) -> String {
     let mut text = String::new();
     for letter in value.to_string().chars() {

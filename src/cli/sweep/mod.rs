@@ -53,8 +53,8 @@ pub struct SweepOptions {
     /// d FUNCTIONAL / d VARIABLE
     #[arg(long)]
     gradient: bool,
-    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept, where they follow from what is simulated here; one
-    /// design is run again to see that they are of this machine
+    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept, where they follow from what is
+    /// simulated here; one design is run again to see that they are of this machine
     #[arg(long)]
     resume: bool,
 }
@@ -272,8 +272,8 @@ impl<'s> Sweep<'s> {
         fingerprint(self.scene, &x, (&self.method, &self.settings), |_| true, self.options.gradient)
     }
 
-    /// Whether the rows of the file follow from what this sweep simulates; runs the first of these designs again: the same laws and numbers on the
-    /// same machine give the same bits.
+    /// Whether the rows of the file follow from what this sweep simulates; runs the first of these designs again: the same
+    /// laws and numbers on the same machine give the same bits.
     fn check_kept(&self, outcomes: &[Option<Outcome>], path: &Path, guard: &Guard) -> Result<(), Failure> {
         let refused = |what: String| {
             let anew = "without --resume it is kept under another name";
@@ -292,7 +292,8 @@ impl<'s> Sweep<'s> {
             }
         });
         if let Some(place) = other.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            let what = "follows from other laws, numbers, methods or settings than it would here: the file is of another scene, method or version";
+            let what = "follows from other laws, numbers, methods or settings than it would here: the file is of another scene, \
+                        method or version";
             return Err(refused(format!("design {} {what}", place + 1)));
         }
         let Some(here) = self.outcome(place, guard) else {

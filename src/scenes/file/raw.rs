@@ -383,8 +383,8 @@ fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
 struct Filled {
     /// As a name: the values as they are written.
     name: String,
-    /// As a formula: the values as values, in brackets where they are not a name or a number by themselves; why it is none where one touches
-    /// a number, or has a sign and continues a name.
+    /// As a formula: the values as values, in brackets where they are not a name or a number by themselves; why it is none
+    /// where one touches a number, or has a sign and continues a name.
     formula: Result<String, String>,
 }
 
