@@ -6,7 +6,7 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::Simulation;
 use crate::io::{Cell, Chart, Series, Table, write_file};
-use crate::scenes::{AnyScene, Prepared};
+use crate::scenes::{AnyScene, COMPARISON, Prepared};
 use serde_json::{Value, json};
 
 /// A functional in all scenarios; in some it may be missing.
@@ -91,7 +91,7 @@ impl Comparison {
             |row: &Row| -> Vec<Value> { row.values.iter().map(|own| own.map_or(Value::Null, json_number)).collect() };
         let of_row = |row: &Row| json!({"name": row.name, "unit": row.unit, "values": values(row)});
         let summary = json!({"scene": scene.name(), "scenarios": self.scenarios, "functionals": self.rows.iter().map(of_row).collect::<Vec<_>>()});
-        let file = folder.join("scenarios.json");
+        let [file, report] = COMPARISON.map(|name| folder.join(name));
         write_file(&file, format!("{summary:#}\n").as_bytes())?;
         say(format_args!("wrote {}", file.display()));
         if options.reports() {
@@ -99,7 +99,6 @@ impl Comparison {
             let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
             page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
             page.charts("Histories", &self.charts);
-            let report = folder.join("scenarios.html");
             page.write(&report, &[file])?;
             say(format_args!("wrote {}", report.display()));
         }

@@ -109,9 +109,12 @@ fn gradient_name(gradient: GradientBy) -> &'static str {
     }
 }
 
-/// Writes the history whenever it changes, moves the progress bar, and stops at Ctrl-C.
+/// Writes the history whenever it changes, but not before it has the points of the one that it goes on with; moves the
+/// progress bar, and stops at Ctrl-C.
 struct Recording<'g> {
     path: PathBuf,
+    /// How many points that one has.
+    earlier: usize,
     guard: &'g Guard,
     progress: Option<Progress>,
     failed: Option<IoError>,
@@ -122,7 +125,9 @@ impl Watcher for Recording<'_> {
         if let Some(iteration) = history.points.iter().rev().find_map(|point| point.iteration) {
             self.progress.iter().for_each(|progress| progress.set(iteration as u64));
         }
-        self.failed = write_csv(&self.path, &history.header(), history.rows()).err();
+        if history.points.len() >= self.earlier {
+            self.failed = write_csv(&self.path, &history.header(), history.rows()).err();
+        }
         self.failed.is_none()
     }
     fn wants_to_stop(&self) -> bool {
@@ -155,7 +160,9 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
         false => None,
     };
     check_folder(&folder)?;
-    keep_earlier(&path)?;
+    if recorded.is_none() {
+        keep_earlier(&path)?;
+    }
 
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
@@ -203,7 +210,8 @@ fn optimized(
 ) -> Result<(Optimized, Vec<PathBuf>), Failure> {
     let located = |error| options.scene.located(optimization.scene, error);
     let path = folder.join("optimization.csv");
-    let recording = |path: PathBuf, progress| Recording { path, guard, progress, failed: None };
+    let earlier = recorded.as_ref().map_or(0, |own| own.1.len());
+    let recording = |path: PathBuf, progress| Recording { path, earlier, guard, progress, failed: None };
     if options.starts == 1 {
         let progress = Progress::new("optimizing", options.iterations as u64);
         let mut recording = recording(path.clone(), Some(progress));

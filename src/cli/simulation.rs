@@ -204,7 +204,13 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
         Some(_) => "--longest-step".into(),
         None => format!("--steps above {}", prepared.grid.steps()),
     };
-    let message = failure.message.replace("a smaller step", &format!("a smaller step ({option})"));
+    let chosen = if prepared.method.table.embedded.is_some() { "" } else { " with another method" };
+    let stiff = ", or for stiff forces the method sdirk4";
+    let message =
+        if prepared.method.table.name == "sdirk4" { failure.message.replace(stiff, "") } else { failure.message.clone() };
+    let message = message.replace("a smaller step", &format!("a smaller step ({option})"));
+    let message =
+        message.replace("steps chosen by their error", &format!("steps chosen by their error (--tolerance 1e-6{chosen})"));
     Failure { message, ..failure }
 }
 

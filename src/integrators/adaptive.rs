@@ -253,8 +253,8 @@ impl StepChoice<f64> for ByError<'_> {
         };
         course.pace.halvings += 1;
         if course.pace.halvings > MOST_HALVINGS {
-            return Err(failure);
+            return Err(failure.of_all_steps());
         }
-        self.shorten(0.5 * h, course).map(|()| false).map_err(|_| failure)
+        self.shorten(0.5 * h, course).map(|()| false).map_err(|_| failure.of_all_steps())
     }
 }

@@ -52,7 +52,8 @@ impl fmt::Display for Crossing {
             }
             (false, SwitchKind::Kink) => {
                 "the motion and gradients of what is measured after it are right to first order of the step only, and its estimated error is not \
-                 to be trusted; take smaller steps, or let --tolerance choose them, and compare"
+                 to be trusted; take smaller steps, or let them be chosen to come close to it
+                 (--tolerance 1e-12), and compare"
             }
             (true, SwitchKind::Jump) => {
                 "its value is right to first order of the step only, its gradient is wrong, and so is its complex step; measure something that does \

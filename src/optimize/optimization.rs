@@ -3,7 +3,10 @@ use crate::design::DesignVariable;
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
 use crate::integrators::{Method, RunError, TimeGrid};
-use crate::scenes::{AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes};
+use crate::scenes::{
+    AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes, fingerprint,
+    whole_number,
+};
 
 /// Where gradients come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,6 +215,20 @@ impl<'s> Optimization<'s> {
     pub fn varying(&self) -> Vec<usize> {
         let varies = |name: &String| self.problem.varying.as_ref().is_none_or(|names| names.contains(name));
         (0..self.variables.len()).filter(|&i| varies(&self.variables[i].name)).collect()
+    }
+
+    /// What values and gradients of a design follow from: a whole number, not a number where it cannot be built.
+    pub(super) fn fingerprint(&self, design: &[f64]) -> f64 {
+        let of_case = |(number, case): (usize, &Case)| {
+            let is_measured = |name: &str| self.places.iter().any(|place| place.0 == number && place.1 == name);
+            fingerprint(case.scene, design, (&case.method, &case.settings), is_measured, true)
+        };
+        let measures = |case: &(usize, &Case)| self.places.iter().any(|place| place.0 == case.0);
+        let all: Vec<f64> = self.cases.iter().enumerate().filter(measures).map(of_case).collect();
+        if all.iter().any(|own| own.is_nan()) {
+            return f64::NAN;
+        }
+        whole_number(&(all.iter().map(|own| own.to_bits()).collect::<Vec<u64>>(), format!("{:?}", self.gradient)))
     }
 
     /// The values of the linear constraints' sums at a design.

@@ -415,14 +415,7 @@ impl Formula {
             let mut digest = Digest::of(&(&self.arguments, &self.outputs, &self.stages));
             // what programs have added behind is none of the formula's
             let count = self.outputs.iter().map(|output| output.0 as usize + 1).max().unwrap_or(0);
-            for operation in &graph.operations()[..count] {
-                match *operation {
-                    Operation::Curve { curve, order, at } => {
-                        (&graph.curves()[curve as usize], order, at).hash(&mut digest);
-                    }
-                    operation => operation.hash(&mut digest),
-                }
-            }
+            graph.hash_first(count, &mut digest);
             digest
         })
     }

@@ -5,6 +5,8 @@ mod differentiated_modes;
 mod facets;
 #[cfg(feature = "files")]
 pub mod file;
+mod fingerprint;
+mod folder_name;
 mod gmsh;
 mod joint_ends;
 mod mesh_data;
@@ -37,6 +39,11 @@ pub use builder::{
 pub use differentiated_modes::{DifferentiatedModes, ModeGradient};
 #[cfg(feature = "files")]
 pub use file::FileScene;
+pub(crate) use fingerprint::{fingerprint, whole_number};
+#[cfg(any(feature = "files", feature = "cli"))]
+pub(crate) use folder_name::check_folders;
+#[cfg(feature = "cli")]
+pub(crate) use folder_name::{COMPARISON, folder_name};
 pub use gmsh::{parse_gmsh, read_gmsh};
 pub use joint_ends::JointEnd;
 pub use mesh_data::{FilePlace, MeshData};

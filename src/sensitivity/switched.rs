@@ -35,7 +35,7 @@ impl SwitchError {
             Some(share) if *share <= Self::LIMIT => None,
             Some(share) => Some(format!(
                 "the gradient of \"{functional}\" is wrong: {:.1} % of it changes where all steps are halved, because the formula of \"{part}\" \
-                 has a kink in {place} that the steps do not resolve; take smaller ones, or let --tolerance choose them, until this is below \
+                 has a kink in {place} that the steps do not resolve; take smaller ones, or let them be chosen to come close to it (--tolerance 1e-12), until this is below \
                  {:.0} %",
                 100.0 * share,
                 100.0 * Self::LIMIT

@@ -468,7 +468,7 @@ fn what_is_wrong_with_a_state_is_told() {
             "the start of thrust must be a number of the design alone",
         ),
         ("sum = 0", "sum = [0, 0, 0]", "the start of sum must be a number"),
-        ("initial = { sum", "initial = { kp", "\"kp\" is a name of this file, too"),
+        ("initial = { sum", "initial = { block", "\"block\" is a name here already"),
         ("initial = { sum", "initial = { sin", "\"sin\" means a function"),
         ("c.thrust - 3", "c.trust - 3", "c.sum, c.thrust"),
         ("force = { block", "force = { c", "\"c\" is a state: its own section says how it changes"),

@@ -3,6 +3,7 @@
 use super::robot::{Inertial, Joint, Link, Looks, Pose, Robot};
 use crate::design::shortest;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
+use crate::scenes::folder_name;
 use std::path::{Path, PathBuf};
 
 /// A text in quotation marks.
@@ -205,7 +206,7 @@ pub fn write(robot: &Robot, file: &Path, target: &Path, free: bool) -> Result<(S
         "# From {source}: it stands as if all joints were at zero. A motor is a [[driver]] of type rotation or translation between the links of a\n\
          # joint, or a [[torque]]; what is measured is a [[functional]].\n\
          version = 1\nname = {}\ngravity = [0, 0, -9.81]\n\n[settings]\nend = 1\nsteps = 200\n",
-        quoted(&robot.name.replace(['/', '\\'], "-"))
+        quoted(&folder_name(&robot.name))
     );
     for (link, pose, carrier) in robot.in_order() {
         text += &body(link, pose, &folders, &mut notes);

@@ -15,7 +15,7 @@ mod sizes;
 mod values;
 
 pub use contraction::{Contraction, Contractions};
-pub use failure::Failure;
+pub use failure::{Failure, NOT_HELD};
 pub use kept::{FactoredAt, KeptFactorization};
 pub use renewal::Renewal;
 pub use round_off::Floor;

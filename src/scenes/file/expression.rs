@@ -90,13 +90,17 @@ impl Scope {
         (0..count).for_each(|number| self.add_variable(&format!("{name}[{number}]")));
         self.arrays.push((name.into(), first..first + count));
     }
-    /// Places of its numbers among the names.
+    /// Places of its numbers among the names, unless a name of an entry hides it.
     pub fn array(&self, name: &str) -> Option<Range<usize>> {
-        self.arrays.iter().find(|own| own.0 == name).map(|own| own.1.clone())
+        let is_hidden = || self.find(name).is_some() || self.definition(name).is_some();
+        self.arrays.iter().find(|own| own.0 == name && !is_hidden()).map(|own| own.1.clone())
     }
-    /// Whether a name means something already.
-    pub fn knows(&self, name: &str) -> bool {
-        self.find(name).is_some() || self.array(name).is_some() || self.definition(name).is_some()
+    /// Whether an entry has given a name a meaning already, which hides that of the file.
+    pub fn knows_beside(&self, file: &Scope, name: &str) -> bool {
+        let is_own = |place: usize| place >= file.names.len();
+        self.find(name).is_some_and(|own| is_own(own.0))
+            || self.definition(name).is_some()
+            || self.of_node(name).next().is_some()
     }
     /// What is known of a node: a number or vector that changes with the motion.
     pub fn add_of_node(&mut self, name: String, is_vector: bool) {
@@ -165,6 +169,8 @@ pub(super) enum Function {
     Exp,
     Log,
     Abs,
+    Floor,
+    Mod,
     Atan2,
     Min,
     Max,
@@ -176,7 +182,7 @@ pub(super) enum Function {
 }
 
 /// Names of functions, arguments that are vectors, and whether the value is one.
-pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
+pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 23] = [
     ("sqrt", Function::Sqrt, &[false], false),
     ("sin", Function::Sin, &[false], false),
     ("cos", Function::Cos, &[false], false),
@@ -190,6 +196,8 @@ pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
     ("exp", Function::Exp, &[false], false),
     ("log", Function::Log, &[false], false),
     ("abs", Function::Abs, &[false], false),
+    ("floor", Function::Floor, &[false], false),
+    ("mod", Function::Mod, &[false, false], false),
     ("atan2", Function::Atan2, &[false, false], false),
     ("min", Function::Min, &[false, false], false),
     ("max", Function::Max, &[false, false], false),
@@ -416,6 +424,8 @@ fn call<S: Scalar>(function: Function, first: Quantity<S>, second: Option<Quanti
         (Function::Unit, Vector(a), _) => Vector(a.unit()),
         (Function::Norm, Vector(a), _) => Number(a.length()),
         (Function::Atan2, Number(a), Some(Number(b))) => Number(a.atan2(b)),
+        // a - b floor(a / b): from 0 up to b, whatever the sign of a
+        (Function::Mod, Number(a), Some(Number(b))) => Number(a - b * (a / b).floor()),
         (Function::Min, Number(a), Some(Number(b))) => Number(a.min(b)),
         (Function::Max, Number(a), Some(Number(b))) => Number(a.max(b)),
         (_, own, _) => {
@@ -434,6 +444,7 @@ fn call<S: Scalar>(function: Function, first: Quantity<S>, second: Option<Quanti
                 Function::Exp => x.exp(),
                 Function::Log => x.ln(),
                 Function::Abs => x.abs(),
+                Function::Floor => x.floor(),
                 _ => S::from(f64::NAN),
             })
         }
@@ -485,6 +496,8 @@ mod tests {
             ("norm(cross(v, unit(v)))", 0.0),
             ("(a * v + v * b).z", (v * a + v * b).z),
             ("max(a, b) - min(a, b)", b - a),
+            ("floor(-a) + floor(2 * b)", 1.0),
+            ("mod(-a, b) + mod(5 * a, -b)", (b - a) + (3.5 - 3.0 * b)),
             ("if_less(a, b, a * 2, sqrt(-a)) + if_less(b, a, log(-b), 1)", 2.0 * a + 1.0),
         ] {
             assert!((value(text)[0] - expected).abs() <= 1e-15, "{text}: {:?} {expected}", value(text));

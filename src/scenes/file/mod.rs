@@ -6,6 +6,7 @@ mod build_parts;
 mod columns;
 mod condition;
 mod describing;
+mod elsewhere;
 mod expression;
 mod extended;
 mod fields;

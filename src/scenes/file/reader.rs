@@ -1,5 +1,6 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
+use super::elsewhere::unknown_or_elsewhere;
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::fields::{Each, Fields, Item};
 use super::keys::{MANY, WITH_NODES};
@@ -12,7 +13,6 @@ use super::sections::{DEFINE, SECTIONS, TOP};
 use crate::elements::entries::{Form, Forms, named};
 use crate::elements::forces::LOADS;
 use crate::scenes::MeshData;
-use crate::scenes::unknown;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -145,7 +145,7 @@ impl Reader {
                     self.declare(section, entry);
                 }
             } else {
-                self.wrong(entry.at, unknown("key", &entry.key, &known));
+                self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
             }
         }
         self.meshes();
@@ -219,6 +219,11 @@ impl Reader {
         };
         for (name, raw) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);
+            if name.contains(char::is_control) {
+                let text =
+                    "has a line break or another control character, which tables and pictures cannot show; leave it out";
+                self.wrong(at, format!("the name {name:?} {text}"));
+            }
             let space = name_space(section.name);
             if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
                 if name == "ground" && space == "member" {
@@ -361,7 +366,7 @@ impl Reader {
                     known.insert(0, "type".into());
                 }
                 let of = if forms.have_types() { format!("{owner} of type {}", form.name) } else { owner.to_string() };
-                let text = unknown("key", &entry.key, &known);
+                let text = unknown_or_elsewhere("key", &entry.key, &known);
                 self.wrong(entry.at, format!("{of}: {text}"));
                 continue;
             };
@@ -383,7 +388,7 @@ impl Reader {
         };
         let name = given.text().or_else(|| self.not(given, &format!("type of {owner}"), "a text"))?;
         let form = known.iter().find(|form| form.name == name).copied();
-        form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown("type", name, &names()))))
+        form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown_or_elsewhere("type", name, &names()))))
     }
 }
 

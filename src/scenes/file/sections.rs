@@ -151,8 +151,8 @@ pub(super) const FOR: Key = may(
     "for",
     Text,
     "the entry stands for many: `for = { i = { from = 1, to = 5 } }` makes five of it, `for = { i = [1, 3, 7] }` three, \
-     `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts `{i}`, `{i + 1}` and `{side}` are replaced; several names \
-     make all pairs; of two numbers that do not follow each other `{ values = [1, 5] }` says that these two are meant",
+     `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts stand the values of `{i}`, `{i + 1}` and `{side}`; several names \
+     make all pairs",
 );
 
 impl OwnParts {
