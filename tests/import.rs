@@ -252,7 +252,8 @@ fn joints_that_slide_follow_and_start_at_their_offset() {
     // of the joints that turn one is followed
     assert_eq!(text.matches("[[joint_angle]]").count(), 1, "{text}");
     let scene = FileScene::parse("text", &text).unwrap();
-    let run = Prepared::new(&scene).unwrap().run().unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let run = prepared.run().unwrap();
     let [angle, arm, slide, other] = ["to arm angle", "arm", "slide", "other"].map(|name| run.node(name).unwrap());
     assert!(angle.coordinates.last().unwrap()[0].abs() > 0.5);
     for (k, own) in angle.coordinates.iter().enumerate() {

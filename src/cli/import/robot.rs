@@ -244,11 +244,39 @@ impl Robot {
         let (leader, mimic) = followed(own)?;
         let Some(leader) = leader else { return Some(Err("which is not there")) };
         if ![own, leader].iter().all(|joint| joint.turns() || joint.slides()) {
-            return Some(Err("and not both of them turn or slide"));
+            return Some(Err("and one of the two neither turns nor slides"));
         }
         let chain = std::iter::successors(Some(leader), |next| followed(next)?.0).take(self.joints.len());
         let is_ring = chain.into_iter().any(|next| next.name == own.name);
         Some(if is_ring { Err("which follows it in turn") } else { Ok((leader, mimic)) })
+    }
+
+    /// Whether a joint, those that it follows and those that follow it move nothing that has inertia, so that no equation says how.
+    pub fn moves_nothing(&self, own: &Joint) -> bool {
+        let mut together = vec![own];
+        let mut next = 0;
+        while next < together.len() {
+            if self.has_inertia(&together[next].child) {
+                return false;
+            }
+            for other in &self.joints {
+                let follows =
+                    |one: &Joint, two: &Joint| matches!(self.leader(one), Some(Ok((own, _))) if own.name == two.name);
+                let is_new = together.iter().all(|known| known.name != other.name);
+                if is_new && (follows(other, together[next]) || follows(together[next], other)) {
+                    together.push(other);
+                }
+            }
+            next += 1;
+        }
+        true
+    }
+
+    /// Whether a link or what it carries has mass or a tensor.
+    fn has_inertia(&self, name: &str) -> bool {
+        let is_heavy = |own: &Inertial| own.mass > 0.0 || own.mass == 0.0 && own.tensor != [0.0; 6];
+        self.links.iter().any(|link| link.name == name && link.inertial.as_ref().is_some_and(is_heavy))
+            || self.joints.iter().any(|joint| joint.parent == name && self.has_inertia(&joint.child))
     }
 
     /// Where a joint stands at the start \[rad, m\]: at zero, or where it follows one that does.

@@ -175,9 +175,9 @@ impl Writer<'_> {
         let mut text = String::new();
         for (body, name) in self.bodies.iter().zip(&self.names) {
             for (link, inner) in &body.links[1..] {
-                let letter = |own: char| if own.is_alphanumeric() { own } else { '_' };
+                let letter = |own: char| if own.is_ascii_alphanumeric() { own } else { '_' };
                 let word: String = link.name.chars().map(letter).collect();
-                let begun = if word.starts_with(|own: char| own.is_alphabetic()) { word } else { format!("_{word}") };
+                let begun = if word.starts_with(|own: char| own.is_ascii_alphabetic()) { word } else { format!("_{word}") };
                 let frame = free_name(&begun, |own| !is_free_name(own) || names.iter().any(|other| other == own));
                 let of = if frame == link.name { String::new() } else { format!("{}, ", quoted(&link.name)) };
                 text += &format!("{frame} = {} # {of}on {}\n", vector(body.pose.then(*inner).place), quoted(name));
@@ -257,6 +257,18 @@ impl Writer<'_> {
             text += &format!("\n[[spring]]\nname = {damper}\ntype = \"slide\"\n{slide}{rates}");
         } else if *damping > 0.0 {
             self.notes.add("damping is left out of joints that neither turn nor slide", name);
+        }
+        let follows = matches!(robot.leader(own), Some(Ok(_)));
+        if (own.turns() || own.slides()) && !follows && robot.moves_nothing(own) {
+            let motion = match own.turns() {
+                true => format!("type = \"rotation\"\n{between}axis = {direction}\nangle = 0\n"),
+                false => format!(
+                    "type = \"translation\"\n{between}origin = {point}\npoint = {point}\naxis = {direction}\ndisplacement = 0\n"
+                ),
+            };
+            text += &format!("\n[[driver]]\nname = {}\n{motion}", quoted(&format!("{name} held")));
+            self.notes
+                .add("drivers hold joints that move nothing with inertia, so that no equation says how they move", name);
         }
         match robot.leader(own) {
             None => {}
