@@ -42,13 +42,14 @@ pub use thin_walls::{Extrusion, Profile, ThinWalls};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};
+use crate::elements::bodies::inertia_tensor::{self, Inadmissible};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::entries::{Given, Placed};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::integrators::Table;
 use crate::program::Recorded;
-use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 use std::collections::{HashMap, HashSet};
 
@@ -435,7 +436,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Inertia of a body, in Euler parameters or natural coordinates: mass \[kg\], mass centre in the body frame \[m\], tensor about it
     /// (xx, yy, zz, xy, xz, yz) [kg m2].
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
-        self.check_inertia(name, inertia.map(Scalar::value));
+        let inertia = self.checked_inertia(name, mass, centre, inertia);
         let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
         let kind = self.kind_of(name, node).map(|_| self.asked(name, &[node], |given| given.body(0)));
         let law = if kind == Some(NodeKind::Natural) { NaturalBody.into() } else { RigidBody.into() };
@@ -444,28 +445,32 @@ impl<S: Scalar> MechanismBuilder<S> {
         body
     }
 
-    /// Principal moments of a body are not negative, and none exceeds the sum of the other two; rods and plates stand at these limits.
-    fn check_inertia(&mut self, name: &str, inertia: [f64; 6]) {
-        let [xx, yy, zz, xy, xz, yz] = inertia;
+    /// A tensor whose principal moments are those of a body, and where a moment of it is negative by round-off, zero.
+    fn checked_inertia(&mut self, name: &str, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> [S; 6] {
+        let (weight, place, values) =
+            (mass.value(), Vector3::from_f64(centre.components().map(Scalar::value)), inertia.map(Scalar::value));
         // what is not finite is told with the other parameters
-        if inertia.iter().any(|entry| !entry.is_finite()) {
-            return;
+        if ![&[weight], &place.components()[..], &values].concat().iter().all(|number| number.is_finite()) {
+            return inertia;
         }
-        let mut moments: [f64; 3] = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues().into();
-        moments.sort_by(f64::total_cmp);
-        let [least, middle, largest] = moments;
-        let (excess, round_off) = (largest - middle - least, 1e-9 * largest.abs().max(least.abs()));
-        let why = if least < -round_off {
-            "none can be negative".to_string()
-        } else if excess > round_off {
-            format!("the largest exceeds the sum of the others by {excess:.3e}, which no body's does")
-        } else {
-            return;
-        };
-        self.mistakes.push(format!(
-            "the inertia of \"{name}\" has the principal moments {least:.3e}, {middle:.3e} and {largest:.3e} kg m2: {why}; give the tensor \
-             about the mass centre in body axes, products with the sign of its entries"
-        ));
+        if let Err(Inadmissible { moments: [least, middle, largest], .. }) = inertia_tensor::check(weight, place, values) {
+            let why = match least < 0.0 {
+                true => "none can be negative".into(),
+                false => format!(
+                    "the largest exceeds the sum of the others by {:.3e}, which no body's does",
+                    largest - middle - least
+                ),
+            };
+            self.mistakes.push(format!(
+                "the inertia of \"{name}\" has the principal moments {least:.3e}, {middle:.3e} and {largest:.3e} kg m2: {why}; give the \
+                 tensor about the mass centre in body axes, products with the sign of its entries"
+            ));
+        }
+        let round_off = inertia_tensor::round_off(weight, place, values);
+        std::array::from_fn(|k| match values[k] {
+            moment if k < 3 && (-round_off..0.0).contains(&moment) => inertia[k] - S::from(moment),
+            _ => inertia[k],
+        })
     }
 
     /// A mass \[kg\] at a point.

@@ -222,6 +222,12 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
     }
 }
 
+/// True for a name that a file can give what its formulas use.
+#[cfg(feature = "cli")]
+pub(crate) fn is_free_name(text: &str) -> bool {
+    is_name(text) && meaning(text).is_none()
+}
+
 /// True for what can stand in a formula as a name.
 pub(super) fn is_name(text: &str) -> bool {
     text.chars().next().is_some_and(starts_name) && text.chars().all(continues_name)

@@ -38,6 +38,8 @@ mod state_laws;
 mod stl;
 mod values;
 
+#[cfg(feature = "cli")]
+pub(crate) use expression::is_free_name;
 pub use own_parts::OwnParts;
 pub use reference::reference;
 pub use scene::FileScene;
