@@ -1,4 +1,4 @@
-use super::console::{count, json_number, long_number, say, seconds, warn};
+use super::console::{count, json_number, long_number, say, say_files, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
@@ -219,27 +219,23 @@ impl Simulation {
         if prepared.functionals().is_empty() {
             return say("the scene has no functional\n");
         }
-        let mut table = Table::new(&["functional", "value", "unit"]);
-        for (functional, &value) in prepared.functionals().iter().zip(&self.forward.values) {
-            table.row([functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()]);
+        let has_aggregates = self.forward.extremes.iter().any(Option::is_some);
+        let names = ["functional", "value", "unit", "true largest", "at [s]", "in", "true smallest", "at [s]", "in", "unit"];
+        let mut table = Table::new(if has_aggregates { &names } else { &names[..3] });
+        let functionals = prepared.functionals().iter().zip(&self.forward.values);
+        for ((functional, &value), extremes) in functionals.zip(&self.forward.extremes) {
+            let mut row: Vec<Cell> =
+                vec![functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()];
+            if let Some(Extremes { smallest, largest }) = extremes {
+                for Extreme { value, t, element } in [largest, smallest] {
+                    let element = element.as_deref().map_or(Cell::Empty, Into::into);
+                    row.extend([(*value).into(), (*t).into(), element]);
+                }
+                row.push(functional.unit.into());
+            }
+            table.row(row);
         }
         say(format_args!("{table}\n"));
-        let mut table = Table::new(&["aggregate", "largest", "at [s]", "in", "smallest", "at [s]", "in", "unit"]);
-        let mut any = false;
-        for (functional, extremes) in prepared.functionals().iter().zip(&self.forward.extremes) {
-            let Some(Extremes { smallest, largest }) = extremes else { continue };
-            any = true;
-            let cells = |extreme: &Extreme| -> [Cell; 3] {
-                let element = extreme.element.as_deref().map_or(Cell::Empty, Into::into);
-                [extreme.value.into(), extreme.t.into(), element]
-            };
-            let [value, t, element] = cells(largest);
-            let [least, when, place] = cells(smallest);
-            table.row([functional.name.as_str().into(), value, t, element, least, when, place, functional.unit.into()]);
-        }
-        if any {
-            say(format_args!("{table}\n"));
-        }
     }
 
     /// What the simulation cost.
@@ -361,9 +357,7 @@ impl Simulation {
 
     /// Prints the files.
     pub fn say_files(&self) {
-        for file in &self.files {
-            say(format_args!("wrote {}", file.display()));
-        }
+        say_files(&self.files);
     }
 
     /// The parts of the JSON object that every simulation has.
