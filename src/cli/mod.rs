@@ -63,6 +63,7 @@ mod optimize;
 mod optimum;
 mod options;
 mod part_sensitivities;
+mod projected_start;
 mod rates;
 mod report;
 mod response;

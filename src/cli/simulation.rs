@@ -5,6 +5,7 @@ use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
 use super::measured_moments::EnergyCourse;
 use super::options::SceneOptions;
+use super::projected_start::ProjectedStart;
 use super::report::{Page, Shown};
 use super::results::{Finished, Results, check_folder};
 use super::snapshot::Snapshot;
@@ -56,11 +57,15 @@ pub struct Simulation {
     pub moments: Vec<Snapshot>,
     /// What is measured of modes.
     pub modes: MeasuredModes,
+    /// What a projection of the start changed.
+    pub start: Option<ProjectedStart>,
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
 struct Watched<'p, 'g> {
+    prepared: &'p Prepared<'p>,
     results: Results<'p>,
+    start: Option<ProjectedStart>,
     balance: Option<Course<'g>>,
     progress: Progress,
     /// Marks of the progress bar per second.
@@ -74,6 +79,7 @@ const MARKS: f64 = 1000.0;
 impl Observer for Watched<'_, '_> {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         self.balance.iter_mut().for_each(|balance| balance.start(start));
+        self.start = ProjectedStart::of(self.prepared, start);
         self.results.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
@@ -100,7 +106,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let results = Results::begin(prepared, &output, &folder)?;
     let ledger = Ledger::new(prepared);
     let balance = ledger.as_ref().map(|ledger| ledger.begin(prepared));
-    let mut watched = Watched { results, balance, progress, pace, guard: &guard };
+    let mut watched = Watched { prepared, results, start: None, balance, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
     let elapsed = begun.elapsed().as_secs_f64();
@@ -108,8 +114,9 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if refuses_machine_code() {
         say("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
-    let Watched { results, balance, progress, .. } = watched;
+    let Watched { results, start, balance, progress, .. } = watched;
     progress.finish();
+    start.iter().for_each(|start| say(format_args!("{}\n", start.in_words())));
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
@@ -138,6 +145,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         charts,
         moments,
         modes,
+        start,
     })
 }
 
@@ -290,6 +298,7 @@ impl Simulation {
     pub fn shown(&self, prepared: &Prepared) -> Shown<'_> {
         Shown {
             forward: &self.forward,
+            start: self.start.as_ref(),
             energy: self.energy,
             balance: self.balance,
             moments: &self.moments,
@@ -396,6 +405,7 @@ impl Simulation {
         for (name, value) in self.work() {
             object.insert(if name == "time_s" { "forward_s".into() } else { name.into() }, value);
         }
+        object.extend(self.start.as_ref().map(|start| ("projected_start".into(), start.json())));
         if let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error {
             let coordinate = prepared.model().dof_name(dof);
             let error = json!({"share": json_number(share), "step": step, "t": json_number(t), "coordinate": coordinate, "velocity": in_velocity});

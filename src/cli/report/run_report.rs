@@ -37,6 +37,7 @@ impl RunReport<'_> {
         prepared.analysis().for_each_sample(forward, |sample| measured.add(sample))?;
         let energy = measured.energy;
         let joints: Vec<&str> = measured.columns.loaded_joints().collect();
+            start: None,
         let moments = measured.finish();
         let shown = Shown {
             forward,

@@ -5,6 +5,7 @@ use crate::cli::console::{brief, json_number, long_number, relative_effect};
 use crate::cli::energy_balance::EnergyBalance;
 use crate::cli::measured_moments::EnergyCourse;
 use crate::cli::motions::motion;
+use crate::cli::projected_start::ProjectedStart;
 use crate::cli::snapshot::Snapshot;
 use crate::cli::stability::{Statement, statement};
 use crate::design::DesignVariable;
@@ -31,6 +32,8 @@ pub struct GradientRows<'g> {
 pub struct Shown<'s> {
     /// Its steps and functionals.
     pub forward: &'s Forward,
+    /// What a projection of the start changed.
+    pub start: Option<&'s ProjectedStart>,
     /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
     /// Its balance, where it should not.
@@ -53,6 +56,9 @@ impl Page {
         self.functionals(prepared, simulation);
         self.motion(prepared, simulation.moments);
         self.charts("Histories", simulation.charts);
+        if let Some(rows) = simulation.start.map(ProjectedStart::rows).filter(|rows| !rows.is_empty()) {
+            self.table("What the projection of the start changed", &["part", "", "given", "used", "unit"], rows);
+        }
         self
     }
 

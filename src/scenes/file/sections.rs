@@ -98,7 +98,11 @@ const OF_ALL: &[Section] = &[
             ),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
-            may("project_start", Flag, "project an inconsistent start onto the constraints instead of refusing it; false"),
+            may(
+                "project_start",
+                Flag,
+                "project an inconsistent start onto the constraints instead of refusing it: a run prints what was given and what is used; false"
+            ),
         ],
     },
     Section {
