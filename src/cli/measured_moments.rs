@@ -4,6 +4,7 @@ use super::columns::{Columns, courses};
 use super::kept_moments::KeptMoments;
 use super::snapshot::Snapshot;
 use crate::assembly::VectorsAvq;
+use super::table_ranges::TableWatch;
 use crate::functionals::{Measured, Sample};
 use crate::scenes::Prepared;
 
@@ -56,6 +57,7 @@ pub struct MeasuredMoments<'p> {
     pub energy: Option<EnergyCourse>,
     is_conservative: bool,
     measured_energy: Measured,
+    tables: TableWatch<'p>,
     kept: KeptMoments,
 }
 
@@ -70,6 +72,7 @@ impl<'p> MeasuredMoments<'p> {
             columns,
             row: Vec::new(),
             energy: None,
+            tables: TableWatch::new(prepared),
             measured_energy: Measured::energy(),
             kept: KeptMoments::default(),
         }
@@ -89,7 +92,9 @@ impl<'p> MeasuredMoments<'p> {
             self.energy.get_or_insert(EnergyCourse::new(energy, t)).note(energy, kinetic, t);
         }
         self.row.clear();
-        self.columns.add_row(sample, energy, &mut self.row);
+        self.tables.add(sample);
+        let outputs = self.columns.outputs_at(sample);
+        self.columns.add_row(sample, energy, &outputs, &mut self.row);
         self.kept.add(Snapshot {
             t,
             q: q.clone(),
@@ -99,8 +104,15 @@ impl<'p> MeasuredMoments<'p> {
         });
     }
 
-    /// So many of them as pictures can show.
-    pub fn finish(self) -> Vec<Snapshot> {
-        self.kept.finish()
+    /// Warnings where tables were read beyond their points.
+    pub fn left_tables(&self) -> Vec<String> {
+        self.tables.in_words()
+    }
+
+    /// So many of them as pictures can show, and histories as charts.
+    pub fn finish(self) -> (Vec<Snapshot>, Vec<Chart>) {
+        let moments = self.kept.finish();
+        let charts = charts(self.prepared, &moments, &self.columns);
+        (moments, charts)
     }
 }

@@ -75,6 +75,7 @@ mod stability;
 mod still;
 mod study;
 mod sweep;
+mod table_ranges;
 mod verify;
 
 pub use crate::io::{Chart, Series, Style};

@@ -152,6 +152,11 @@ impl<'p> Results<'p> {
         let last = self.ends.end();
         self.add_sample(last)
     }
+    /// Warnings where tables were read beyond their points.
+    pub fn left_tables(&self) -> Vec<String> {
+        self.measured.left_tables()
+    }
+
 
     /// How the energy changed, where it should be constant.
     pub fn energy_course(&self) -> Option<EnergyCourse> {

@@ -59,6 +59,8 @@ pub struct Simulation {
     pub modes: MeasuredModes,
     /// What a projection of the start changed.
     pub start: Option<ProjectedStart>,
+    /// Warnings where tables were read beyond their points.
+    left_tables: Vec<String>,
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
@@ -120,6 +122,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
+    let left_tables = results.left_tables();
     let (energy, balance) = (results.energy_course(), balance.and_then(Course::finish));
     let Finished { files, unwritten, charts, moments } = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
@@ -146,6 +149,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         moments,
         modes,
         start,
+        left_tables,
     })
 }
 
@@ -312,6 +316,7 @@ impl Simulation {
     pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings = warnings(prepared, &self.forward);
         warnings.extend(energy_in_words(self.energy));
+        warnings.extend_from_slice(&self.left_tables);
         if let Some(balance) = self.balance.filter(|own| own.share().is_some_and(|share| share > StepError::COARSE)) {
             warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }

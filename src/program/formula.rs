@@ -69,6 +69,8 @@ pub enum ProgramKind {
     PointGradient,
     /// Numbers that tell the sides of switches.
     Switches,
+    /// Numbers at which tables are read.
+    TableArguments,
     /// Results, and their rates along a change of all arguments.
     Course,
     /// One of a caller's own, by its number.

@@ -24,6 +24,8 @@ mod recorded;
 mod refused;
 mod running;
 mod switches;
+#[cfg(feature = "cli")]
+mod table_arguments;
 mod undefined;
 
 pub use arguments::ArgumentKind;
@@ -39,3 +41,5 @@ pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_
 pub use refused::refuses_machine_code;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
 pub use switches::{SwitchKind, Switches};
+#[cfg(feature = "cli")]
+pub(crate) use table_arguments::TableRange;

@@ -6,6 +6,7 @@ use super::formula_of::FormulaOf;
 use super::keys::one_form;
 use super::known::{Builder, Found, Known, fixed_list};
 use super::mistake::Mistake;
+use super::tables::TABLE;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type::{Fixeds, Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
@@ -25,6 +26,8 @@ pub(super) const DEFINITIONS: Key = may(
     Type::Definitions,
     "names for formulas that the other formulas here use, later ones those before them; none",
 );
+pub(super) const OWN_TABLES: Key =
+    may("table", Type::NamedTables(&TABLE), "tables that the formulas here call by their names, as those of [table]; none");
 pub(super) const BREAKPOINTS: Key = may(
     "breakpoints",
     Fixeds(0, "s"),
@@ -170,7 +173,7 @@ impl<'f, S: Scalar> Reading<'f, S> {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
-        let _names_of_formulas = fields.get("define");
+        let _names_of_formulas = ["define", "table"].map(|key| fields.get(key));
         let formulas = Formulas { nodes: Vec::new(), all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
         let tells_breakpoints = fields.get("breakpoints").is_some();
         let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, tells_breakpoints, p: Vec::new() };

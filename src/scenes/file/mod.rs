@@ -35,6 +35,7 @@ mod sections;
 mod state_entries;
 mod state_laws;
 mod stl;
+mod tables;
 mod values;
 
 pub use own_parts::OwnParts;

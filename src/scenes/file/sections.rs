@@ -5,6 +5,7 @@ use super::keys::one_form;
 use super::own_parts::{OwnParts, all_forms};
 use super::parts::PARTS;
 use super::section::{Section, Shape};
+use super::tables::TABLES;
 use crate::design::repeated;
 use crate::elements::entries::{Form, Forms, Key, Range, Type, joined, may, need};
 use crate::integrators::{MOST_STEPS, NewtonTolerance};
@@ -48,7 +49,7 @@ const LIMIT: Forms = one_form![
 ];
 
 /// All sections, in the order of the reference page.
-pub(super) const SECTIONS: &[Section] = &joined::<Section, { PARTS.len() + OF_ALL.len() }>(&[PARTS, OF_ALL]);
+pub(super) const SECTIONS: &[Section] = &joined::<Section, { PARTS.len() + OF_ALL.len() + 1 }>(&[&[TABLES], PARTS, OF_ALL]);
 
 /// Sections of which nothing is made.
 const OF_ALL: &[Section] = &[

@@ -3,7 +3,9 @@
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scenes::file::describing::*;
 use crate::scenes::file::expression::Quantity;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, Reading};
+use crate::scenes::file::formula_parts::{
+    BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of,
+};
 
 pub(super) const SECTION: Section = Section {
     name: "element",
@@ -15,6 +17,7 @@ pub(super) const SECTION: Section = Section {
         NAME,
         NODES,
         DEFINITIONS,
+        OWN_TABLES,
         may("kinetic", Type::OfNodes("J"), "kinetic energy, of places and rates; none"),
         may("potential", Type::OfNodes("J"), "potential energy, of places; none"),
         may(
