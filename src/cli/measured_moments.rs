@@ -1,11 +1,13 @@
 //! What is measured at the moments of a run: rows of its histories, and what charts and pictures show.
 
 use super::columns::{Columns, courses};
+use super::history_charts::charts;
 use super::kept_moments::KeptMoments;
 use super::snapshot::Snapshot;
-use crate::assembly::VectorsAvq;
 use super::table_ranges::TableWatch;
+use crate::assembly::VectorsAvq;
 use crate::functionals::{Measured, Sample};
+use crate::io::Chart;
 use crate::scenes::Prepared;
 
 /// How the energy of a conservative scene, which is constant in an exact motion, changes.
@@ -55,9 +57,9 @@ pub struct MeasuredMoments<'p> {
     pub row: Vec<f64>,
     /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
+    tables: TableWatch<'p>,
     is_conservative: bool,
     measured_energy: Measured,
-    tables: TableWatch<'p>,
     kept: KeptMoments,
 }
 
@@ -70,9 +72,9 @@ impl<'p> MeasuredMoments<'p> {
             prepared,
             is_conservative: columns.have_energy() && is_motion && prepared.model().is_conservative(),
             columns,
+            tables: TableWatch::new(prepared),
             row: Vec::new(),
             energy: None,
-            tables: TableWatch::new(prepared),
             measured_energy: Measured::energy(),
             kept: KeptMoments::default(),
         }
@@ -100,6 +102,7 @@ impl<'p> MeasuredMoments<'p> {
             q: q.clone(),
             energy,
             measured: self.row[self.row.len() - courses(self.prepared).count()..].to_vec(),
+            outputs,
             loads: self.columns.loads(&self.row),
         });
     }

@@ -10,7 +10,7 @@ use super::tables::TABLE;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type::{Fixeds, Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
-use crate::elements::{Frame, NodeKind, Parameter};
+use crate::elements::{Frame, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -33,6 +33,14 @@ pub(super) const BREAKPOINTS: Key = may(
     Fixeds(0, "s"),
     "times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none",
 );
+
+/// What histories tell of a formula: its number, or the components of its vector.
+pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec<Output> {
+    match is_vector {
+        false => vec![Output::new(name.to_string(), unit)],
+        true => ["x", "y", "z"].map(|axis| Output::new(format!("{name}_{axis}"), unit)).into(),
+    }
+}
 
 /// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
 type OfNode = (&'static str, bool, bool);
@@ -145,6 +153,10 @@ impl Formulas {
             Quantity::Vector(_) => S::from(f64::NAN),
         }
     }
+    /// The numbers of all formulas, one behind the other.
+    pub fn numbers<'a, S: Scalar>(&'a self, arguments: &'a [Quantity<S>], p: &'a [S]) -> impl Iterator<Item = S> + 'a {
+        (0..self.all.len()).flat_map(|which| self.value(which, arguments, p).components())
+    }
     /// Places of the coordinates of a node.
     pub fn place(&self, node: usize) -> Range<usize> {
         let first: usize = self.nodes[..node].iter().map(|node| node.kind.dofs()).sum();
@@ -232,10 +244,15 @@ impl<'f, S: Scalar> Reading<'f, S> {
             let text = "this chooses by abs, min, max or if_less and depends on t; give breakpoints, the times at which it jumps or bends, or [] if there are none";
             return Err(Mistake::new(at, text));
         }
+        Ok(self.add_formula(formula))
+    }
+
+    /// Takes a formula of anything, and returns its number.
+    pub fn add_formula(&mut self, formula: &Expression) -> usize {
         let (own, numbers) = FormulaOf::of(formula, &self.known.names, Vec::new());
         self.formulas.all.push(own);
         self.p.extend(numbers);
-        Ok(self.formulas.all.len() - 1)
+        self.formulas.all.len() - 1
     }
 
     /// Takes the formula of a key, if it is given.

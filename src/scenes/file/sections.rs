@@ -116,7 +116,7 @@ const OF_ALL: &[Section] = &[
                 "histories",
                 Texts,
                 "what has columns in them, by names: nodes (\"crank\", \"beam[4]\", \"beam.end\", \"plate[2,0]\"), members with all their \
-                 nodes, joints, functionals, and \"energy\"; everything"
+                 nodes, joints, springs, dampers, elements, states, functionals, and \"energy\"; everything"
             ),
             may("vtk", Flag, "meshes for ParaView; false"),
             may("film", Flag, "the motion as a film, film.png; false"),
