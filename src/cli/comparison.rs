@@ -1,6 +1,6 @@
 //! What the scenarios of a scene gave, side by side.
 
-use super::console::{json_number, long_number, say, say_json};
+use super::console::{json_number, long_number, say, say_files, say_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::report::Page;
@@ -93,14 +93,14 @@ impl Comparison {
         let summary = json!({"scene": scene.name(), "scenarios": self.scenarios, "functionals": self.rows.iter().map(of_row).collect::<Vec<_>>()});
         let [file, report] = COMPARISON.map(|name| folder.join(name));
         write_file(&file, format!("{summary:#}\n").as_bytes())?;
-        say(format_args!("wrote {}", file.display()));
+        say_files(&[&file]);
         if options.reports() {
             let mut page = Page::by_command(scene, "comparison of its scenarios");
             let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
             page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
             page.charts("Histories", &self.charts);
             page.write(&report, &[file])?;
-            say(format_args!("wrote {}", report.display()));
+            say_files(&[report]);
         }
         say_json(options.json, &summary);
         Ok(())

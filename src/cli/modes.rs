@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::campbell::Branches;
-use super::console::{count, json_number, long_number, say, say_json, warn};
+use super::console::{count, json_number, long_number, say, say_files, say_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, mode_picture, motion};
@@ -117,7 +117,7 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         files.push(gradients.write(&folder)?);
     }
     page.write(&report, &files)?;
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
         "scene": scene.name(),

@@ -2,7 +2,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::CommandLine;
-use super::console::{count, json_number, say, say_json, seconds, warn};
+use super::console::{count, json_number, say, say_files, say_json, seconds, warn};
 use super::earlier::keep_earlier;
 use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
@@ -185,7 +185,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     write_file(&summary, format!("{json:#}\n").as_bytes())?;
     report.say();
     warnings.iter().for_each(|warning| warn(&format!("best design: {warning}")));
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     say_json(options.scene.json, &json);
     report.verdict()
 }

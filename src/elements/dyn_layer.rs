@@ -4,7 +4,7 @@ use super::lagrangian::{
     ElementFormulas, Energies, impulse, is_linear_in, is_steady_in, residual, sizes, strain_course, stress_deviation,
     stress_force,
 };
-use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
+use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Output, Parameter, State};
 use crate::elements::NodeKind;
 use crate::program::ArgumentKind::{
     Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
@@ -175,6 +175,14 @@ pub trait AnyElement: Send + Sync {
     fn is_conservative(&self) -> bool;
     /// Whether it has strains.
     fn has_strains(&self) -> bool;
+    /// What histories tell of it.
+    fn output_list(&self) -> Vec<Output> {
+        Vec::new()
+    }
+    /// Records strains, their rates and the outputs behind those of strains, of (v, q, p, t), and the stresses of (e, de/dt, p, t).
+    fn record_outputs(&self) -> Result<[Arc<Formula>; 2], String> {
+        Err("it tells nothing".into())
+    }
     /// Records what a search for its state needs beside the residual; `None` without strains.
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>>;
 }
@@ -235,6 +243,12 @@ impl<E: Element> AnyElement for E {
     }
     fn has_strains(&self) -> bool {
         self.strain_count() > 0
+    }
+    fn output_list(&self) -> Vec<Output> {
+        self.outputs()
+    }
+    fn record_outputs(&self) -> Result<[Arc<Formula>; 2], String> {
+        record_outputs(self)
     }
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
         (self.strain_count() > 0).then(|| record_stresses(self))
@@ -306,6 +320,19 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     })
 }
 
+fn record_outputs(element: &dyn ElementFormulas) -> Result<[Arc<Formula>; 2], String> {
+    let ((n, m), count) = (sizes(element), element.strain_count());
+    let told = Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)], |x| {
+        let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+        super::lagrangian::told(element, [v, q, p], t[0])
+    })?;
+    let stresses = Formula::record([(Strain, 2 * count), (OfPart, m), (Time, 1)], |x| {
+        let [e, rate, p, t] = arguments(x, [count, count, m, 1]);
+        super::lagrangian::stresses(element, [e, rate, p], t[0])
+    })?;
+    Ok([told, stresses])
+}
+
 fn record_stresses(element: &dyn ElementFormulas) -> Result<StressFormulas, String> {
     let ((n, m), count) = (sizes(element), element.strain_count());
     let course = Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
@@ -345,6 +372,7 @@ struct ElementRecordings {
     power: OnceLock<Recording>,
     inertia_moment: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
+    outputs: OnceLock<Option<[Arc<Formula>; 2]>>,
     has_energies: OnceLock<bool>,
     conservative: OnceLock<bool>,
 }
@@ -370,6 +398,7 @@ impl ElementPhysics {
             power: OnceLock::new(),
             inertia_moment,
             stresses: OnceLock::new(),
+            outputs: OnceLock::new(),
             has_energies: OnceLock::new(),
             conservative: OnceLock::new(),
         }))
@@ -443,6 +472,27 @@ impl ElementPhysics {
     /// Formulas of its stresses, if it has strains that can be recorded apart.
     pub fn stresses(&self) -> Option<&StressFormulas> {
         self.0.stresses.get_or_init(|| self.0.own.record_stresses().and_then(Result::ok)).as_ref()
+    }
+    /// What histories tell of it; nothing where that cannot be recorded.
+    pub fn outputs(&self) -> Vec<Output> {
+        let own = self.0.own.output_list();
+        if own.is_empty() || self.output_formulas().is_some() { own } else { Vec::new() }
+    }
+    fn output_formulas(&self) -> Option<&[Arc<Formula>; 2]> {
+        self.0.outputs.get_or_init(|| self.0.own.record_outputs().ok()).as_ref()
+    }
+    /// Its outputs at a state, in the order of their list.
+    pub fn outputs_at(&self, [v, q]: [&[f64]; 2], p: &[f64], t: f64) -> Vec<f64> {
+        let Some([told, stresses]) = self.output_formulas() else { return Vec::new() };
+        let mut work = FormulaWork::default();
+        let inputs = v.iter().chain(q).chain(p).chain([&t]).copied();
+        let told = work.run(told.values(), inputs).to_vec();
+        let count = stresses.outputs.len();
+        let (of_strains, own) = told.split_at(2 * count);
+        let stresses = work.run(stresses.values(), of_strains.iter().chain(p).chain([&t]).copied());
+        let (e, rates) = of_strains.split_at(count);
+        let of_strain = e.iter().zip(rates).zip(stresses).flat_map(|((e, rate), stress)| [*e, *rate, *stress]);
+        of_strain.chain(own.iter().copied()).collect()
     }
     /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
     pub fn impulse(&self) -> &Arc<Formula> {

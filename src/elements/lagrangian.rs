@@ -35,6 +35,8 @@ pub trait ElementFormulas: Formulas {
     fn parameter_count(&self) -> usize;
     fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]);
     fn mass(&self, p: &[Recorded]) -> Recorded;
+    fn output_count(&self) -> usize;
+    fn write_outputs(&self, state: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]);
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)>;
 }
 
@@ -50,6 +52,12 @@ impl<E: Element> ElementFormulas for E {
     }
     fn mass(&self, p: &[Recorded]) -> Recorded {
         Element::mass(self, p)
+    }
+    fn output_count(&self) -> usize {
+        self.outputs().len()
+    }
+    fn write_outputs(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]) {
+        Element::write_outputs(self, v, q, p, t, outputs);
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
         Element::in_stages(self, s, p, t)
@@ -185,6 +193,26 @@ pub(super) fn from_energies(element: &dyn Formulas, s: State<Recorded>, p: &[Rec
     let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();
     let rate = along_motion(&momentum, &moving);
     rate.into_iter().zip(force).map(|(rate, force)| rate - force).collect()
+}
+
+/// Strains, their rates, and the outputs behind those of strains.
+pub(super) fn told(element: &dyn ElementFormulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+    let e = strains(element, q, p, t);
+    let of_q = q.iter().copied().zip(v.iter().copied());
+    let moving: Vec<(Recorded, Recorded)> = of_q.chain([(t, Recorded::from(1.0))]).collect();
+    let mut own = zeros(element.output_count() - OF_STRAIN * e.len());
+    element.write_outputs([v, q, p], t, &mut own);
+    let rates = along_motion(&e, &moving);
+    [e, rates, own].concat()
+}
+
+/// Outputs of a strain: it, its rate, its stress.
+pub(super) const OF_STRAIN: usize = 3;
+
+/// Stresses of given strains and rates: what is stored and what is lost.
+pub(super) fn stresses(element: &dyn Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+    let stored = gradient(element.stored(e, p), e);
+    stored.into_iter().zip(losses(element, [e, rate, p], t)).map(|(stored, lost)| stored + lost).collect()
 }
 
 /// Force of given stresses, (de/dq)^T w.

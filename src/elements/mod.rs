@@ -37,7 +37,7 @@ pub(crate) use dyn_layer::{
     ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here,
     motion_derivatives, unrelated_numbers,
 };
-pub use element::{Element, State};
+pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;

@@ -179,6 +179,15 @@ impl Functional {
         }
     }
 
+    /// The formula of what it measures of nodes and joints, and where its arguments stand.
+    #[cfg(feature = "cli")]
+    pub(crate) fn formula(&self, model: &Model) -> Option<(Arc<Formula>, Vec<Place>)> {
+        match &self.measured {
+            Measured::Energy(_) | Measured::Group(_) => None,
+            local => local.reading(model).map(|own| (Arc::clone(own.formula), own.places.to_vec())),
+        }
+    }
+
     /// Whether it reads multipliers.
     pub(crate) fn reads_multipliers(&self) -> bool {
         match &self.measured {

@@ -81,6 +81,8 @@ pub(crate) use resolution::StepErrors;
 pub(crate) use resting_start::{resting_start, staying_states};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
+#[cfg(feature = "cli")]
+pub(crate) use start::INCONSISTENT;
 pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;

@@ -71,6 +71,8 @@ pub enum ProgramKind {
     Switches,
     /// Rates of these numbers along a change of all arguments.
     SwitchRates,
+    /// Numbers at which tables are read.
+    TableArguments,
     /// Results, and their rates along a change of all arguments.
     Course,
     /// One of a caller's own, by its number.

@@ -25,6 +25,8 @@ mod refused;
 mod running;
 mod switch_times;
 mod switches;
+#[cfg(feature = "cli")]
+mod table_arguments;
 mod undefined;
 
 pub use arguments::ArgumentKind;
@@ -41,3 +43,5 @@ pub use refused::refuses_machine_code;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
 pub use switch_times::SwitchTime;
 pub use switches::{Reads, SwitchKind, Switches, between};
+#[cfg(feature = "cli")]
+pub(crate) use table_arguments::TableRange;

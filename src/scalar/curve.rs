@@ -18,6 +18,8 @@ pub enum Interpolant {
     Smooth,
     /// Straight lines, constant beyond the ends.
     Lines,
+    /// Straight lines, which go on beyond the ends.
+    LinesOn,
     /// The value of the last knot that was passed, before the first one its value.
     Steps,
 }
@@ -28,13 +30,13 @@ impl Interpolant {
         match self {
             Interpolant::Monotone => monotone_slopes(knots, values),
             Interpolant::Smooth => natural_slopes(knots, values),
-            Interpolant::Lines | Interpolant::Steps => Vec::new(),
+            Interpolant::Lines | Interpolant::LinesOn | Interpolant::Steps => Vec::new(),
         }
     }
 
     /// Whether the value or the slope jumps at the knots.
     pub fn has_kinks(self) -> bool {
-        matches!(self, Interpolant::Lines | Interpolant::Steps)
+        matches!(self, Interpolant::Lines | Interpolant::LinesOn | Interpolant::Steps)
     }
 }
 
@@ -95,14 +97,21 @@ impl Curve {
             let secant = (values[k + 1] - y) / h;
             match interpolant {
                 Interpolant::Steps => [y, 0.0, 0.0, 0.0],
-                Interpolant::Lines => [y, secant, 0.0, 0.0],
+                Interpolant::Lines | Interpolant::LinesOn => [y, secant, 0.0, 0.0],
                 Interpolant::Monotone | Interpolant::Smooth => {
                     let [left, right] = [slope(k) - secant, slope(k + 1) - secant];
                     [y, slope(k), -(left + left + right) / h, (left + right) / (h * h)]
                 }
             }
         });
-        let end = |k: usize| [values[k], slope(k), 0.0, 0.0];
+        let slope_beyond = |k: usize| match interpolant {
+            Interpolant::LinesOn => {
+                let first = k.min(last - 1);
+                (values[first + 1] - values[first]) / (knots[first + 1] - knots[first])
+            }
+            _ => slope(k),
+        };
+        let end = |k: usize| [values[k], slope_beyond(k), 0.0, 0.0];
         let pieces = std::iter::once(end(0)).chain(inner).chain([end(last)]).collect();
         let has_kinks = interpolant.has_kinks();
         Ok(Arc::new(Self::of_pieces(knots, pieces, !has_kinks).joined_by(interpolant)))
@@ -123,6 +132,11 @@ impl Curve {
     /// The knots.
     pub fn knots(&self) -> &[f64] {
         &self.knots
+    }
+
+    /// Slopes before the first knot and behind the last.
+    pub(crate) fn slopes_beyond(&self) -> [f64; 2] {
+        [self.pieces[0][1], self.pieces[self.pieces.len() - 1][1]]
     }
 
     /// The highest power that a piece has.

@@ -7,7 +7,7 @@ mod summary;
 mod variation;
 
 use super::CommandLine;
-use super::console::{count, say, say_json};
+use super::console::{count, say, say_files, say_json};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
@@ -122,7 +122,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     let json = summary.json(&files);
     write_file(&files[files.len() - 1], format!("{json:#}\n").as_bytes())?;
     summary.say();
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     say_json(options.scene.json, &json);
     summary.verdict()
 }

@@ -1,5 +1,5 @@
 use crate::elements::Admissible::NonNegative;
-use crate::elements::{Constraint, Element, NodeKind, Parameter};
+use crate::elements::{Constraint, Element, NodeKind, Output, Parameter};
 use crate::scalar::Scalar;
 
 /// A soft version of any joint g(q, p, t): springs and dampers in place of its equations, R = A^T (k g + c dg/dt) with A = dg/dq.
@@ -58,5 +58,9 @@ impl<J: Constraint> Element for Soft<J> {
         for ((s, &rate), &c) in s.iter_mut().zip(rate).zip(&p[e.len()..]) {
             *s = c * rate;
         }
+    }
+    fn outputs(&self) -> Vec<Output> {
+        let of = |row| ["g", "dg/dt", "mu"].map(|name| Output::new(format!("{name}{row}"), ""));
+        (1..=self.0.equations()).flat_map(of).collect()
     }
 }

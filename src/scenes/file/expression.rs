@@ -1,9 +1,10 @@
 //! Formulas in texts: numbers and vectors of named numbers and vectors.
 
-use crate::elements::Table;
-use crate::scalar::{Interpolant, Scalar, SpatialVector, Vector3};
+use super::tables::NamedTable;
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::PI;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A number or a vector of three.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +61,8 @@ pub(super) struct Scope {
     definitions: Vec<(String, Expression)>,
     /// Design variables of several numbers, with their places among the names.
     arrays: Vec<(String, Range<usize>)>,
+    /// Tables by their names, with the formulas of values that change with the design.
+    tables: Vec<(String, Arc<NamedTable>, Arc<[Expression]>)>,
     /// Names that stand in braces for the number or word of a repeated entry.
     pub loops: Vec<String>,
 }
@@ -94,6 +97,13 @@ impl Scope {
     pub fn array(&self, name: &str) -> Option<Range<usize>> {
         let is_hidden = || self.find(name).is_some() || self.definition(name).is_some();
         self.arrays.iter().find(|own| own.0 == name && !is_hidden()).map(|own| own.1.clone())
+    }
+    /// Whether a name means something already.
+    pub fn knows(&self, name: &str) -> bool {
+        self.find(name).is_some()
+            || self.array(name).is_some()
+            || self.definition(name).is_some()
+            || self.table(name).is_some()
     }
     /// Whether an entry has given a name a meaning already, which hides that of the file.
     pub fn knows_beside(&self, file: &Scope, name: &str) -> bool {
@@ -134,6 +144,18 @@ impl Scope {
     /// What stands for a name.
     pub fn definition(&self, name: &str) -> Option<&Expression> {
         self.definitions.iter().find(|own| own.0 == name).map(|own| &own.1)
+    }
+    /// A table that formulas call.
+    pub fn add_table(&mut self, name: &str, table: NamedTable, values: Vec<Expression>) {
+        self.tables.push((name.into(), Arc::new(table), values.into()));
+    }
+    /// The table with a name, and the formulas of its values.
+    pub fn table(&self, name: &str) -> Option<(Arc<NamedTable>, Arc<[Expression]>)> {
+        self.tables.iter().find(|own| own.0 == name).map(|own| (Arc::clone(&own.1), Arc::clone(&own.2)))
+    }
+    /// Names of tables.
+    pub fn table_names(&self) -> impl Iterator<Item = String> {
+        self.tables.iter().map(|own| own.0.clone())
     }
     /// The same names, and others behind them on which a formula depends.
     pub fn with(&self, names: &[&str]) -> Scope {
@@ -268,8 +290,8 @@ pub(super) enum Operation {
     Call(Function),
     /// Of three numbers.
     Vector,
-    /// Of so many numbers and the place between them.
-    Spline(usize),
+    /// Of its values, where they change with the design, and the number behind them.
+    Table(Arc<NamedTable>),
     Component(usize),
 }
 
@@ -348,12 +370,6 @@ pub(super) fn constant(operations: &[Operation], scope: &Scope) -> Option<Quanti
     operations.iter().all(is_fixed).then(|| evaluate(operations, &values))
 }
 
-/// The natural cubic spline through values at equal distances, the first at 0 and the last at 1.
-fn spline<S: Scalar>(values: &[S], share: S) -> S {
-    let knots: Vec<f64> = (0..values.len()).map(|k| k as f64 / (values.len() - 1) as f64).collect();
-    Table::new(&knots, Interpolant::Smooth).map_or(S::from(f64::NAN), |table| table.value(share, &table.numbers(values)))
-}
-
 /// The operations as read: their types have been checked, so that other combinations do not occur.
 fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quantity<S> {
     use Quantity::{Number, Vector};
@@ -373,11 +389,11 @@ fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quant
                 Vector(own) => Number(own[*index]),
                 own => own,
             },
-            Operation::Spline(count) => {
-                let share = number(pop());
-                let mut values: Vec<S> = (0..*count).map(|_| number(pop())).collect();
+            Operation::Table(table) => {
+                let x = number(pop());
+                let mut values: Vec<S> = (0..table.values()).map(|_| number(pop())).collect();
                 values.reverse();
-                Number(spline(&values, share))
+                Number(table.value(x, &values))
             }
             Operation::Vector => {
                 let [z, y, x] = std::array::from_fn(|_| number(pop()));

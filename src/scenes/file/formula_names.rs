@@ -165,6 +165,7 @@ impl Reader {
 
     /// Adds to the scope of the file the names that an entry gives to formulas of its nodes.
     fn take_definitions(&mut self, file: &Scope, raw: &Raw) {
+        self.take_own_tables(raw);
         let Some(given) = raw.get("define") else { return };
         let wanted = "with formulas, as in { speed = \"norm(tip.velocity)\" }";
         self.named(given, "define", wanted, |reader, own| {

@@ -6,10 +6,11 @@ use super::formula_of::FormulaOf;
 use super::keys::one_form;
 use super::known::{Builder, Found, Known};
 use super::mistake::Mistake;
+use super::tables::TABLE;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type::{Fixeds, Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
-use crate::elements::{Frame, NodeKind, Parameter};
+use crate::elements::{Frame, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -25,11 +26,21 @@ pub(super) const DEFINITIONS: Key = may(
     Type::Definitions,
     "names for formulas that the other formulas here use, later ones those before them; none",
 );
+pub(super) const OWN_TABLES: Key =
+    may("table", Type::NamedTables(&TABLE), "tables that the formulas here call by their names, as those of [table]; none");
 pub(super) const BREAKPOINTS: Key = may(
     "breakpoints",
     Fixeds(0, "s"),
     "from the times when jumps and bends of formulas of t were not found from these: not needed, any",
 );
+
+/// What histories tell of a formula: its number, or the components of its vector.
+pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec<Output> {
+    match is_vector {
+        false => vec![Output::new(name.to_string(), unit)],
+        true => ["x", "y", "z"].map(|axis| Output::new(format!("{name}_{axis}"), unit)).into(),
+    }
+}
 
 /// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
 type OfNode = (&'static str, bool, bool);
@@ -140,6 +151,10 @@ impl Formulas {
             Quantity::Vector(_) => S::from(f64::NAN),
         }
     }
+    /// The numbers of all formulas, one behind the other.
+    pub fn numbers<'a, S: Scalar>(&'a self, arguments: &'a [Quantity<S>], p: &'a [S]) -> impl Iterator<Item = S> + 'a {
+        (0..self.all.len()).flat_map(|which| self.value(which, arguments, p).components())
+    }
     /// Places of the coordinates of a node.
     pub fn place(&self, node: usize) -> Range<usize> {
         let first: usize = self.nodes[..node].iter().map(|node| node.kind.dofs()).sum();
@@ -163,8 +178,7 @@ impl<'f, S: Scalar> Reading<'f, S> {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
-        let _names_of_formulas = fields.get("define");
-        fields.get("breakpoints");
+        let _names_of_formulas = ["define", "table", "breakpoints"].map(|key| fields.get(key));
         let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
         let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {
@@ -218,10 +232,15 @@ impl<'f, S: Scalar> Reading<'f, S> {
         if !time && formula.uses(place) {
             return Err(Mistake::new(at, "this cannot depend on the time t; a force can"));
         }
+        Ok(self.add_formula(formula))
+    }
+
+    /// Takes a formula of anything, and returns its number.
+    pub fn add_formula(&mut self, formula: &Expression) -> usize {
         let (own, numbers) = FormulaOf::of(formula, &self.known.names);
         self.formulas.all.push(own);
         self.p.extend(numbers);
-        Ok(self.formulas.all.len() - 1)
+        self.formulas.all.len() - 1
     }
 
     /// Takes the formula of a key, if it is given.

@@ -514,7 +514,7 @@ impl<S: Scalar> Known<'_, S> {
 }
 
 /// The way between the points of a table.
-fn way(own: &Fields) -> Interpolant {
+pub(super) fn way(own: &Fields) -> Interpolant {
     match text(own, "interpolation") {
         Some("smooth") => Interpolant::Smooth,
         Some("lines") => Interpolant::Lines,

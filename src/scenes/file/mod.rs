@@ -36,6 +36,7 @@ mod sections;
 mod state_entries;
 mod state_laws;
 mod stl;
+mod tables;
 mod values;
 
 #[cfg(feature = "cli")]

@@ -10,6 +10,7 @@ use super::own_parts::{OwnParts, all_forms};
 use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
+use super::tables::TABLES;
 use crate::elements::entries::{Form, Forms, named};
 use crate::elements::forces::LOADS;
 use crate::scenes::MeshData;
@@ -131,6 +132,7 @@ impl Reader {
         known.extend(SECTIONS.iter().map(|section| section.name.into()));
         let mut top = Vec::new();
         let mut definitions: &[Entry] = &[];
+        let mut tables: &[Entry] = &[];
         let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
         for entry in entries {
             if top_keys.iter().any(|key| key.name == entry.key) {
@@ -139,7 +141,10 @@ impl Reader {
                 let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
                 definitions = own.unwrap_or_default();
             } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
-                if section.shape == Shape::Once {
+                if section.name == TABLES.name {
+                    let own = entry.value.entries().or_else(|| self.not(&entry.value, "[table.NAME]", "tables with names"));
+                    tables = own.unwrap_or_default();
+                } else if section.shape == Shape::Once {
                     singles.push((section, &entry.value));
                 } else {
                     self.declare(section, entry);
@@ -150,7 +155,7 @@ impl Reader {
         }
         self.meshes();
         let variables = self.variables();
-        let definitions = self.define(definitions);
+        let definitions = self.define(definitions, tables);
         let top = self.fields(&Raw { at: root.at, value: RawValue::Table(top) }, &TOP, "the file");
         let single: Vec<(&'static str, Fields)> = singles
             .into_iter()
@@ -304,9 +309,16 @@ impl Reader {
         all.into_iter().filter_map(value).collect()
     }
 
-    /// Definitions in an order in which each depends on earlier ones only.
-    fn define(&mut self, entries: &[Entry]) -> Vec<(usize, String, Expression)> {
-        let entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
+    /// Definitions and tables in an order in which each depends on earlier ones only.
+    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Expression)> {
+        let mut entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
+        let first_table = entries.len();
+        for own in tables {
+            match repeated_named(own, &self.wholes) {
+                Ok(own) => entries.extend(own),
+                Err(mistake) => self.mistakes.push(mistake),
+            }
+        }
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
             let by = match self.by_name.contains_key(&(entry.key.clone(), "variable")) {
@@ -321,7 +333,7 @@ impl Reader {
             .iter()
             .map(|entry| {
                 let mut names = Vec::new();
-                collect_names(&entry.value, &mut names);
+                collect_names(entry.value.get("values").unwrap_or(&entry.value), &mut names);
                 names.iter().filter_map(|name| places.get(&**name).copied()).collect()
             })
             .collect();
@@ -334,6 +346,10 @@ impl Reader {
         }
         let mut definitions = Vec::new();
         for place in order {
+            if place >= first_table {
+                self.take_table(&entries[place]);
+                continue;
+            }
             let Entry { key, value, .. } = &entries[place];
             let what = format!("{key} of [define]");
             let formula = match &value.value {

@@ -247,10 +247,12 @@ fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
     }
 }
 
-/// What histories are to have is the energy, or a part that has nodes, multipliers or a value, or one of its nodes.
+/// What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.
 fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
     let Some(fields) = single(contents, "output") else { return };
-    let has_columns = |item: &&Item| [WITH_NODES, WITH_MULTIPLIERS, &["functional"]].concat().contains(&item.section);
+    let has_columns = |item: &&Item| {
+        [WITH_NODES, WITH_MULTIPLIERS, &["spring", "damper", "element", "functional"]].concat().contains(&item.section)
+    };
     let mut known: Vec<String> = contents.items.iter().filter(has_columns).map(|item| item.name.clone()).collect();
     known.push("energy".into());
     for (at, value) in list(fields, "histories") {

@@ -82,7 +82,7 @@ impl Reader {
             Type::NamedNodes(forms) => self.named_nodes(raw, forms, what),
             Type::NamedFormulas(_) => self.named_formulas(raw, what),
             // read with the names that formulas of the entry know
-            Type::Definitions => Some(Value::List(Vec::new())),
+            Type::Definitions | Type::NamedTables(_) => Some(Value::List(Vec::new())),
         }
     }
 

@@ -6,7 +6,7 @@ use crate::elements::joints::{JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scenes::file::build_parts::{SOFT, joint, located, rates, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, Reading};
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 const BY_FORMULA: Form = Form {
     name: "formula",
@@ -14,6 +14,7 @@ const BY_FORMULA: Form = Form {
     keys: &[
         NODES,
         DEFINITIONS,
+        OWN_TABLES,
         need("equations", SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
         BREAKPOINTS,
     ],
