@@ -32,6 +32,9 @@ mod orders;
 mod phases;
 #[path = "plate-pendulum/study.rs"]
 mod plate_pendulum;
+mod program;
+#[path = "random-scenes/study.rs"]
+mod random_scenes;
 #[path = "rigid-benchmarks/study.rs"]
 mod rigid_benchmarks;
 #[path = "rigid-spring-beam/study.rs"]
@@ -59,7 +62,7 @@ mod work_precision;
 
 pub use clock::{Clock, PHASES, largest, median, with_phases};
 pub use costate::cli::{Figure, Form, Report, Study};
-pub use noise::Noise;
+pub use noise::{Lots, Noise};
 
 /// Measures with one thread: that of a pool of its own.
 fn on_one_thread(measure: impl FnOnce() -> Result<(), String> + Send) -> Result<(), String> {
@@ -84,6 +87,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(scaling::Scaling),
         Box::new(stability::Stability),
         Box::new(robustness::Robustness),
+        Box::new(random_scenes::RandomScenes),
         Box::new(work_precision::WorkPrecision),
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(shell_benchmarks::ShellBenchmarks),

@@ -2,7 +2,7 @@
 
 use super::dense_count::{Told, compare};
 use super::equilibria::chain;
-use super::random_mechanism::Lots;
+use crate::verification::Lots;
 use crate::verification::Report;
 use costate::elements::flexible::Section;
 use costate::integrators::{ArcLength, Verdict};

@@ -1,6 +1,6 @@
 //! Runs that are killed, or whose disk is full, and go on.
 
-use super::program::{Place, words};
+use crate::verification::program::{Place, words};
 use crate::verification::{Noise, Report};
 use std::fs;
 use std::time::{Duration, Instant};

@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::random_mechanism::Lots;
+use crate::verification::Lots;
 use crate::verification::Report;
 use costate::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Command lines and files that went through many hands.
 
-use super::program::{Ended, Place, words};
+use crate::verification::program::{Ended, Place, words};
 use crate::verification::{Noise, Report};
 use std::collections::BTreeMap;
 use std::fs;

@@ -2,7 +2,6 @@
 
 mod at_rest;
 mod bifurcations;
-mod breakpoints;
 mod cantilever;
 mod dense_count;
 mod elastica;
@@ -11,13 +10,9 @@ mod joins;
 mod kills;
 mod laws;
 mod massless;
-mod mechanisms;
 mod mutations;
 mod optima;
-mod program;
-mod random_mechanism;
 mod slender;
-mod switches;
 mod tied;
 
 use crate::verification::{Form, Report, Study};
@@ -46,13 +41,10 @@ impl Study for Robustness {
         joins::count(report);
         tied::count(report);
         laws::count(report, if report.is_long() { 2000 } else { 200 })?;
-        switches::count(report, if report.is_long() { 2000 } else { 200 })?;
         optima::count(report)?;
-        breakpoints::count(report, if report.is_long() { 500 } else { 45 });
         at_rest::count(report);
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
-        mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });
         Ok(())
     }
 }

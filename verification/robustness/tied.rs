@@ -1,6 +1,6 @@
 //! Shells joined and tied, drawn by lot: sheets of several panels in states of constant stress, whose places, rotations and energies are known.
 
-use super::random_mechanism::Lots;
+use crate::verification::Lots;
 use crate::verification::Report;
 use costate::elements::flexible::{FaceKind, Material};
 use costate::integrators::Verdict;

@@ -1,0 +1,157 @@
+//! Scenes drawn by lot, run as a user runs them: right, said to be wrong, or refused; none is wrong in silence.
+
+mod checking;
+mod drawing;
+
+use crate::verification::program::Place;
+use crate::verification::{Form, Report, Study};
+use checking::{Case, Deviation, Outcome};
+use costate::integrators::StepError;
+use drawing::Kind;
+use std::collections::BTreeMap;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The study.
+pub struct RandomScenes;
+
+/// Share of scenes that may end without a result.
+const REFUSED: f64 = 0.1;
+/// Scenes of each kind, in the short form; ten times as many, and a hundred times, in the others.
+const COUNTS: [(Kind, &str, u64); 3] =
+    [(Kind::Motion, "motions", 100), (Kind::Equilibrium, "equilibria", 10), (Kind::Vibration, "modes", 10)];
+fn seed() -> u64 {
+    std::env::var("SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(0)
+}
+/// Cases of one kind of outcome that are printed.
+const PRINTED: usize = 10;
+
+impl Study for RandomScenes {
+    fn name(&self) -> &'static str {
+        "random-scenes"
+    }
+    fn summary(&self) -> &'static str {
+        "scenes drawn by lot against runs of other methods and steps, and quotients: right, said to be wrong, or refused"
+    }
+    fn forms(&self) -> &'static [Form] {
+        &[Form::Short, Form::Long]
+    }
+    fn run(&self, report: &mut Report) -> Result<(), String> {
+        let folder = std::env::temp_dir().join("costate-random-scenes");
+        fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        for (kind, name, count) in COUNTS {
+            let count = count
+                * if report.is_short() {
+                    1
+                } else if report.is_long() {
+                    100
+                } else {
+                    10
+                };
+            let outcomes = outcomes(kind, seed() + 1..=seed() + count)?;
+            tell(report, name, &outcomes);
+            for (seed, (outcome, _)) in &outcomes {
+                if !matches!(outcome, Outcome::Right) {
+                    let path = folder.join(format!("{name}-{seed}.toml"));
+                    let text = Case { seed: *seed, kind }.drawn().text;
+                    fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+                }
+            }
+        }
+        report.note(format!("scenes that are not right are in {}: costate gradient FILE --check", folder.display()));
+        Ok(())
+    }
+}
+
+/// What became of a scene, and by how much it is off.
+type Ended = (Outcome, Option<Deviation>);
+
+/// What becomes of the scenes of some seeds, on all cores.
+fn outcomes(kind: Kind, seeds: std::ops::RangeInclusive<u64>) -> Result<BTreeMap<u64, Ended>, String> {
+    let seeds: Vec<u64> = seeds.collect();
+    let (next, outcomes) = (AtomicUsize::new(0), Mutex::new(Ok(BTreeMap::new())));
+    let work = || {
+        let mut place = Place::new(&format!("random-scenes-{:?}", std::thread::current().id()).replace(['(', ')'], ""));
+        while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let run = AssertUnwindSafe(|| {
+                place.as_mut().map_err(|error| error.clone()).and_then(|place| Case { seed, kind }.outcome(place))
+            });
+            let outcome = catch_unwind(run).unwrap_or_else(|_| Ok((Outcome::Broken("a panic in a reference".into()), None)));
+            let mut all = outcomes.lock().unwrap_or_else(PoisonError::into_inner);
+            match (&mut *all, outcome) {
+                (Ok(all), Ok(outcome)) => drop(all.insert(seed, outcome)),
+                (all, Err(why)) => *all = Err(why),
+                _ => {}
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get());
+        (0..threads).for_each(|_| _ = scope.spawn(work));
+    });
+    outcomes.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A message without the names and numbers of one scene.
+fn kind_of(message: &str) -> String {
+    let mut kind = String::new();
+    for (place, part) in message.trim_start_matches("error: ").split('"').enumerate() {
+        kind += if place % 2 == 1 { ".." } else { part };
+    }
+    let is_number = |word: &str| {
+        word.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '(') && word.contains(|c: char| c.is_ascii_digit())
+    };
+    let words = kind.split_whitespace().filter(|word| !is_number(word) && !word.contains('/'));
+    words.take(14).collect::<Vec<_>>().join(" ")
+}
+
+/// Counts them, each kind by itself, and prints the first cases of each.
+fn tell(report: &mut Report, name: &str, outcomes: &BTreeMap<u64, Ended>) {
+    let mut counts = [0.0; 8];
+    let mut kinds: BTreeMap<(usize, String), Vec<(u64, &str)>> = BTreeMap::new();
+    for (seed, (outcome, _)) in outcomes {
+        let (place, why) = match outcome {
+            Outcome::Right => (0, ""),
+            Outcome::Told(why) => (1, &why[..]),
+            Outcome::Refused(why) => (2, &why[..]),
+            Outcome::Unchecked(why) => (3, &why[..]),
+            Outcome::Wrong(why) => (4, &why[..]),
+            Outcome::EnergyAlarm(why) => (5, &why[..]),
+            Outcome::CheckFails(why) => (6, &why[..]),
+            Outcome::Broken(why) => (7, &why[..]),
+        };
+        counts[place] += 1.0;
+        if place > 0 {
+            kinds.entry((place, kind_of(why))).or_default().push((*seed, why));
+        }
+    }
+    let [right, told, refused, unchecked, wrong, alarms, checks, broken] = counts;
+    report.inform(format!("{name}/drawn"), outcomes.len() as f64);
+    report.inform(format!("{name}/right, with a right gradient"), right + alarms + checks);
+    report.inform(format!("{name}/off, and said to be"), told);
+    report.inform(format!("{name}/refused or ended by an error"), refused);
+    report.inform(format!("{name}/references too rough to tell"), unchecked);
+    report.at_most(format!("{name}/refused or ended by an error, share"), refused / outcomes.len() as f64, REFUSED);
+    report.at_most(format!("{name}/wrong in silence"), wrong, 0.0);
+    report.at_most(format!("{name}/right, and the energy balance warns"), alarms, 0.0);
+    report.at_most(format!("{name}/right, and --check fails"), checks, 0.0);
+    report.at_most(format!("{name}/panics, signals, silence, hangs"), broken, 0.0);
+    // whether the limit of what is called coarse tells runs that are off from those that are not
+    for (words, is_coarse) in [("told to be coarse", true), ("others", false)] {
+        let of = outcomes.values().filter_map(|(_, deviation)| *deviation);
+        let offs: Vec<f64> = of.filter(|own| (own.estimate > StepError::COARSE) == is_coarse).map(|own| own.off).collect();
+        let share = |most: f64| offs.iter().filter(|&&off| off > most).count() as f64 / offs.len().max(1) as f64;
+        report.inform(format!("{name}/steps {words}/runs"), offs.len() as f64);
+        report.inform(format!("{name}/steps {words}/a value off by more than 1 % of its size, share"), share(1e-2));
+        report.inform(format!("{name}/steps {words}/by more than 10 %, share"), share(1e-1));
+    }
+    const WORDS: [&str; 8] = ["", "said", "refused", "unchecked", "WRONG", "energy alarm", "check fails", "broken"];
+    for ((place, kind), cases) in kinds {
+        report.inform(format!("{name}/{}: {kind}", WORDS[place]), cases.len() as f64);
+        for (seed, why) in cases.iter().take(PRINTED) {
+            report.note(format!("{name} {seed}, {}: {why}", WORDS[place]));
+        }
+    }
+}
