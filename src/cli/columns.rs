@@ -38,16 +38,15 @@ impl<'p> Columns<'p> {
     /// Nodes whose coordinates have columns: those that move, but states whose values are told by their names.
     pub fn nodes(&self) -> impl Iterator<Item = &'p Node> {
         let model = self.prepared.model();
-        let states =
-            model.states.iter().map(|&id| model.node(id)).filter(|node| self.outputs.iter().any(|own| own.0 == node.name));
-        let told: Vec<usize> = states.map(|node| node.dofs.start).collect();
+        let is_told = |node: &Node| node.kind.is_of_states() && self.outputs.iter().any(|own| own.0 == node.name);
+        let told: Vec<usize> = model.nodes.iter().filter(|node| is_told(node)).map(|node| node.dofs.start).collect();
         moving(model).filter(move |node| !told.contains(&node.dofs.start))
     }
 
     /// Whether a name is that of states.
     pub fn is_state(&self, name: &str) -> bool {
         let model = self.prepared.model();
-        model.states.iter().any(|&id| model.node(id).name == name)
+        model.nodes.iter().any(|node| node.kind.is_of_states() && node.name == name)
     }
 
     /// What springs, dampers, elements and states tell at a sample.

@@ -617,7 +617,7 @@ mod tests {
     fn switches_are_placed_between_neighbours() {
         for (name, law, expected, kind) in laws() {
             let formula = Formula::record([(ArgumentKind::Coordinate, 1)], |x| vec![law(x[0])]).expect("does not branch");
-            let switches = formula.switches(true).unwrap_or_else(|| panic!("{name} has a switch"));
+            let switches = formula.switches(Reads::Motion, true).unwrap_or_else(|| panic!("{name} has a switch"));
             let mut work = ProgramWork::default();
             let [before, after] = [0.0, 1.0].map(|x| {
                 let mut numbers = Vec::new();

@@ -5,10 +5,10 @@ mod entries;
 #[path = "../support/mod.rs"]
 mod support;
 
-use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, drives, rollings};
+use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, rollings};
 use costate::elements::NodeKind::Body;
 use costate::elements::{Constraint, NodeKind, State, TimeFunction};
-use costate::internals::{EulerParameterNorm, PrescribedRotation, PrescribedTranslation, RunScalar};
+use costate::internals::{EulerParameterNorm, PrescribedRotation, Reads, RunScalar};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, SpatialVector, TANGENTS, Tangents, Vector3};
 use costate::testing;
 use std::cell::Cell;

@@ -244,7 +244,9 @@ fn an_equilibrium_at_the_start_is_one_of_states_too() {
         assert!((gradient[0][0] - 0.01).abs() < 1e-14, "{gradient:?}");
     }
     // what nothing reads is measured alone, and goes on from there
-    let counted = text.replace("initial = { sum = 0,", "initial = { sum = 0, counted = 7,").replace("rate = {", "rate = { counted = 1,");
+    let counted = text
+        .replace("initial = { sum = 0,", "initial = { sum = 0, counted = 7,")
+        .replace("rate = {", "rate = { counted = 1,");
     assert!((run(&parsed(&counted)).0[1] - 6.0).abs() < 1e-11);
     // what is read must rest
     let clock = counted.replace("c.thrust - 3", "c.thrust - 3 - 0.1 * c.counted");
@@ -345,7 +347,8 @@ fn modes_beside_states_have_the_derivatives_of_the_roots() {
 fn modes_about_an_equilibrium_follow_its_states() {
     // a pendulum between springs whose rest angle a state is: omega^2 depends on the angle, and the angle on the gain
     let text = |statics: bool| {
-        let settings = if statics { "method = \"static\"\nsteps = 3" } else { "start = \"equilibrium\"\nend = 0.1\nsteps = 10" };
+        let settings =
+            if statics { "method = \"static\"\nsteps = 3" } else { "start = \"equilibrium\"\nend = 0.1\nsteps = 10" };
         format!(
             r#"
 version = 1
@@ -453,7 +456,10 @@ fn states_have_neither_power_nor_energy() {
         let (delta, omega) = (0.25_f64, (50.0 - 0.0625_f64).sqrt());
         let (x, v) = ((-delta).exp() * omega.sin() / omega, (-delta).exp() * (omega.cos() - delta / omega * omega.sin()));
         let energy = v * v + 50.0 * x * x;
-        assert!((values[2] - energy).abs() < 1e-3 && (values[1] - (energy - 1.0)).abs() < 1e-3, "{method}: {values:?} {energy}");
+        assert!(
+            (values[2] - energy).abs() < 1e-3 && (values[1] - (energy - 1.0)).abs() < 1e-3,
+            "{method}: {values:?} {energy}"
+        );
     }
 }
 

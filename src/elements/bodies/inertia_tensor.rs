@@ -52,7 +52,6 @@ pub(crate) fn check(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::SpatialVector;
 
     /// No admissible tensor of a lattice about the nearest one is nearer, and the nearest is admissible itself.
     #[test]

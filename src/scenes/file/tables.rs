@@ -102,15 +102,6 @@ impl NamedTable {
         }
     }
 
-    /// Whether it or its slope jumps somewhere.
-    pub fn has_kinks(&self) -> bool {
-        let interpolant_has = match &self.of {
-            Values::Fixed(curve) => curve.has_kinks(),
-            Values::OfDesign(table) => table.interpolant().has_kinks(),
-        };
-        interpolant_has || self.within.is_some()
-    }
-
     pub fn value<S: Scalar>(&self, x: S, values: &[S]) -> S {
         let x = self.within.map_or(x, |[first, last]| x.max(S::from(first)).min(S::from(last)));
         match &self.of {
