@@ -277,7 +277,7 @@ impl<'m> Operator<'m> {
         let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         let no_equilibrium = |how: String| {
             Err(RunError::Input(format!(
-                "vibrations need an equilibrium to start from, but {how}: find it first by the method \"static\", or begin there (start = \"equilibrium\")"
+                "vibrations need an equilibrium to start from, but {how}: find it first by the method \"static\""
             )))
         };
         if let Err(failure) =
