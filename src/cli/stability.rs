@@ -39,7 +39,7 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
         Verdict::Stable => {
             let mut words = format!("{which} is stable");
             if determinant.is_some() {
-                words += " against divergence (its loads follow the motion: `modes` tells whether it flutters, with --static at the end of load steps)";
+                words += " against divergence (its loads or states follow the motion: `modes` tells whether it flutters, with --static at the end of load steps)";
             }
             if let Some(lost) = lost {
                 words += &format!("; but {lost}, and what follows a snap depends on the motion");
@@ -64,7 +64,7 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
             match determinant {
                 _ if turns => "its energy in the frame that turns is not the least, and Coriolis forces may hold it or not",
                 None => "a direction has no stiffness but for round-off",
-                Some(_) => "loads follow the motion, and signs of the stiffness do not decide",
+                Some(_) => "loads or states follow the motion, and signs of the stiffness do not decide",
             },
             if is_start { "" } else { " --static" }
         )),

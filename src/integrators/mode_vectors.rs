@@ -30,6 +30,8 @@ const MOST_ITERATIONS: usize = 12;
 const LEFT: f64 = 1e-9;
 /// ... and what is round-off.
 const ROUND_OFF: f64 = 1e-15;
+/// By how much of itself a known value may be improved.
+const WANDERED: f64 = 1e-2;
 /// Iterations of one more vector, ...
 const CHECKS: usize = 3;
 /// ... and how much of it may lie outside of those of the known modes.
@@ -121,7 +123,11 @@ pub(crate) fn mode_vectors(
     let amplitudes = Amplitudes::new(&pencil, turns).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
     let mut amplitudes = amplitudes.beside_modes();
     let mut groups = Vec::new();
-    for (lambda, members) in found {
+    for (mut lambda, members) in found {
+        // the value of a list is as good as the search for many of them at once
+        if members.len() == 1 {
+            lambda = improved(&mut amplitudes, &pencil, lambda);
+        }
         let [right, left] = vectors(&mut amplitudes, &pencil, lambda, members.len())?;
         let slopes: Vec<Vec<Complex64>> = right.iter().map(|own| pencil.slope(lambda, own, false)).collect();
         let slope = DMatrix::from_fn(members.len(), members.len(), |i, j| dot(&left[i], &slopes[j]));
@@ -129,6 +135,40 @@ pub(crate) fn mode_vectors(
         groups.push(ModeGroup { modes: members, lambda, right: whole(right), left: whole(left), slope });
     }
     Ok(ModeVectors { q: operator.base.q, reactions: operator.reactions, groups })
+}
+
+/// The value of a single mode near one that is known, by inverse iteration with shift s: P(s)^-1 P' z = z / (s - lambda).
+fn improved(amplitudes: &mut Amplitudes, pencil: &Pencil, lambda: Complex64) -> Complex64 {
+    let mut value = lambda;
+    let mut own = vec![(0..pencil.size).map(|i| noise(i, 0).into()).collect::<Vec<Complex64>>()];
+    for _ in 0..MOST_ITERATIONS {
+        let shift = value * (1.0 + BESIDE[0]);
+        if amplitudes.set(shift).is_err() {
+            break;
+        }
+        // the first brings a vector, the second its value
+        let mut share = Complex64::ZERO;
+        for _ in 0..2 {
+            orthonormalize(&mut own);
+            let next = amplitudes.solve(&pencil.slope(shift, &own[0], false));
+            share = own[0].iter().zip(&next).map(|(own, next)| own.conj() * next).sum();
+            own[0] = next;
+        }
+        let mut next = shift - share.inv();
+        // along the real axis the matrix of an undamped mode would get another structure
+        next.re *= f64::from(u8::from(lambda.re != 0.0));
+        next.im *= f64::from(u8::from(lambda.im != 0.0));
+        // another mode is none of this one's
+        if !((next - lambda).norm() <= WANDERED * lambda.norm()) {
+            return lambda;
+        }
+        let is_settled = (next - value).norm() <= BESIDE[0] * value.norm();
+        value = next;
+        if is_settled {
+            break;
+        }
+    }
+    value
 }
 
 /// So many vectors z and w of one value.

@@ -73,6 +73,9 @@ impl Prepared<'_> {
         let mut gradients: Vec<Option<ModeGradient>> = vec![None; asked];
         for (group, bars) in vectors.groups.iter().zip(still.gradients()?) {
             let rows: Vec<[Vec<f64>; 2]> = bars.iter().map(|bars| by_design(&chain, &frame, bars)).collect();
+            if let [place] = group.modes[..] {
+                (modes[place].growth, modes[place].frequency) = (group.lambda.re, group.lambda.im);
+            }
             let own = group.modes.iter().zip(parted(group, &rows)?).filter(|(place, _)| **place < asked);
             own.for_each(|(&place, own)| gradients[place] = Some(own));
         }

@@ -105,8 +105,8 @@ impl Still<'_> {
         let (model, groups) = (self.system.model, &self.vectors.groups);
         let lowest = groups.iter().map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
         let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
-        // states that integrate what moves have a place in C alone
-        let rate = if model.state_dofs().next().is_some() { shift / lowest.sqrt() } else { 0.0 };
+        // states that integrate what moves have a place in C alone; half the lowest value is none of a mode, where the matrix would be singular
+        let rate = if model.state_dofs().next().is_some() { 2.0 * shift / lowest.sqrt() } else { 0.0 };
         let zeros = || vec![0.0; model.dofs];
         let record = SolveRecord {
             t: self.t,

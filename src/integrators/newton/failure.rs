@@ -60,6 +60,8 @@ impl<S: RunScalar> Newton<'_, S> {
                 let unknown = self.system.unknown_name(unknown, &self.jacobian);
                 let hint = if unknown.starts_with("joint") {
                     "its reaction is not determined: the joint is redundant or the mechanism is in a singular pose"
+                } else if unknown.contains(", state ") {
+                    "a state at rest needs a rate that depends on it, or on what it acts on: what integrates alone has no rest"
                 } else if equations.is_static() {
                     NOT_HELD
                 } else {

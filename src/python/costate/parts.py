@@ -20,7 +20,7 @@ from .numbers import Number, Numbers, argument, tape
 
 #: Coordinates of each kind of node: place of a point; place and Euler parameters of a body; place and axes of a body in
 #: natural coordinates; place and slope of a node of a cable; one number.
-NODES = {"point": 3, "body": 7, "natural": 12, "cable": 6, "coordinate": 1}
+NODES = {"point": 3, "body": 7, "natural": 12, "cable": 6, "coordinate": 1, "state": 1}
 
 
 @dataclass(frozen=True)
