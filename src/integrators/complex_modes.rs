@@ -35,6 +35,8 @@ const GROWTH: f64 = 30.0;
 const FAR: f64 = 3.0;
 /// lambda^2 below this share of the square of the shift is not told from zero.
 const ZERO: f64 = 1e-10;
+/// Share of K x in (K + s C + s^2 M) x up to which x may be rigid.
+const RIGID: f64 = 1e-3;
 /// theta below this share of the largest one is none.
 const INFINITE: f64 = 1e-10;
 /// Modes that are sought beyond those asked for.
@@ -235,7 +237,8 @@ impl Search<'_> {
             let mut both = vec![0.0; 2 * nodes];
             basis.iter().zip(own.iter()).for_each(|(own, share)| add(&mut both[..nodes], *share, own));
             let whole = [damped.apply(&both)[..nodes].to_vec(), vec![0.0; nodes]];
-            if *share <= ZERO || damped.operator.is_rigid(stiffness, &whole) {
+            // at a shift near the lowest value the share of what moves against a force is far from zero
+            if *share <= ZERO || *share <= RIGID && damped.operator.is_rigid(stiffness, &whole) {
                 shapes.push(damped.operator.in_coordinates(whole)[0].clone());
             }
         }

@@ -441,22 +441,21 @@ impl<'m> Operator<'m> {
         )))
     }
 
-    /// x^H K x of a complex vector, and the sum of the sizes of its terms.
+    /// Size of x^H K x of a complex vector, and the sum of the sizes of its terms.
     pub fn along(&self, matrix: &Jacobian, vector: &[Vec<f64>; 2]) -> [f64; 2] {
         let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
-        let mut sums = [0.0; 2];
+        let ([re, im], mut sums) = (vector, [0.0; 3]);
         for column in 0..nodes {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
                 let (row, value) = (pattern.rows[place] as usize, matrix.values[place]);
                 if row < nodes {
-                    for part in vector {
-                        sums[0] += part[row] * value * part[column];
-                        sums[1] += (part[row] * value * part[column]).abs();
-                    }
+                    sums[0] += value * (re[row] * re[column] + im[row] * im[column]);
+                    sums[1] += value * (re[row] * im[column] - im[row] * re[column]);
+                    sums[2] += value.abs() * re[row].hypot(im[row]) * re[column].hypot(im[column]);
                 }
             }
         }
-        [sums[0].abs(), sums[1]]
+        [sums[0].hypot(sums[1]), sums[2]]
     }
 
     /// Whether a mode is a rigid motion but for the round-off of its stiffness.

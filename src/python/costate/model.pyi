@@ -445,8 +445,8 @@ class Model:
         """A number of a mode of small vibrations about the start or the equilibrium, measured by runs, gradients, sweeps and optimizations.
 
         * ``name`` (text): what results, objective and limits call it
-        * ``number`` (whole number): which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate
-        * ``measure`` ("frequency" or "growth", optional): its omega in rad/s, or its growth in 1/s; frequency
+        * ``number`` (whole number): which mode, from 1, as costate modes numbers them: rigid motions and unstable ones count, and those that topple come first
+        * ``measure`` ("frequency" or "growth", optional): its omega in rad/s (of one that topples minus its growth), or its growth in 1/s; frequency
         * ``damped`` (True or False, optional): with dampers, states of first order and what else depends on velocities, as about a steady turn always; false
         """
     def settings(
