@@ -94,7 +94,7 @@ fn a_design_has_the_bits_of_its_single_run_on_any_number_of_threads() {
         let output =
             folder.run(0, &[&["run"], &common[..], &["--json", "--no-report", "--set", &set[0], "--set", &set[1]]].concat());
         let values = values(&output);
-        assert_eq!(values.len() + 5, header.len());
+        assert_eq!(values.len() + 6, header.len());
         for (value, word) in values.iter().zip(&row[3..]) {
             assert_eq!(value.to_bits(), number(word).to_bits(), "{set:?} {value}");
         }
@@ -340,7 +340,7 @@ fn a_failed_design_is_named_with_its_reason_and_the_others_are_run() {
     assert_eq!((&object["finished"], &object["failed"]), (&6.into(), &2.into()));
     let csv = folder.read("out/stone/sweep.csv");
     let (_, rows) = table(&csv);
-    let states: Vec<&str> = rows.iter().map(|row| &row[4][..]).collect();
+    let states: Vec<&str> = rows.iter().map(|row| &row[5][..]).collect();
     assert_eq!(states, ["done", "done", "done", "done", "failed", "failed"]);
     assert!(rows[4][3] == "NaN" && csv.contains("mass: at this design the value is -0.5"), "{csv}");
     // 2.0 * 0.5 - 10 * 0.5^2 / 2
