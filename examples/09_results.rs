@@ -16,9 +16,6 @@ impl TimeFormula for Bump {
         let share = (t / p[1]).max(S::zero()).min(S::one());
         p[0] * (-(share * TAU).cos() + 1.0) * 0.5
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        vec![S::zero(), p[1]]
-    }
 }
 
 struct Slider;

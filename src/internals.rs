@@ -37,6 +37,7 @@ pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolu
 pub use crate::linalg::multifrontal::{OnRanks, predicted};
 pub use crate::linalg::{own_unknowns::OwnUnknowns, owners::Owners};
 pub use crate::program::{
-    ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, compile_time, lanes, record,
+    ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Reads, Recorded, compile_time, lanes,
+    record,
 };
 pub use crate::scalar::{moving::Moving, rotation::tensor_times};

@@ -236,6 +236,129 @@ fn histories_have_angular_velocities_and_loads_of_joints_that_obey_the_laws_of_n
 }
 
 #[test]
+fn histories_have_what_springs_elements_and_states_tell_and_warn_of_tables_that_are_left() {
+    let folder = Folder::new("outputs");
+    let scene = r#"
+        version = 1
+        settings = { end = 0.5, steps = 100 }
+        [table.drag]
+        points = [-0.5, 0, 0.5]
+        values = [-1, 0, 1]
+        [[point]]
+        name = "mass"
+        position = [1.2, 0, 0]
+        mass = 2
+        [[joint]]
+        name = "rail"
+        type = "point_on_line"
+        between = ["ground", "mass"]
+        axis = [1, 0, 0]
+        [[spring]]
+        name = "spring"
+        type = "line"
+        between = ["ground", "mass"]
+        stiffness = 50
+        rest_length = 1
+        [[damper]]
+        name = "damper"
+        type = "line"
+        between = ["ground", "mass"]
+        damping = 0.5
+        [[element]]
+        name = "brake"
+        nodes = { m = "mass", c = "control" }
+        force = { m = "[-drag(m.velocity.x) + c.output, 0, 0]" }
+        [[state]]
+        name = "control"
+        type = "pid"
+        nodes = { m = "mass" }
+        measured = "m.position.x"
+        set_point = 1
+        proportional = 3
+        integral = 2
+        [[functional]]
+        name = "x"
+        type = "position"
+        on = "mass"
+        direction = [1, 0, 0]
+        over = "terminal"
+    "#;
+    fs::write(folder.0.join("held.toml"), scene).unwrap();
+    let output = folder.run(&["run", "held.toml", "--out", "out"]);
+    let warnings = text(&output.stderr);
+    assert!(output.status.success(), "{warnings}");
+    assert!(
+        warnings.contains("\"brake\" reads a table beyond its points") && warnings.contains("from -0.5 to 0.5"),
+        "{warnings}"
+    );
+    let (header, rows) = csv(&folder.0.join("out/histories.csv"));
+    let column = |name: &str| header.iter().position(|own| own == name).unwrap_or_else(|| panic!("{name}: {header:?}"));
+    assert!(!header.iter().any(|name| name.starts_with("control.q0")), "{header:?}");
+    for row in &rows {
+        let at = |name: &str| row[column(name)];
+        let (x, v) = (at("mass.x [m]"), at("mass.dx/dt [m/s]"));
+        let error = 1.0 - x;
+        for (name, expected) in [
+            ("spring.length [m]", x),
+            ("spring.rate [m/s]", v),
+            ("spring.force [N]", 50.0 * (x - 1.0)),
+            ("damper.force [N]", 0.5 * v),
+            ("control.error", error),
+            ("control.dintegral_term/dt", 2.0 * error),
+            ("control.output", 3.0 * error + at("control.integral_term")),
+            ("brake.m.force_x [N]", -2.0 * v + at("control.output")),
+        ] {
+            assert!((at(name) - expected).abs() < 1e-11, "{name}: {} {expected}", at(name));
+        }
+        // Newton's law, by what the columns say
+        let forces = at("brake.m.force_x [N]") - at("spring.force [N]") - at("damper.force [N]");
+        assert!((2.0 * at("mass.d2x/dt2 [m/s2]") - forces).abs() < 1e-9, "{row:?}");
+    }
+    assert!(
+        fs::read_to_string(folder.0.join("out/report.html"))
+            .unwrap()
+            .contains("forces of springs, dampers and elements [N]")
+    );
+    let output = folder.run(&["run", "held.toml", "--out", "few", "--end", "0.01", "--steps", "2", "--json"]);
+    assert_eq!(json(&output)["scene"], "held");
+    fs::write(folder.0.join("few.toml"), format!("[output]\nhistories = [\"spring\", \"control\"]\n{scene}")).unwrap();
+    folder.run(&["run", "few.toml", "--out", "few"]);
+    assert_eq!(csv(&folder.0.join("few/histories.csv")).0.len(), 1 + 3 + 4);
+}
+
+#[test]
+fn what_a_projection_of_the_start_changed_is_told() {
+    let folder = Folder::new("projected");
+    let scene = |velocity: &str| {
+        format!(
+            "version = 1\nsettings = {{ end = 0.1, steps = 10, project_start = true }}\n\
+             [[point]]\nname = \"bob\"\nposition = [1, 0, 0]\nvelocity = {velocity}\nmass = 1\n\
+             [[point]]\nname = \"other\"\nposition = [0, 2, 0]\nvelocity = [0, 7, 0]\nmass = 1\n\
+             [[joint]]\nname = \"rod\"\ntype = \"distance\"\nbetween = [\"ground\", \"bob\"]\n"
+        )
+    };
+    fs::write(folder.0.join("off.toml"), scene("[3, 4, 0]")).unwrap();
+    fs::write(folder.0.join("right.toml"), scene("[0, 4, 0]")).unwrap();
+    let output = folder.run(&["run", "off.toml", "--out", "off", "--json"]);
+    let told = text(&output.stdout);
+    assert!(
+        told.contains("(3, 4, 0)")
+            && told.contains("(0, 4, 0)")
+            && told.contains("rates that stay as they are given: other"),
+        "{told}"
+    );
+    let start = &json(&output)["projected_start"];
+    assert_eq!((start["changes"].as_array().unwrap().len(), &start["rates_kept"][0]), (1, &Value::from("other")), "{start}");
+    assert_eq!((&start["changes"][0]["part"], &start["changes"][0]["quantity"]), (&"bob".into(), &"velocity".into()));
+    let output = folder.run(&["run", "right.toml", "--out", "right"]);
+    assert!(
+        text(&output.stdout).contains("project_start: the start fits the constraints as it is given"),
+        "{}",
+        text(&output.stdout)
+    );
+}
+
+#[test]
 fn the_summary_is_the_json_object_and_the_report_is_one_file() {
     let folder = Folder::new("summary");
     let output = folder.run(&["gradient", "five-bar", "--end", "0.3", "--steps", "15", "--check", "--json"]);

@@ -67,8 +67,9 @@ fn a_robot_swings_as_its_links_say() {
     for words in [
         "4 links, 3 joints",
         "arm.dae\" is no STL",
-        "limits of the joint \"shoulder\"",
-        "dry friction of the joint \"slide\"",
+        "limits are left out, nothing stops the joints: \"shoulder\"",
+        "dry friction is left out of joints: \"slide\"",
+        "arm.toml: in order",
     ] {
         assert!(told.contains(words), "{words}: {told}");
     }
@@ -95,15 +96,17 @@ fn a_link_alone_begins_to_fall_by_its_moment_of_inertia() {
     folder.write("arm.urdf", &format!("{body}{shoulder}</robot>").replace("damping=\"0.3\"", "damping=\"0\""));
     let output = folder.run(&["import", "arm.urdf", "--out", "one.toml"]);
     assert!(output.status.success(), "{}", said(&output));
-    let text = std::fs::read_to_string(folder.0.join("one.toml")).unwrap();
+    let mut text = std::fs::read_to_string(folder.0.join("one.toml")).unwrap();
+    // nothing reads the angle
+    assert!(!text.contains("joint_angle"), "{text}");
     // the frame of inertia turned into that of the link: x and z change places
     let inertia = text.lines().find(|line| line.starts_with("inertia")).unwrap();
     assert!(inertia.starts_with("inertia = [0.17") && inertia.contains("0.18") && inertia.contains("0.02"), "{inertia}");
-    let scene = FileScene::read(&folder.0.join("one.toml")).unwrap();
+    text += "[[functional]]\nname = \"rate\"\ntype = \"joint_rate\"\nbetween = [\"base\", \"arm\"]\naxis = [0, 1, 0]\nover = \"terminal\"\n";
+    let scene = FileScene::parse("one.toml", &text).unwrap();
     let h = 1e-4;
     let prepared = Prepared::with(&scene, &[], Prepared::default_method(), Settings::new(h, 1)).unwrap();
-    let angle = prepared.run().unwrap().node("shoulder angle").unwrap();
-    let alpha = angle.rates.last().unwrap()[0] / h;
+    let alpha = prepared.analysis().forward(&[]).unwrap().values[0] / h;
     // it hangs towards -x where y is its axis: gravity turns it back
     let expected = 2.0 * 9.81 * 0.5 * 0.5_f64.sin() / (0.18 + 0.5);
     assert!((alpha.abs() - expected).abs() < 1e-7 * expected, "{alpha} {expected}");
@@ -127,6 +130,153 @@ fn a_free_robot_falls_and_what_is_no_robot_is_told() {
     }
     // nothing half-written
     assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 4);
+}
+
+/// A link of the tests below.
+fn link(name: &str, inertial: &str) -> String {
+    format!("<link name=\"{name}\">{inertial}</link>\n")
+}
+
+/// Its mass centre on the axis x, its mass and the diagonal of its tensor.
+fn inertial(x: f64, mass: f64, [xx, yy, zz]: [f64; 3]) -> String {
+    format!(
+        "<inertial><origin xyz=\"{x} 0 0\"/><mass value=\"{mass}\"/><inertia ixx=\"{xx}\" iyy=\"{yy}\" izz=\"{zz}\"/></inertial>"
+    )
+}
+
+/// A joint about or along y with its parent, at a place on the axis x.
+fn joint(kind: &str, [parent, child]: [&str; 2], x: f64, more: &str) -> String {
+    format!(
+        "<joint name=\"to {child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/><origin xyz=\"{x} 0 0\"/>\
+         <axis xyz=\"0 2 0\"/>{more}</joint>\n"
+    )
+}
+
+/// What import says of a robot, and the scene that it writes.
+fn imported(folder: &Folder, parts: &[String], options: &[&str]) -> (String, String) {
+    folder.write("r.urdf", &format!("<robot name=\"r\">{}</robot>", parts.concat()));
+    let _ = std::fs::remove_file(folder.0.join("r.toml"));
+    let output = folder.run(&[&["import", "r.urdf"], options].concat());
+    assert!(output.status.success(), "{}", said(&output));
+    (said(&output), std::fs::read_to_string(folder.0.join("r.toml")).unwrap())
+}
+
+/// The angular acceleration about y from rest of the child of a hinge about y.
+fn acceleration(text: &str, [parent, child]: [&str; 2]) -> f64 {
+    let rate = format!(
+        "{text}[[functional]]\nname = \"rate\"\ntype = \"joint_rate\"\nbetween = [\"{parent}\", \"{child}\"]\naxis = [0, 1, 0]\nover = \"terminal\"\n"
+    );
+    let scene = FileScene::parse("text", &rate).unwrap_or_else(|why| panic!("{why}"));
+    let h = 1e-4;
+    let prepared = Prepared::with(&scene, &[], Prepared::default_method(), Settings::new(h, 1)).unwrap();
+    prepared.analysis().forward(&[]).unwrap().values[0] / h
+}
+
+/// Three links in a row, welded, swing about the hinge of the first as one body: I alpha = g sum of m x with I = sum of J + m x^2.
+#[test]
+fn links_welded_together_are_one_body_and_their_frames_are_places() {
+    let folder = Folder::new("welded");
+    let tensor = [0.01, 0.02, 0.02];
+    let parts = [
+        link("base", ""),
+        link("ground", &inertial(0.1, 1.0, tensor)),
+        link("link.2", &inertial(0.2, 2.0, tensor)),
+        link("3", &inertial(0.0, 3.0, tensor)),
+        joint("revolute", ["base", "ground"], 0.0, ""),
+        joint("fixed", ["ground", "link.2"], 0.5, ""),
+        joint("fixed", ["link.2", "3"], 0.25, ""),
+    ];
+    let (told, text) = imported(&folder, &parts, &[]);
+    assert!(told.contains("its body is: \"ground_link\"") && told.contains("2 nodes"), "{told}");
+    for line in ["link_2 = [0.5, 0, 0] # \"link.2\", on \"ground_link\"", "_3 = [0.75, 0, 0] # \"3\", on \"ground_link\""] {
+        assert!(text.contains(line), "{text}");
+    }
+    let (masses, places) = ([1.0, 2.0, 3.0], [0.1, 0.7, 0.75]);
+    let sum = |power: i32| masses.iter().zip(places).map(|(mass, x)| mass * f64::powi(x, power)).sum::<f64>();
+    let expected = 9.81 * sum(1) / (sum(2) + 3.0 * 0.02);
+    let alpha = acceleration(&text, ["base", "ground_link"]);
+    assert!((alpha - expected).abs() < 1e-7 * expected, "{alpha} for {expected}");
+    // the place of a frame is one that functionals take
+    let place = "[[functional]]\nname = \"x\"\ntype = \"position\"\non = \"ground_link\"\npoint = \"_3\"\ndirection = [1, 0, 0]\nover = \"initial\"\n";
+    let scene = FileScene::parse("text", &(text + place)).unwrap();
+    let values = Prepared::new(&scene).unwrap().analysis().forward(&[]).unwrap().values;
+    assert!((values[0] - 0.75).abs() < 1e-15, "{values:?}");
+}
+
+/// What no body has becomes the nearest that one has, is said, and swings so; round-off beside m c^2 and tensors without mass stay.
+#[test]
+fn placeholders_become_admissible_and_inertia_without_mass_stays() {
+    let folder = Folder::new("placeholders");
+    for (mass, x, tensor, moment, words) in [
+        (2.0, 0.3, [1e-3, 1e-2, 1e-3], 1e-2 - 8e-3 / 3.0, "[0.001, 0.01, 0.001, 0, 0, 0], of the body: \"arm\""),
+        (2.0, 0.3, [0.5, -0.1, 0.2], -0.1 + 0.4 / 3.0, "no body can have the inertia of \"arm\""),
+        (2.0, 0.3, [1e-20, -1e-20, 0.0], 0.0, ""),
+        (0.0, 0.0, [0.01, 0.01, 0.01], 0.01, ""),
+    ] {
+        let arm = link("arm", &inertial(x, mass, tensor));
+        let (told, text) = imported(&folder, &[link("base", ""), arm, joint("continuous", ["base", "arm"], 0.0, "")], &[]);
+        assert_eq!(told.contains("no body can have"), !words.is_empty(), "{told}");
+        assert!(told.contains(words), "{told}");
+        let torque = text + "[[torque]]\nname = \"motor\"\non = \"arm\"\naxis = [0, 1, 0]\nsize = 0.7\n";
+        let (alpha, expected) = (acceleration(&torque, ["base", "arm"]), (0.7 + 9.81 * mass * x) / (mass * x * x + moment));
+        assert!((alpha - expected).abs() < 1e-6 * expected, "{tensor:?}: {alpha} for {expected}");
+    }
+    let negative = [link("base", ""), link("arm", &inertial(0.3, -1.0, [1.0; 3])), joint("fixed", ["base", "arm"], 0.0, "")];
+    let (told, text) = imported(&folder, &negative, &[]);
+    assert!(
+        told.contains("a negative mass is left out, with its inertia, of links: \"arm\"") && !text.contains("mass ="),
+        "{told}"
+    );
+}
+
+/// A slide that follows a hinge and one that follows the slide, with offsets: they start where the others take them, and follow.
+#[test]
+fn joints_that_slide_follow_and_start_at_their_offset() {
+    let folder = Folder::new("follow");
+    let body = |name: &str| link(name, &inertial(0.2, 1.0, [0.1; 3]));
+    let follow = |joint: &str, multiplier: f64, offset: f64| {
+        format!("<mimic joint=\"to {joint}\" multiplier=\"{multiplier}\" offset=\"{offset}\"/><dynamics damping=\"0.2\"/>")
+    };
+    let parts = [
+        ["base", "arm", "slide", "other", "free", "ring"].map(body).concat(),
+        joint("revolute", ["base", "arm"], 0.0, "<dynamics damping=\"0.4\" friction=\"1\"/>"),
+        joint("prismatic", ["arm", "slide"], 0.1, &follow("arm", 0.5, 0.03)),
+        joint("prismatic", ["base", "other"], 0.2, &follow("slide", -2.0, 0.01)),
+        joint("revolute", ["base", "free"], 0.3, &follow("none", 1.0, 0.0)),
+        joint("revolute", ["base", "ring"], 0.4, &follow("ring", 1.0, 0.0)),
+    ];
+    let (told, text) = imported(&folder, &parts, &[]);
+    for words in ["should follow \"to none\", which is not there: \"to free\"", "which follows it in turn: \"to ring\""] {
+        assert!(told.contains(words), "{told}");
+    }
+    // of the joints that turn one is followed
+    assert_eq!(text.matches("[[joint_angle]]").count(), 1, "{text}");
+    let scene = FileScene::parse("text", &text).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
+    let run = prepared.run().unwrap();
+    let [angle, arm, slide, other] = ["to arm angle", "arm", "slide", "other"].map(|name| run.node(name).unwrap());
+    assert!(angle.coordinates.last().unwrap()[0].abs() > 0.5);
+    for (k, own) in angle.coordinates.iter().enumerate() {
+        let along = slide.coordinates[k][1] - arm.coordinates[k][1];
+        assert!((along - 0.5 * own[0] - 0.03).abs() < 1e-11, "{along} at {own:?}");
+        assert!((other.coordinates[k][1] + 2.0 * along - 0.01).abs() < 1e-11, "{} at {along}", other.coordinates[k][1]);
+    }
+}
+
+/// A link without inertia at the end of a free joint is written and refused by name.
+#[test]
+fn what_cannot_start_is_said_by_import() {
+    let folder = Folder::new("no-start");
+    let arm = joint("revolute", ["base", "arm"], 0.0, "");
+    folder.write("r.urdf", &format!("<robot name=\"r\">{}{}{arm}</robot>", link("base", ""), link("arm", "")));
+    let output = folder.run(&["import", "r.urdf"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        said(&output).contains("was written, but it cannot start as it is") && said(&output).contains("\"arm\""),
+        "{}",
+        said(&output)
+    );
+    assert!(folder.0.join("r.toml").exists());
 }
 
 #[test]

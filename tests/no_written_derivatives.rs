@@ -9,19 +9,18 @@ const CONTRACTS: [(&str, &str, &str); 9] = [
     (
         "elements/element.rs",
         "Element",
-        "nodes parameters residual kinetic potential strain_energy add_force strain_count strains stored damping dissipation mass breakpoints \
-         in_stages",
+        "nodes parameters residual kinetic potential strain_energy add_force strain_count strains stored damping dissipation mass in_stages",
     ),
     (
         "elements/field.rs",
         "Field",
         "parameters parameters_of node_map residual kinetic potential strain_energy add_force strain_count strains stored stored_together damping \
-         dissipation_together mass breakpoints",
+         dissipation_together mass",
     ),
-    ("elements/constraint.rs", "Constraint", "nodes equations parameters g is_driver breakpoints"),
+    ("elements/constraint.rs", "Constraint", "nodes equations parameters g is_driver"),
     ("elements/characteristic.rs", "ForceLaw", "parameters value"),
-    ("elements/time_formula.rs", "TimeFormula", "parameters value breakpoints"),
-    ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
+    ("elements/time_formula.rs", "TimeFormula", "parameters value"),
+    ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h"),
     ("functionals/quantity.rs", "Quantity", "dofs unit parameters value rated_count rated value_with_rates"),
     ("functionals/point_quantity.rs", "PointQuantity", "parameters is_of at_points"),
     ("functionals/shell_quantity.rs", "ShellQuantity", "parameters is_of at_points"),
@@ -59,7 +58,7 @@ const OTHERS: [(&str, &str, &str); 48] = [
     ("elements/flexible/small_strain_cable.rs", "second_derivative", "d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/cable.rs", "derivatives", "dr/dx and d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/hermite.rs", "derivative_rows", "of shape functions, as tables of numbers"),
-    ("assembly/breakpoints.rs", "add_transposed", "of what was recorded"),
+    ("sensitivity/breakpoints.rs", "add_transposed", "of what was recorded"),
     ("assembly/element_programs.rs", "gradient", "makes the program of the recording"),
     ("assembly/jacobian.rs", "reduce_adjoint set_adjoints", "adjoint variables along the reduced unknowns and back"),
     ("linalg/mod.rs", "solve_transposed", "J^T x = b"),

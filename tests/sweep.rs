@@ -126,7 +126,7 @@ fn gradients_of_the_designs_have_the_bits_of_single_runs_and_survive() {
     folder.run(0, &[&sweep[..], &["--threads", "3"]].concat());
     assert_eq!(folder.read(file), whole);
     let (header, rows) = table(&whole);
-    let values = header.len() - 5;
+    let values = header.len() - 6;
     let functionals = values / 3;
     assert!(functionals > 0 && values == 3 * functionals, "{header:?}");
     let named = &header[3 + functionals..][..2];
@@ -226,8 +226,8 @@ fn a_sweep_that_was_cut_off_goes_on_and_ends_with_the_same_table() {
     // what is not of this sweep stays as it is
     let cases: [(&[&str], String, &str); 7] = [
         (&[], "my notes".into(), "it is no table of a sweep"),
-        (&["--method", "dirk2"], format!("{whole}torn"), "the file is of another scene, method or machine"),
-        (&["--set", "mass=2"], whole.clone(), "the file is of another scene, method or machine"),
+        (&["--method", "dirk2"], format!("{whole}torn"), "design 1 follows from other laws, numbers, methods or settings"),
+        (&["--set", "mass=2"], whole.clone(), "the file is of another scene, method or version"),
         (&["--vary", "mass=1:2:2"], whole.clone(), "of another scene or variation"),
         (&[], format!("{whole}{}\n", lines[3]), "line 10: the design 3 stands there twice"),
         (&[], format!("{whole}9,{}\n", &lines[3][2..]), "line 10: there is a design 9, but this sweep has 8"),
@@ -245,6 +245,65 @@ fn a_sweep_that_was_cut_off_goes_on_and_ends_with_the_same_table() {
     }
     fs::remove_file(folder.0.join(FILES[0])).expect("removed");
     assert!(text(&folder.run(2, &resume).stderr).contains("--resume out/pendulum/sweep.csv: "));
+}
+
+/// A mass on a spring, pushed: what is pushed how stiffly is said behind.
+const PUSHED: &str = r#"
+version = 1
+variable.k = { initial = 100, bounds = [10, 1000] }
+define.limit = 100
+settings = { end = 1, steps = 20 }
+point = [{ name = "p", position = [0, 0, 0], mass = 2 }]
+force = [{ name = "push", on = "p", direction = [1, 0, 0], size = 3 }]
+spring = [{ name = "s", type = "slide", between = ["ground", "p"], axis = [1, 0, 0], damping = 1, stiffness = "k" }]
+functional = [{ name = "x", type = "position", on = "p", direction = [1, 0, 0], over = "terminal" }]
+optimization = { minimize = "x" }
+"#;
+
+/// The first row is the same for all of these: what follows for others, or how its gradient does, is another thing.
+#[test]
+fn tables_of_other_laws_are_not_gone_on_with_and_stay_where_they_are() {
+    let folder = Folder::new("other laws");
+    let sweep = ["sweep", "s.toml", "--out", "out", "--vary", "k=100,400", "--gradient"];
+    let optimize = ["optimize", "s.toml", "--out", "out", "--iterations", "2"];
+    folder.write("s.toml", PUSHED);
+    folder.run(0, &sweep);
+    folder.command(&optimize).output().expect("it runs");
+    let tables = ["out/sweep.csv", "out/optimization.csv"].map(|file| (file, folder.read(file)));
+    let all = |folder: &Folder| {
+        let entries = fs::read_dir(folder.0.join("out")).expect("a folder").map(|entry| entry.expect("an entry").path());
+        entries.collect::<BTreeSet<_>>()
+    };
+    let files = all(&folder);
+    for (what, by) in [
+        ("stiffness = \"k\"", "stiffness = \"min(k, 100)\""),
+        ("stiffness = \"k\"", "stiffness = \"min(k, limit)\""),
+        ("stiffness = \"k\"", "stiffness = \"100 + 2 * (k - 100)\""),
+        ("stiffness = \"k\"", "stiffness = \"max(k, 100)\""),
+        ("size = 3", "size = \"3 + (k - 100)\""),
+        ("mass = 2", "mass = \"2 * k / 100\""),
+        ("steps = 20", "steps = 20, constraint_level = \"position\""),
+    ] {
+        assert!(PUSHED.contains(what), "{what}");
+        folder.write("s.toml", &PUSHED.replace(what, by));
+        for (arguments, message) in [
+            (&sweep[..], "other laws, numbers, methods or settings than it would here"),
+            (&optimize, "of the history follows from other laws, numbers, methods or settings"),
+        ] {
+            let said = text(&folder.run(2, &[arguments, &["--resume"]].concat()).stderr);
+            assert!(said.contains(message), "{by}: {said}");
+        }
+        tables.iter().for_each(|(file, before)| assert_eq!(folder.read(file), *before, "{file} after {by}"));
+        assert_eq!(all(&folder), files, "{by}");
+    }
+    // what changes nothing that is measured
+    folder.write("s.toml", &PUSHED.replace("define.limit = 100", "define.limit = 7\nsummary = \"a mass\""));
+    folder.run(0, &[&sweep[..], &["--resume"]].concat());
+    assert_eq!(folder.read("out/sweep.csv"), tables[0].1);
+    let output = folder.command(&[&optimize[..], &["--resume"]].concat()).output().expect("it runs");
+    assert_ne!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert_eq!(folder.read("out/optimization.csv"), tables[1].1);
+    assert!(!folder.0.join("out/optimization.1.csv").exists());
 }
 
 /// A stone whose mass vanishes where the load is 2.

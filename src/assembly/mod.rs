@@ -12,7 +12,6 @@
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
 mod batches;
-mod breakpoints;
 mod clock;
 mod constraint_programs;
 mod constraint_rows;
@@ -40,7 +39,6 @@ mod terms;
 mod unit_length;
 mod variational;
 
-pub(crate) use breakpoints::BreakpointMap;
 pub use clock::Clock;
 pub use constraint_programs::ConstraintPart;
 pub(crate) use constraint_rows::ConstraintRows;
@@ -49,7 +47,7 @@ pub use equations::{Equations, Level, StageCoefficients, StageSystem, Unknowns, 
 pub(crate) use equations::{clone_fields, cloned_in_place, empty_fields};
 pub(crate) use evaluation::{BatchWork, run_lanes};
 pub use jacobian::Jacobian;
-pub(crate) use lanes::{LaneResults, Lanes, Run};
+pub(crate) use lanes::{LaneResults, Lanes, Run, last_bit};
 pub(crate) use laws::Laws;
 pub(crate) use model::ModelIdentity;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, Spin};

@@ -78,8 +78,8 @@ pub struct Model {
     pub holds: Vec<Attached<ConstraintPhysics>>,
     /// What turns steadily where a motion begins.
     pub spin: Option<Spin>,
-    /// Nodes whose rates are states of first order; these are given where a motion begins at an equilibrium, which does not move them.
-    pub states: Vec<NodeId>,
+    /// States of first order stand in q, their rates in v, as at rest.
+    pub(crate) states_are_coordinates: bool,
     /// Length of q.
     pub dofs: usize,
     /// Length of mu.

@@ -101,7 +101,7 @@ impl NodeRun {
 impl System<'_> {
     /// Largest coordinate of a point among those of nodes.
     pub(crate) fn largest_length<S: RunScalar>(&self, q: &[S]) -> f64 {
-        let of_points = self.node_runs.iter().filter(|run| run.kind != NodeKind::Coordinates(run.reduction.dofs()));
+        let of_points = self.node_runs.iter().filter(|run| run.kind.in_space().is_some());
         let places = of_points.flat_map(|run| run.starts()).flat_map(|start| start..start + 3);
         places.fold(0.0, |largest: f64, place| largest.max(q[place].value().abs()))
     }

@@ -55,7 +55,7 @@ impl RotationCoordinates {
         match kind {
             NodeKind::Body => Some(RotationCoordinates::Euler),
             NodeKind::Natural => Some(RotationCoordinates::Axes),
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => None,
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => None,
         }
     }
 

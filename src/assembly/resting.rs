@@ -1,22 +1,53 @@
-use super::Model;
 use super::model::Spin;
-use crate::elements::{ElementPhysics, InTurningFrame, turn, turn_gradient};
+use super::{Model, NodeId, VectorsAvq};
+use crate::elements::{AtRest, ElementPhysics, OfStates, turn, turn_gradient};
 use crate::scalar::Scalar;
 
-/// A model at the equilibrium where its motion begins, in the frame that turns with what spins: what holds parts are constraints behind the others,
-/// states stay, elements that turn have the parameters of the spin behind their own.
+/// A model at an equilibrium or about one, in the frame that turns with what spins: elements that turn have the parameters of the spin behind their
+/// own, and states of first order are unknowns like coordinates, z in q.
 #[derive(Clone)]
 pub(crate) struct RestingModel {
     /// The model.
     pub model: Model,
     /// For each of its parameters the one of the moving model.
     sources: Vec<usize>,
+    /// Places of states that the moving model has elsewhere, in v.
+    states: Vec<usize>,
 }
 
 impl RestingModel {
     /// Parameters, from those of the moving model.
     pub fn parameters<T: Copy>(&self, p: &[T]) -> Vec<T> {
         self.sources.iter().map(|&place| p[place]).collect()
+    }
+
+    /// Coordinates q, from (q, v) of the moving model.
+    pub fn coordinates<T: Copy>(&self, q: &[T], v: &[T]) -> Vec<T> {
+        let mut own = q.to_vec();
+        self.states.iter().for_each(|&dof| own[dof] = v[dof]);
+        own
+    }
+
+    /// Velocities at rest: zero, but for the given values of states, of which those are read that stay.
+    pub fn velocities<S: Scalar>(&self, v: &[S]) -> Vec<S> {
+        let mut rest = vec![S::zero(); v.len()];
+        self.states.iter().for_each(|&dof| rest[dof] = v[dof]);
+        rest
+    }
+
+    /// Moves (q, v) of the moving model to these coordinates at rest.
+    pub fn set_motion<T: Copy>(&self, own: &[T], q: &mut [T], v: &mut [T]) {
+        self.states.iter().for_each(|&dof| v[dof] = own[dof]);
+        let given: Vec<T> = self.states.iter().map(|&dof| q[dof]).collect();
+        q.copy_from_slice(own);
+        self.states.iter().zip(given).for_each(|(&dof, given)| q[dof] = given);
+    }
+
+    /// Takes accelerations, velocities and coordinates about the equilibrium to those of the moving model.
+    pub fn in_motion<S: Scalar>(&self, VectorsAvq { a, v, q }: &mut VectorsAvq<S>) {
+        for &dof in &self.states {
+            (a[dof], v[dof], q[dof]) = (v[dof], q[dof], S::zero());
+        }
     }
 
     /// Adds what a gradient is towards its parameters to that towards those of the moving model.
@@ -26,11 +57,11 @@ impl RestingModel {
 }
 
 impl Model {
-    /// The model at the equilibrium where its motion begins.
-    pub(crate) fn at_rest(&self) -> RestingModel {
-        let mut resting = self.in_frame();
+    /// The model in a search for the equilibrium where its motion begins: what holds parts are constraints behind the others, states follow their rates,
+    /// but for those that stay.
+    pub(crate) fn at_rest(&self, stays: &[usize]) -> RestingModel {
+        let mut resting = self.seen(self.spin.as_ref(), OfStates::InAcceleration, stays);
         let model = &mut resting.model;
-        self.states.iter().for_each(|node| model.nodes[node.0].fixed = true);
         for mut hold in std::mem::take(&mut model.holds) {
             hold.equations = model.equations..model.equations + hold.physics.equation_count();
             model.equations = hold.equations.end;
@@ -39,51 +70,97 @@ impl Model {
         resting
     }
 
-    /// The model in the frame that turns with what spins.
-    pub(crate) fn in_frame(&self) -> RestingModel {
+    /// The model of small motions about an equilibrium, in the frame that turns with what spins or in the world; states that nothing reads stay.
+    pub(crate) fn about_rest(&self, turns: bool) -> RestingModel {
+        self.seen(self.spin.as_ref().filter(|_| turns), OfStates::InVelocity, &self.unread_states())
+    }
+
+    /// The same in the frame of the world for equilibria under loads: all states are unknowns.
+    pub(crate) fn with_states_as_coordinates(&self) -> Model {
+        self.seen(None, OfStates::InVelocity, &[]).model
+    }
+
+    /// With states that do not change.
+    pub(crate) fn with_states_held(&self) -> Model {
+        let mut held = self.clone();
+        held.nodes.iter_mut().filter(|node| node.kind.is_of_states()).for_each(|node| node.fixed = true);
+        held
+    }
+
+    /// Places of all states.
+    pub(crate) fn state_dofs(&self) -> impl Iterator<Item = usize> {
+        self.nodes.iter().filter(|node| node.kind.is_of_states()).flat_map(|node| node.dofs.clone())
+    }
+
+    fn seen(&self, spin: Option<&Spin>, of_states: OfStates, stays: &[usize]) -> RestingModel {
         let mut model = self.clone();
         let mut sources: Vec<usize> = (0..self.parameters).collect();
-        if let Some(spin) = &self.spin {
-            model.turn_elements(spin, &mut sources);
-        }
-        RestingModel { model, sources }
-    }
-
-    /// Puts elements in the frame of what spins.
-    fn turn_elements(&mut self, spin: &Spin, sources: &mut Vec<usize>) {
-        let mut turns = vec![false; self.nodes.len()];
-        spin.nodes.iter().for_each(|node| turns[node.0] = true);
+        let states: Vec<usize> = self.state_dofs().filter(|_| !self.states_are_coordinates).collect();
+        let of_states = (!states.is_empty()).then_some(of_states);
+        model.states_are_coordinates = true;
+        let (mut turns, mut staying) = (vec![false; self.nodes.len()], vec![false; self.dofs]);
+        spin.iter().flat_map(|spin| &spin.nodes).for_each(|node| turns[node.0] = true);
+        stays.iter().for_each(|&dof| staying[dof] = true);
+        let spin: Vec<usize> = spin.iter().flat_map(|spin| spin.parameters.clone()).collect();
         // one recording for elements of one law
-        let mut known: Vec<(ElementPhysics, Vec<bool>, ElementPhysics)> = Vec::new();
-        for element in &mut self.elements {
-            let own: Vec<bool> = element.nodes.iter().map(|node| turns[node.0]).collect();
-            if !own.contains(&true) {
+        let mut known: Vec<(AtRest, ElementPhysics)> = Vec::new();
+        for element in &mut model.elements {
+            let own_turns = element.nodes.iter().map(|node| turns[node.0]).collect();
+            let stays = element.nodes.iter().flat_map(|node| staying[self.nodes[node.0].dofs.clone()].to_vec());
+            let own = AtRest::new(&element.physics, own_turns, of_states, stays.collect());
+            if !own.differs() {
                 continue;
             }
-            let same = known.iter().rev().find(|(physics, turns, _)| physics.is_same(&element.physics) && *turns == own);
-            let turned = match same {
-                Some((_, _, turned)) => turned.clone(),
+            if own.turns() {
+                let first = sources.len();
+                sources.extend(element.parameters.clone().chain(spin.iter().copied()));
+                element.parameters = first..sources.len();
+            }
+            let same = known.iter().rev().find(|(other, _)| own.is_same(other));
+            element.physics = match same {
+                Some((_, physics)) => physics.clone(),
                 None => {
-                    let turned = InTurningFrame::physics(&element.physics, &own);
-                    known.push((element.physics.clone(), own, turned.clone()));
-                    turned
+                    let physics = own.clone().physics();
+                    known.push((own, physics.clone()));
+                    physics
                 }
             };
-            element.physics = turned;
-            let first = sources.len();
-            sources.extend(element.parameters.clone().chain(spin.parameters.clone()));
-            element.parameters = first..sources.len();
         }
-        self.parameters = sources.len();
+        model.parameters = sources.len();
+        RestingModel { model, sources, states }
     }
 
-    /// Velocities of the model at rest, in its frame: zero, but for states.
-    pub(crate) fn velocities_at_rest<S: Scalar>(&self, v: &[S]) -> Vec<S> {
-        let mut rest = vec![S::zero(); v.len()];
-        for place in self.states.iter().flat_map(|node| self.nodes[node.0].dofs.clone()) {
-            rest[place] = v[place];
+    /// States on which nothing depends but others of the kind: they are measured alone, and the equilibrium is that of all others.
+    pub(crate) fn unread_states(&self) -> Vec<usize> {
+        let mut unread: Vec<usize> = self.state_dofs().collect();
+        let mut readers: Vec<(Vec<usize>, Vec<Vec<bool>>)> = Vec::new();
+        let is_of_states = |node: &NodeId| self.nodes[node.0].kind.is_of_states();
+        for element in self.elements.iter().filter(|element| element.nodes.iter().any(is_of_states)) {
+            let dofs: Vec<usize> = element.nodes.iter().flat_map(|node| self.nodes[node.0].dofs.clone()).collect();
+            let count = if self.states_are_coordinates { 2 } else { 1 } * dofs.len();
+            let rows = element.physics.residual().inspect(|graph, outputs| {
+                let of_row = |&row| graph.reads(&[row], count + dofs.len())[count..].to_vec();
+                outputs.iter().map(of_row).collect()
+            });
+            readers.push((dofs, rows));
         }
-        rest
+        let joints: Vec<usize> = self.constraints.iter().flat_map(|joint| &joint.nodes).map(|node| node.0).collect();
+        unread.retain(|dof| !joints.iter().any(|&node| self.nodes[node].dofs.contains(dof)));
+        // from all that may be read by each other alone to those that are read by none but later ones
+        let mut kept: Vec<usize> = Vec::new();
+        loop {
+            let reads = |state: usize| {
+                readers.iter().any(|(dofs, rows)| {
+                    let place = dofs.iter().position(|&dof| dof == state);
+                    place.is_some_and(|place| dofs.iter().zip(rows).any(|(row, reads)| reads[place] && !kept.contains(row)))
+                })
+            };
+            let more: Vec<usize> = unread.iter().copied().filter(|dof| !kept.contains(dof) && !reads(*dof)).collect();
+            if more.is_empty() {
+                return kept;
+            }
+            kept.extend(more);
+        }
     }
 
     /// Writes the velocities of what spins.

@@ -13,10 +13,10 @@ use serde_json::json;
 #[derive(Args)]
 pub struct CheckOptions {
     /// Path of a scene file (.toml), or name of a scene
-    scene: String,
+    pub scene: String,
     /// Print one JSON object on the last line of stdout
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// `costate check`: reads and builds a scene and checks its start, without running it.

@@ -1,7 +1,7 @@
 //! The columns of the histories: what stands in them, and their names.
 
-use crate::assembly::{Model, Node};
-use crate::elements::NodeKind;
+use crate::assembly::{Attached, Model, Node};
+use crate::elements::{ElementPhysics, NodeKind, Output};
 use crate::functionals::{Functional, Measured, Sample};
 use crate::scalar::SpatialVector;
 use crate::scenes::{JointEnd, Prepared, unknown};
@@ -10,12 +10,14 @@ use crate::scenes::{JointEnd, Prepared, unknown};
 const ENERGY: &str = "energy";
 const DIRECTIONS: [&str; 3] = ["x", "y", "z"];
 
-/// Time, coordinates, their rates, angular velocities, accelerations, energy, multipliers and loads of joints, what functionals measure.
+/// Time, coordinates, their rates, angular velocities, accelerations, energy, what springs, dampers, elements and states tell, multipliers and loads of joints, what functionals measure.
 pub struct Columns<'p> {
     prepared: &'p Prepared<'p>,
     /// Whether every element states its energy.
     energies: bool,
     ends: Vec<JointEnd>,
+    /// What springs, dampers, elements and states tell, each with its element.
+    pub outputs: Vec<(&'p str, Output)>,
 }
 
 /// A column: whose it is, and what it is called.
@@ -28,7 +30,36 @@ impl<'p> Columns<'p> {
     /// Of a scene.
     pub fn new(prepared: &'p Prepared<'p>) -> Self {
         let energies = prepared.model().elements.iter().all(|element| element.physics.has_energies());
-        Columns { prepared, energies, ends: prepared.mechanism.joint_ends() }
+        let elements = prepared.model().elements.iter();
+        let told = elements.flat_map(|element| element.physics.outputs().into_iter().map(|own| (&*element.name, own)));
+        Columns { prepared, energies, ends: prepared.mechanism.joint_ends(), outputs: told.collect() }
+    }
+
+    /// Nodes whose coordinates have columns: those that move, but states whose values are told by their names.
+    pub fn nodes(&self) -> impl Iterator<Item = &'p Node> {
+        let model = self.prepared.model();
+        let states =
+            model.states.iter().map(|&id| model.node(id)).filter(|node| self.outputs.iter().any(|own| own.0 == node.name));
+        let told: Vec<usize> = states.map(|node| node.dofs.start).collect();
+        moving(model).filter(move |node| !told.contains(&node.dofs.start))
+    }
+
+    /// Whether a name is that of states.
+    pub fn is_state(&self, name: &str) -> bool {
+        let model = self.prepared.model();
+        model.states.iter().any(|&id| model.node(id).name == name)
+    }
+
+    /// What springs, dampers, elements and states tell at a sample.
+    pub fn outputs_at(&self, sample: &Sample<f64>) -> Vec<f64> {
+        let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
+        let telling = model.elements.iter().filter(|element| !element.physics.outputs().is_empty());
+        let of = |element: &Attached<ElementPhysics>| {
+            let own =
+                |x: &[f64]| element.nodes.iter().flat_map(|&id| x[model.node(id).dofs.clone()].to_vec()).collect::<Vec<_>>();
+            element.physics.outputs_at([&own(&sample.at.v), &own(&sample.at.q)], &p[element.parameters.clone()], sample.t)
+        };
+        telling.flat_map(of).collect()
     }
 
     /// Whether there is a column of the energy.
@@ -36,7 +67,7 @@ impl<'p> Columns<'p> {
         self.energies
     }
 
-    /// Their names: `bob.x [m]`, `bob.dx/dt [m/s]`, `bar.omega_x [rad/s]`, `bob.d2x/dt2 [m/s2]`, energy, `rod.mu1`, `rod.force_x [N]`,
+    /// Their names: `bob.x [m]`, `bob.dx/dt [m/s]`, `bar.omega_x [rad/s]`, `bob.d2x/dt2 [m/s2]`, energy, `spring.force [N]`, `controller.output`, `rod.mu1`, `rod.force_x [N]`,
     /// `hinge.moment_x [N m]`, then what functionals measure.
     pub fn names(&self) -> Vec<String> {
         self.all().into_iter().map(|column| column.name).collect()
@@ -48,18 +79,22 @@ impl<'p> Columns<'p> {
         let of = |owner: &str, what: String| column(owner, format!("{owner}.{what}"));
         let mut all = vec![column("", "t [s]".into())];
         for rate in [false, true] {
-            for node in moving(model) {
+            for node in self.nodes() {
                 all.extend((0..node.dofs.len()).map(|index| of(&node.name, coordinate_name(node, index, rate))));
             }
         }
         for node in turning(self.prepared) {
             all.extend(DIRECTIONS.map(|direction| of(&node.name, format!("omega_{direction} [rad/s]"))));
         }
-        for node in moving(model) {
+        for node in self.nodes() {
             all.extend((0..accelerated(node)).map(|index| of(&node.name, acceleration_name(node, index))));
         }
         if self.energies {
             all.push(column(ENERGY, "energy [J]".into()));
+        }
+        for (owner, Output { name, unit }) in &self.outputs {
+            let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+            all.push(of(owner, format!("{name}{unit}")));
         }
         for joint in &model.constraints {
             all.extend((1..=joint.equations.len()).map(|row| of(&joint.name, format!("mu{row}"))));
@@ -131,21 +166,22 @@ impl<'p> Columns<'p> {
     }
 
     /// Adds what stands in them at a sample to a row.
-    pub fn add_row(&self, sample: &Sample<f64>, energy: Option<f64>, row: &mut Vec<f64>) {
+    pub fn add_row(&self, sample: &Sample<f64>, energy: Option<f64>, outputs: &[f64], row: &mut Vec<f64>) {
         let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
         let [a, v, q] = [&sample.at.a, &sample.at.v, &sample.at.q];
         row.push(sample.t);
         for own in [q, v] {
-            row.extend(moving(model).flat_map(|node| &own[node.dofs.clone()]));
+            row.extend(self.nodes().flat_map(|node| &own[node.dofs.clone()]));
         }
         for node in turning(self.prepared) {
             let own = node.kind.angular_velocity(&v[node.dofs.clone()], &q[node.dofs.clone()]);
             row.extend(own.components());
         }
-        for node in moving(model) {
+        for node in self.nodes() {
             row.extend(&a[node.dofs.clone()][..accelerated(node)]);
         }
         row.extend(energy);
+        row.extend(outputs);
         row.extend(&sample.mu);
         for end in &self.ends {
             let [force, moment] = self.prepared.mechanism.joint_load(end, (q, &sample.mu), sample.t);
@@ -164,13 +200,13 @@ fn turning<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Node> {
 
 /// Coordinates of a node whose accelerations have a column: those of its place, or all of a node without one.
 fn accelerated(node: &Node) -> usize {
-    if matches!(node.kind, NodeKind::Coordinates(_)) { node.dofs.len() } else { 3 }
+    if node.kind.in_space().is_none() { node.dofs.len() } else { 3 }
 }
 
 /// A coordinate or its rate, without the node.
 fn coordinate_name(node: &Node, index: usize, rate: bool) -> String {
     let (coordinate, unit, per_second) = match (node.kind, index) {
-        (NodeKind::Coordinates(_), index) => (format!("q{index}"), "", ""),
+        (NodeKind::Coordinates(_) | NodeKind::States(_), index) => (format!("q{index}"), "", ""),
         (kind, 0..3) => (kind.coordinate_name(index), " [m]", " [m/s]"),
         (kind, _) => (kind.coordinate_name(index), " [-]", " [1/s]"),
     };
@@ -179,7 +215,7 @@ fn coordinate_name(node: &Node, index: usize, rate: bool) -> String {
 
 fn acceleration_name(node: &Node, index: usize) -> String {
     match node.kind {
-        NodeKind::Coordinates(_) => format!("d2q{index}/dt2"),
+        NodeKind::Coordinates(_) | NodeKind::States(_) => format!("d2q{index}/dt2"),
         kind => format!("d2{}/dt2 [m/s2]", kind.coordinate_name(index)),
     }
 }

@@ -1,12 +1,12 @@
 //! What the scenarios of a scene gave, side by side.
 
-use super::console::{json_number, long_number, say, say_json};
+use super::console::{json_number, long_number, say, say_files, say_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::Simulation;
 use crate::io::{Cell, Chart, Series, Table, write_file};
-use crate::scenes::{AnyScene, Prepared};
+use crate::scenes::{AnyScene, COMPARISON, Prepared};
 use serde_json::{Value, json};
 
 /// A functional in all scenarios; in some it may be missing.
@@ -91,17 +91,16 @@ impl Comparison {
             |row: &Row| -> Vec<Value> { row.values.iter().map(|own| own.map_or(Value::Null, json_number)).collect() };
         let of_row = |row: &Row| json!({"name": row.name, "unit": row.unit, "values": values(row)});
         let summary = json!({"scene": scene.name(), "scenarios": self.scenarios, "functionals": self.rows.iter().map(of_row).collect::<Vec<_>>()});
-        let file = folder.join("scenarios.json");
+        let [file, report] = COMPARISON.map(|name| folder.join(name));
         write_file(&file, format!("{summary:#}\n").as_bytes())?;
-        say(format_args!("wrote {}", file.display()));
+        say_files(&[&file]);
         if options.reports() {
             let mut page = Page::by_command(scene, "comparison of its scenarios");
             let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
             page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
             page.charts("Histories", &self.charts);
-            let report = folder.join("scenarios.html");
             page.write(&report, &[file])?;
-            say(format_args!("wrote {}", report.display()));
+            say_files(&[report]);
         }
         say_json(options.json, &summary);
         Ok(())

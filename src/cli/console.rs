@@ -4,6 +4,7 @@ use crate::exchange::is_first;
 use serde_json::Value;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 
 /// Prints a line to stdout.
 ///
@@ -18,6 +19,15 @@ pub fn say(line: impl Display) {
             std::process::exit(1);
         }
         _ => {}
+    }
+}
+
+/// Prints which files were written, and of a page what to do with it.
+pub fn say_files(files: &[impl AsRef<Path>]) {
+    for file in files.iter().map(AsRef::as_ref) {
+        let is_page = file.extension().is_some_and(|ending| ending == "html");
+        let hint = if is_page { ": open it in a browser" } else { "" };
+        say(format_args!("wrote {}{hint}", file.display()));
     }
 }
 

@@ -1,10 +1,10 @@
 //! Histories as charts.
 
-use super::columns::{courses, moving};
+use super::columns::{Columns, courses, moving};
 use super::motions::extent;
 use super::snapshot::{Snapshot, thinned};
 use crate::assembly::{Node, NodeId};
-use crate::elements::NodeKind;
+use crate::elements::Output;
 use crate::functionals::Measured;
 use crate::io::{Chart, Series, Style};
 use crate::scenes::Prepared;
@@ -35,10 +35,11 @@ fn telling<'p>(prepared: &'p Prepared, all: Vec<&'p Node>) -> Vec<&'p Node> {
 
 /// One panel for each direction in which something moves, one for free coordinates, one for the energy, those of forces and moments of joints,
 /// one for each unit of what functionals measure.
-pub fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec<Chart> {
-    let in_space = |node: &&Node| !matches!(node.kind, NodeKind::Coordinates(_));
+pub fn charts(prepared: &Prepared, moments: &[Snapshot], columns: &Columns) -> Vec<Chart> {
+    let in_space = |node: &&Node| node.kind.in_space().is_some();
     let places: Vec<&Node> = moving(prepared.model()).filter(in_space).collect();
-    let mut charts = charts_of_places(prepared, moments, &places);
+    let joints: Vec<&str> = columns.loaded_joints().collect();
+    let mut charts = charts_of_places(columns, prepared, moments, &places);
     if let Some(start) = moments.first().and_then(|moment| moment.energy) {
         let drift = curve(moments, String::new(), |moment| moment.energy.unwrap_or(f64::NAN) - start);
         charts.push(panel("change of energy [J]".into(), vec![drift], 1));
@@ -47,7 +48,8 @@ pub fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec
     for chart in charts.iter_mut().skip(1).filter(|chart| !chart.y_label.starts_with("coordinates")) {
         chart.series.iter_mut().for_each(|series| series.name.clear());
     }
-    charts.extend(charts_of_joints(moments, joints, size_of(moments, &places)));
+    charts.extend(charts_of_outputs(moments, columns));
+    charts.extend(charts_of_joints(moments, &joints, size_of(moments, &places)));
     charts.extend(charts_of_quantities(prepared, moments));
     if let Some(first) = charts.first_mut() {
         let kind = if first.title.is_empty() { String::new() } else { format!(", {}", first.title) };
@@ -78,7 +80,7 @@ fn size_of(moments: &[Snapshot], places: &[&Node]) -> f64 {
 }
 
 /// Those of nodes in space and of free coordinates.
-fn charts_of_places(prepared: &Prepared, moments: &[Snapshot], places: &[&Node]) -> Vec<Chart> {
+fn charts_of_places(columns: &Columns, prepared: &Prepared, moments: &[Snapshot], places: &[&Node]) -> Vec<Chart> {
     let (model, mut charts) = (prepared.model(), Vec::new());
     let all = places.len();
     let places = if all > MOST_CURVES { telling(prepared, places.to_vec()) } else { places.to_vec() };
@@ -95,7 +97,7 @@ fn charts_of_places(prepared: &Prepared, moments: &[Snapshot], places: &[&Node])
             charts.push(panel(format!("{direction} [m]"), series, all));
         }
     }
-    let free = moving(model).filter(|node| matches!(node.kind, NodeKind::Coordinates(_)));
+    let free = columns.nodes().filter(|node| node.kind.in_space().is_none());
     let series: Vec<Series> = free
         .flat_map(|node| node.dofs.clone().map(move |dof| (format!("{} q{}", node.name, dof - node.dofs.start), dof)))
         .map(|(name, dof)| curve(moments, name, |moment| moment.q[dof]))
@@ -105,6 +107,48 @@ fn charts_of_places(prepared: &Prepared, moments: &[Snapshot], places: &[&Node])
         charts.push(panel("coordinates".into(), series, all));
     }
     charts
+}
+
+/// Forces and moments of springs, dampers and elements, and the numbers of each state.
+fn charts_of_outputs(moments: &[Snapshot], columns: &Columns) -> Vec<Chart> {
+    let all = || columns.outputs.iter().enumerate();
+    let mut panels: Vec<(String, Vec<usize>)> = Vec::new();
+    for (place, (owner, Output { name, unit })) in all() {
+        let label = match *unit {
+            "N" => "forces of springs, dampers and elements [N]".into(),
+            "N m" => "moments of springs and elements [N m]".into(),
+            "" if !name.contains("/dt") && columns.is_state(owner) => (*owner).to_string(),
+            _ => continue,
+        };
+        match panels.iter_mut().find(|own| own.0 == label) {
+            Some(own) => own.1.push(place),
+            None => panels.push((label, vec![place])),
+        }
+    }
+    let chart = |(label, mut places): (String, Vec<usize>)| {
+        let peak = |place: usize| moments.iter().fold(0.0, |most: f64, moment| most.max(moment.outputs[place].abs()));
+        let all = places.len();
+        // the largest, in the order of their columns
+        places.sort_by(|&a, &b| peak(b).total_cmp(&peak(a)));
+        places.truncate(MOST_CURVES);
+        let largest = peak(*places.first()?);
+        places.retain(|&place| peak(place) > NO_LOAD * largest);
+        places.sort_unstable();
+        let series = places.into_iter().map(|place| {
+            let (owner, Output { name, .. }) = &columns.outputs[place];
+            let name = if columns.is_state(owner) {
+                name.to_string()
+            } else if name == "force" || name == "moment" {
+                (*owner).to_string()
+            } else {
+                format!("{owner}.{name}")
+            };
+            curve(moments, name, |moment| moment.outputs[place])
+        });
+        let series: Vec<Series> = series.collect();
+        (!series.is_empty()).then(|| panel(label, series, all))
+    };
+    panels.into_iter().filter_map(chart).collect()
 }
 
 /// Forces and moments of joints of a mechanism of a size.

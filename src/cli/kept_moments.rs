@@ -47,11 +47,11 @@ impl KeptMoments {
 impl Observer for KeptMoments {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         let record = &start.acceleration;
-        self.add(Snapshot { t: record.t, q: record.base.q.clone(), energy: None, measured: Vec::new(), loads: Vec::new() });
+        self.add(Snapshot { t: record.t, q: record.base.q.clone(), ..Snapshot::default() });
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        self.add(Snapshot { t: step.t + step.h, q: step.q.clone(), energy: None, measured: Vec::new(), loads: Vec::new() });
+        self.add(Snapshot { t: step.t + step.h, q: step.q.clone(), ..Snapshot::default() });
         Ok(true)
     }
 }

@@ -1,6 +1,6 @@
 //! Numbers of modes that a scene measures beside its functionals, as commands print and show them.
 
-use super::console::{json_number, long_number, relative_effect, say};
+use super::console::{json_number, long_number, relative_effect, say, warn};
 use super::influences::say_influences;
 use super::report::Page;
 use crate::integrators::RunError;
@@ -42,6 +42,15 @@ impl MeasuredModes {
         self.measures.iter().zip(&self.values).enumerate().map(move |(place, (own, &value))| (own, value, row(place)))
     }
 
+    /// What is given for the frequency of modes that have none.
+    fn toppling(&self) -> Vec<String> {
+        let topples = |(own, value, _): &(&ModeMeasure, f64, _)| !own.growth && *value < 0.0;
+        let words = |(own, ..): (&ModeMeasure, f64, _)| {
+            format!("\"{}\": mode {} topples, and minus its growth stands for its frequency", own.name, own.number)
+        };
+        self.all().filter(topples).map(words).collect()
+    }
+
     /// Prints values, and derivatives where they are there.
     pub fn say(&self, prepared: &Prepared) {
         if self.measures.is_empty() {
@@ -52,6 +61,7 @@ impl MeasuredModes {
             table.row([own.name.as_str().into(), long_number(value).into(), own.unit().into()]);
         }
         say(format_args!("{table}\n"));
+        self.toppling().iter().for_each(|words| warn(words));
         for (own, value, row) in self.all() {
             if let Some(row) = row {
                 say_influences((&own.name, own.unit(), value), prepared, row, None);
@@ -68,6 +78,7 @@ impl MeasuredModes {
             vec![json!(own.name), json!(long_number(value).trim()), json!(own.unit())]
         };
         page.table("Modes", &["mode", "value", "unit"], self.all().map(row).collect());
+        self.toppling().into_iter().for_each(|words| page.warning(words));
         for (own, value, row) in self.all() {
             if let Some(row) = row {
                 page.influences((&own.name, own.unit(), value), prepared, row, None);

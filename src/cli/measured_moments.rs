@@ -1,10 +1,13 @@
 //! What is measured at the moments of a run: rows of its histories, and what charts and pictures show.
 
 use super::columns::{Columns, courses};
+use super::history_charts::charts;
 use super::kept_moments::KeptMoments;
 use super::snapshot::Snapshot;
+use super::table_ranges::TableWatch;
 use crate::assembly::VectorsAvq;
 use crate::functionals::{Measured, Sample};
+use crate::io::Chart;
 use crate::scenes::Prepared;
 
 /// How the energy of a conservative scene, which is constant in an exact motion, changes.
@@ -54,6 +57,7 @@ pub struct MeasuredMoments<'p> {
     pub row: Vec<f64>,
     /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
+    tables: TableWatch<'p>,
     is_conservative: bool,
     measured_energy: Measured,
     kept: KeptMoments,
@@ -68,6 +72,7 @@ impl<'p> MeasuredMoments<'p> {
             prepared,
             is_conservative: columns.have_energy() && is_motion && prepared.model().is_conservative(),
             columns,
+            tables: TableWatch::new(prepared),
             row: Vec::new(),
             energy: None,
             measured_energy: Measured::energy(),
@@ -89,18 +94,28 @@ impl<'p> MeasuredMoments<'p> {
             self.energy.get_or_insert(EnergyCourse::new(energy, t)).note(energy, kinetic, t);
         }
         self.row.clear();
-        self.columns.add_row(sample, energy, &mut self.row);
+        self.tables.add(sample);
+        let outputs = self.columns.outputs_at(sample);
+        self.columns.add_row(sample, energy, &outputs, &mut self.row);
         self.kept.add(Snapshot {
             t,
             q: q.clone(),
             energy,
             measured: self.row[self.row.len() - courses(self.prepared).count()..].to_vec(),
+            outputs,
             loads: self.columns.loads(&self.row),
         });
     }
 
-    /// So many of them as pictures can show.
-    pub fn finish(self) -> Vec<Snapshot> {
-        self.kept.finish()
+    /// Warnings where tables were read beyond their points.
+    pub fn left_tables(&self) -> Vec<String> {
+        self.tables.in_words()
+    }
+
+    /// So many of them as pictures can show, and histories as charts.
+    pub fn finish(self) -> (Vec<Snapshot>, Vec<Chart>) {
+        let moments = self.kept.finish();
+        let charts = charts(self.prepared, &moments, &self.columns);
+        (moments, charts)
     }
 }

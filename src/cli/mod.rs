@@ -63,6 +63,7 @@ mod optimize;
 mod optimum;
 mod options;
 mod part_sensitivities;
+mod projected_start;
 mod rates;
 mod report;
 mod response;
@@ -74,6 +75,7 @@ mod stability;
 mod still;
 mod study;
 mod sweep;
+mod table_ranges;
 mod verify;
 
 pub use crate::io::{Chart, Series, Style};

@@ -1,12 +1,12 @@
 use super::CommandLine;
 use super::campbell::Branches;
-use super::console::{count, json_number, long_number, say, say_json, warn};
+use super::console::{count, json_number, long_number, say, say_files, say_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, mode_picture, motion};
 use super::rates::Rates;
 use super::report::{Clip, Page};
-use super::simulation::{crossings_in_words, names};
+use super::simulation::names;
 use super::snapshot::Snapshot;
 use super::still::StillOptions;
 use crate::integrators::{Mode, RunError};
@@ -66,13 +66,13 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     let found = if options.periodic {
         let found = prepared.periodic_modes(options.count).map_err(named)?;
         let PeriodicModes { period, gap, q, modes, faded, kinks } = found;
-        crossings_in_words(&kinks).iter().for_each(|words| warn(words));
+        kinks.iter().for_each(|kink| warn(&kink.to_string()));
         kind = Kind::Periodic { period, gap, faded };
-        DifferentiatedModes { q, modes, gradients: Vec::new() }
+        DifferentiatedModes { q, modes, gradients: Vec::new(), proved: true }
     } else {
         find(options, &prepared, kind).map_err(named)?
     };
-    let DifferentiatedModes { q, modes, .. } = &found;
+    let DifferentiatedModes { q, modes, proved, .. } = &found;
     let about = match kind {
         Kind::Periodic { .. } => "motion of a period",
         _ if prepared.method.table.is_static() => "equilibrium",
@@ -93,8 +93,13 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     }
     if modes.is_empty() {
         say("there is no mode: nothing that could move has inertia\n");
-    } else if modes.len() < options.count {
+    } else if modes.len() < options.count && *proved {
         say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
+    }
+    if !proved {
+        say(
+            "that no mode is missing is not proved: the model is large, and its matrices have no symmetry that would tell\n",
+        );
     }
     let mut files = draw(&prepared, q, modes, &folder)?;
     let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
@@ -112,7 +117,7 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         files.push(gradients.write(&folder)?);
     }
     page.write(&report, &files)?;
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
         "scene": scene.name(),
@@ -135,11 +140,7 @@ fn find(options: &ModesOptions, prepared: &Prepared, kind: Kind) -> Result<Diffe
     if options.gradients {
         return prepared.modes_with_gradients(options.count, kind == Kind::Complex);
     }
-    let (q, modes) = match kind {
-        Kind::Undamped => prepared.modes_with_state(options.count)?,
-        _ => prepared.complex_modes_with_state(options.count)?,
-    };
-    Ok(DifferentiatedModes { q, modes, gradients: Vec::new() })
+    prepared.modes_at_rest(options.count, kind == Kind::Complex)
 }
 
 /// Modes over rates of a turn, if they are asked for.

@@ -59,9 +59,7 @@ pub fn mode_moments(
             .zip(&mode.ahead)
             .map(|((q, shape), ahead)| q + size * (shape * angle.cos() - ahead * angle.sin()))
             .collect(),
-        energy: None,
-        measured: Vec::new(),
-        loads: Vec::new(),
+        ..Snapshot::default()
     };
     let points = |size: f64| -> Option<Vec<[f64; 3]>> {
         let picture = lapse(prepared, &[moved(0.0, size)], None, Links::AtTheEnd)?;

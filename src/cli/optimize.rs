@@ -2,7 +2,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::CommandLine;
-use super::console::{count, json_number, say, say_json, seconds, warn};
+use super::console::{count, json_number, say, say_files, say_json, seconds, warn};
 use super::earlier::keep_earlier;
 use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
@@ -12,7 +12,7 @@ use super::optimum::{conditions_json, largest_json, say_conditions, smooth_only}
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::check_folder;
-use super::simulation::{crossings_in_words, crossings_json, steps_in_words};
+use super::simulation::{crossings_json, steps_in_words};
 use super::snapshot::Snapshot;
 use super::stability::{Statement, statement};
 use crate::design::DesignVariable;
@@ -109,9 +109,12 @@ fn gradient_name(gradient: GradientBy) -> &'static str {
     }
 }
 
-/// Writes the history whenever it changes, moves the progress bar, and stops at Ctrl-C.
+/// Writes the history whenever it changes, but not before it has the points of the one that it goes on with; moves the
+/// progress bar, and stops at Ctrl-C.
 struct Recording<'g> {
     path: PathBuf,
+    /// How many points that one has.
+    earlier: usize,
     guard: &'g Guard,
     progress: Option<Progress>,
     failed: Option<IoError>,
@@ -122,7 +125,9 @@ impl Watcher for Recording<'_> {
         if let Some(iteration) = history.points.iter().rev().find_map(|point| point.iteration) {
             self.progress.iter().for_each(|progress| progress.set(iteration as u64));
         }
-        self.failed = write_csv(&self.path, &history.header(), history.rows()).err();
+        if history.points.len() >= self.earlier {
+            self.failed = write_csv(&self.path, &history.header(), history.rows()).err();
+        }
         self.failed.is_none()
     }
     fn wants_to_stop(&self) -> bool {
@@ -155,7 +160,9 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
         false => None,
     };
     check_folder(&folder)?;
-    keep_earlier(&path)?;
+    if recorded.is_none() {
+        keep_earlier(&path)?;
+    }
 
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
@@ -168,7 +175,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let motion = report.best_motion();
     let crossings = motion.as_ref().map_or(&[][..], |(_, _, crossings)| crossings);
     let mut shown = report.page(&charts.concat(), &motion);
-    let warnings = crossings_in_words(crossings);
+    let warnings: Vec<String> = crossings.iter().map(ToString::to_string).collect();
     warnings.iter().for_each(|warning| shown.warning(format!("best design: {warning}")));
     shown.write(&page, &files)?;
     let mut json = report.json(&files);
@@ -178,7 +185,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     write_file(&summary, format!("{json:#}\n").as_bytes())?;
     report.say();
     warnings.iter().for_each(|warning| warn(&format!("best design: {warning}")));
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     say_json(options.scene.json, &json);
     report.verdict()
 }
@@ -203,7 +210,8 @@ fn optimized(
 ) -> Result<(Optimized, Vec<PathBuf>), Failure> {
     let located = |error| options.scene.located(optimization.scene, error);
     let path = folder.join("optimization.csv");
-    let recording = |path: PathBuf, progress| Recording { path, guard, progress, failed: None };
+    let earlier = recorded.as_ref().map_or(0, |own| own.1.len());
+    let recording = |path: PathBuf, progress| Recording { path, earlier, guard, progress, failed: None };
     if options.starts == 1 {
         let progress = Progress::new("optimizing", options.iterations as u64);
         let mut recording = recording(path.clone(), Some(progress));

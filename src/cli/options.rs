@@ -6,8 +6,8 @@ use crate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
-use crate::scenes::unknown;
 use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings};
+use crate::scenes::{check_folders, unknown};
 use clap::Args;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -163,10 +163,22 @@ impl<'p> CommandLine<'p> {
                 FileScene::read_with(Path::new(name), &self.parts).map_err(Failure::input)?,
             )));
         }
+        if let Some(scene) = found {
+            check_names(*scene)?;
+        }
         found
             .map(|scene| FoundScene::Own(*scene))
             .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
     }
+}
+
+/// Checks that results of a scene and its scenarios have folders of their own; a file has been checked when it was read.
+fn check_names(scene: &dyn AnyScene) -> Result<(), Failure> {
+    let scenarios = scene.scenarios();
+    let own = scenarios.iter().map(|own| own.name.as_str());
+    let alone = scenarios.iter().map(|own| own.scene.name()).chain([scene.name()]).collect::<Vec<_>>();
+    let checked = check_folders(own).and_then(|()| check_folders(alone.iter().map(String::as_str)));
+    checked.map_err(|(_, why)| Failure::input(format!("scene \"{}\": {why}", scene.name())))
 }
 
 /// The place of a design variable.

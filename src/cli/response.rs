@@ -1,7 +1,7 @@
 //! `costate response`: amplitude and phase of what functionals measure, over the rate of a harmonic change.
 
 use super::CommandLine;
-use super::console::{json_number, say, say_json};
+use super::console::{json_number, say, say_files, say_json};
 use super::failure::Failure;
 use super::rates::Rates;
 use super::simulation::names;
@@ -89,7 +89,7 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         write(&answers, (rates, options.rates.are_logarithmic), &format!("{}: by {}", scene.name(), options.by), &folder)?;
     let summary = folder.join("response.json");
     files.push(summary.clone());
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     let list = |values: &mut dyn Iterator<Item = f64>| values.map(json_number).collect::<Vec<Value>>();
     let functionals = answers.iter().map(|own| {
         let [re, im] = [0, 1].map(|part| list(&mut own.parts.iter().map(|own| own[part])));

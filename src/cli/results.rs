@@ -1,7 +1,6 @@
 //! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg, fields.pvd with its .vtu files.
 
 use super::failure::Failure;
-use super::history_charts::charts;
 use super::history_files::HistoryFiles;
 use super::measured_moments::{EnergyCourse, MeasuredMoments};
 use super::meshes::Meshes;
@@ -153,6 +152,11 @@ impl<'p> Results<'p> {
         self.add_sample(last)
     }
 
+    /// Warnings where tables were read beyond their points.
+    pub fn left_tables(&self) -> Vec<String> {
+        self.measured.left_tables()
+    }
+
     /// How the energy changed, where it should be constant.
     pub fn energy_course(&self) -> Option<EnergyCourse> {
         self.measured.energy
@@ -178,10 +182,8 @@ impl<'p> Results<'p> {
             keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
         }
         progress.set(1);
-        let joints: Vec<&str> = self.measured.columns.loaded_joints().collect();
-        let moments = self.measured.finish();
+        let (moments, charts) = self.measured.finish();
         let picture = |name: &str| [".png", ".svg"].map(|end| folder.join(format!("{name}{end}")));
-        let charts = charts(self.prepared, &moments, &joints);
         if !charts.is_empty() {
             keep(write_panels(&charts, &folder.join("histories")).map_err(Failure::from), &picture("histories"));
         }
@@ -306,7 +308,7 @@ mod tests {
             let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
             let prepared = Prepared::new(&scene).unwrap();
             let results = ran(&prepared, &folder);
-            assert_eq!(motion(&prepared, &results.measured.finish()).unwrap().view, expected, "{velocity:?}");
+            assert_eq!(motion(&prepared, &results.measured.finish().0).unwrap().view, expected, "{velocity:?}");
         }
     }
 

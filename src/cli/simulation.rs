@@ -1,17 +1,18 @@
-use super::console::{count, json_number, long_number, say, seconds, warn};
+use super::console::{count, json_number, long_number, say, say_files, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
 use super::measured_moments::EnergyCourse;
 use super::options::SceneOptions;
+use super::projected_start::ProjectedStart;
 use super::report::{Page, Shown};
 use super::results::{Finished, Results, check_folder};
 use super::snapshot::Snapshot;
 use super::stability::{self, Statement};
 use crate::design::shortest;
 use crate::exchange::is_shared;
-use crate::functionals::{Extreme, Extremes, Measured, Times};
+use crate::functionals::{Extreme, Extremes};
 use crate::history::{Observer, Usage};
 use crate::integrators::{
     Counters, Crossing, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
@@ -56,11 +57,17 @@ pub struct Simulation {
     pub moments: Vec<Snapshot>,
     /// What is measured of modes.
     pub modes: MeasuredModes,
+    /// What a projection of the start changed.
+    pub start: Option<ProjectedStart>,
+    /// Warnings where tables were read beyond their points.
+    left_tables: Vec<String>,
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
 struct Watched<'p, 'g> {
+    prepared: &'p Prepared<'p>,
     results: Results<'p>,
+    start: Option<ProjectedStart>,
     balance: Option<Course<'g>>,
     progress: Progress,
     /// Marks of the progress bar per second.
@@ -74,6 +81,7 @@ const MARKS: f64 = 1000.0;
 impl Observer for Watched<'_, '_> {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         self.balance.iter_mut().for_each(|balance| balance.start(start));
+        self.start = ProjectedStart::of(self.prepared, start);
         self.results.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
@@ -100,7 +108,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let results = Results::begin(prepared, &output, &folder)?;
     let ledger = Ledger::new(prepared);
     let balance = ledger.as_ref().map(|ledger| ledger.begin(prepared));
-    let mut watched = Watched { results, balance, progress, pace, guard: &guard };
+    let mut watched = Watched { prepared, results, start: None, balance, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
     let elapsed = begun.elapsed().as_secs_f64();
@@ -108,11 +116,13 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if refuses_machine_code() {
         say("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
-    let Watched { results, balance, progress, .. } = watched;
+    let Watched { results, start, balance, progress, .. } = watched;
     progress.finish();
+    start.iter().for_each(|start| say(format_args!("{}\n", start.in_words())));
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
+    let left_tables = results.left_tables();
     let (energy, balance) = (results.energy_course(), balance.and_then(Course::finish));
     let Finished { files, unwritten, charts, moments } = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
@@ -138,6 +148,8 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         charts,
         moments,
         modes,
+        start,
+        left_tables,
     })
 }
 
@@ -204,7 +216,13 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
         Some(_) => "--longest-step".into(),
         None => format!("--steps above {}", prepared.grid.steps()),
     };
-    let message = failure.message.replace("a smaller step", &format!("a smaller step ({option})"));
+    let chosen = if prepared.method.table.embedded.is_some() { "" } else { " with another method" };
+    let stiff = ", or for stiff forces the method sdirk4";
+    let message =
+        if prepared.method.table.name == "sdirk4" { failure.message.replace(stiff, "") } else { failure.message.clone() };
+    let message = message.replace("a smaller step", &format!("a smaller step ({option})"));
+    let message =
+        message.replace("steps chosen by their error", &format!("steps chosen by their error (--tolerance 1e-6{chosen})"));
     Failure { message, ..failure }
 }
 
@@ -219,27 +237,23 @@ impl Simulation {
         if prepared.functionals().is_empty() {
             return say("the scene has no functional\n");
         }
-        let mut table = Table::new(&["functional", "value", "unit"]);
-        for (functional, &value) in prepared.functionals().iter().zip(&self.forward.values) {
-            table.row([functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()]);
+        let has_aggregates = self.forward.extremes.iter().any(Option::is_some);
+        let names = ["functional", "value", "unit", "true largest", "at [s]", "in", "true smallest", "at [s]", "in", "unit"];
+        let mut table = Table::new(if has_aggregates { &names } else { &names[..3] });
+        let functionals = prepared.functionals().iter().zip(&self.forward.values);
+        for ((functional, &value), extremes) in functionals.zip(&self.forward.extremes) {
+            let mut row: Vec<Cell> =
+                vec![functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()];
+            if let Some(Extremes { smallest, largest }) = extremes {
+                for Extreme { value, t, element } in [largest, smallest] {
+                    let element = element.as_deref().map_or(Cell::Empty, Into::into);
+                    row.extend([(*value).into(), (*t).into(), element]);
+                }
+                row.push(functional.unit.into());
+            }
+            table.row(row);
         }
         say(format_args!("{table}\n"));
-        let mut table = Table::new(&["aggregate", "largest", "at [s]", "in", "smallest", "at [s]", "in", "unit"]);
-        let mut any = false;
-        for (functional, extremes) in prepared.functionals().iter().zip(&self.forward.extremes) {
-            let Some(Extremes { smallest, largest }) = extremes else { continue };
-            any = true;
-            let cells = |extreme: &Extreme| -> [Cell; 3] {
-                let element = extreme.element.as_deref().map_or(Cell::Empty, Into::into);
-                [extreme.value.into(), extreme.t.into(), element]
-            };
-            let [value, t, element] = cells(largest);
-            let [least, when, place] = cells(smallest);
-            table.row([functional.name.as_str().into(), value, t, element, least, when, place, functional.unit.into()]);
-        }
-        if any {
-            say(format_args!("{table}\n"));
-        }
     }
 
     /// What the simulation cost.
@@ -294,6 +308,7 @@ impl Simulation {
     pub fn shown(&self, prepared: &Prepared) -> Shown<'_> {
         Shown {
             forward: &self.forward,
+            start: self.start.as_ref(),
             energy: self.energy,
             balance: self.balance,
             moments: &self.moments,
@@ -307,28 +322,12 @@ impl Simulation {
     pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings = warnings(prepared, &self.forward);
         warnings.extend(energy_in_words(self.energy));
+        warnings.extend_from_slice(&self.left_tables);
         if let Some(balance) = self.balance.filter(|own| own.share().is_some_and(|share| share > StepError::COARSE)) {
             warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }
+        warnings.extend(self.forward.crossings.iter().map(ToString::to_string));
         warnings
-    }
-
-    /// What it means for a gradient that formulas of the model pass from one piece to another: one warning for each part.
-    pub fn crossings_in_words(&self) -> Vec<String> {
-        crossings_in_words(&self.forward.crossings)
-    }
-
-    /// Functionals that read behind a jump, whose gradients are wrong there: agreement with a complex step, which passes the same jump,
-    /// proves nothing.
-    pub fn behind_jumps<'p>(&self, prepared: &'p Prepared) -> Vec<&'p str> {
-        let jumps = self.forward.crossings.iter().filter(|crossing| crossing.kind == SwitchKind::Jump);
-        let (own, of_motion): (Vec<_>, Vec<_>) = jumps.partition(|crossing| crossing.is_functional);
-        let behind = prepared.functionals().iter().filter(|functional| {
-            let is_mass = matches!(&functional.measured, Measured::Group(group) if group.is_still(prepared.model()));
-            own.iter().any(|crossing| crossing.part == functional.name)
-                || !of_motion.is_empty() && functional.over.times() != Times::Start && !is_mass
-        });
-        behind.map(|functional| functional.name.as_str()).collect()
     }
 
     /// Writes the report, if there is one, and the summary, the last files of a run.
@@ -361,9 +360,7 @@ impl Simulation {
 
     /// Prints the files.
     pub fn say_files(&self) {
-        for file in &self.files {
-            say(format_args!("wrote {}", file.display()));
-        }
+        say_files(&self.files);
     }
 
     /// The parts of the JSON object that every simulation has.
@@ -402,6 +399,7 @@ impl Simulation {
         for (name, value) in self.work() {
             object.insert(if name == "time_s" { "forward_s".into() } else { name.into() }, value);
         }
+        object.extend(self.start.as_ref().map(|start| ("projected_start".into(), start.json())));
         if let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error {
             let coordinate = prepared.model().dof_name(dof);
             let error = json!({"share": json_number(share), "step": step, "t": json_number(t), "coordinate": coordinate, "velocity": in_velocity});
@@ -494,41 +492,14 @@ fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// One sentence for each part that passes from one piece of its formula to another.
-pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
-    let words = |crossing: &Crossing| {
-        let Crossing { part, is_functional, kind, step, t, count, last } = crossing;
-        let more = if *count > 1 { format!(", and in {} more steps until step {last}", count - 1) } else { String::new() };
-        let (what, follows) = match (kind, is_functional) {
-            (SwitchKind::Jump, false) => (
-                "jumps",
-                "gradients of what is measured behind it are wrong, and so are their complex steps; keep the motion on one side, or write the \
-                 formula without the jump; the estimated error of such a step is not to be trusted",
-            ),
-            (SwitchKind::Kink, false) => (
-                "has a kink",
-                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps and \
-                 compare; the estimated error of such a step is not to be trusted",
-            ),
-            (SwitchKind::Jump, true) => {
-                ("jumps", "its gradient is wrong, and so is its complex step; measure something that does not jump")
-            }
-            (SwitchKind::Kink, true) => {
-                ("has a kink", "its gradient is right to first order of the step only; take smaller steps and compare")
-            }
-        };
-        let whose = if *is_functional { "the formula of functional" } else { "the formula of" };
-        format!("step {step} (t = {} s){more}: {whose} \"{part}\" {what} there: {follows}", shortest(*t))
-    };
-    crossings.iter().map(words).collect()
-}
-
-/// The same for JSON.
+/// Crossings of switches for JSON.
 pub fn crossings_json(crossings: &[Crossing]) -> Value {
     let object = |crossing: &Crossing| {
-        let Crossing { part, is_functional, kind, step, t, count, last } = crossing;
+        let Crossing { part, is_functional, kind, step, t, count, last, passed_over } = crossing;
         let kind = if *kind == SwitchKind::Jump { "jump" } else { "kink" };
-        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last})
+        let passed = passed_over.map(json_number);
+        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last,
+               "passed_over_s": passed})
     };
     crossings.iter().map(object).collect()
 }

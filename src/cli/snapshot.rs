@@ -3,7 +3,7 @@
 /// Most points of a curve in a picture.
 pub const MOST_POINTS: usize = 4000;
 /// The state at one time, as pictures show it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// Time \[s\].
     pub t: f64,
@@ -13,6 +13,8 @@ pub struct Snapshot {
     pub energy: Option<f64>,
     /// What functionals measure, in their order.
     pub measured: Vec<f64>,
+    /// What springs, dampers, elements and states tell, in the order of their columns.
+    pub outputs: Vec<f64>,
     /// Sizes of forces [N] and moments [N m] of joints.
     pub loads: Vec<[f64; 2]>,
 }

@@ -27,8 +27,4 @@ pub trait Constraint: Send + Sync + 'static {
     fn is_driver(&self) -> bool {
         false
     }
-    /// Times at which the motion it prescribes is not smooth: steps end there.
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        Vec::new()
-    }
 }

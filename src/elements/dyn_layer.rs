@@ -4,7 +4,7 @@ use super::lagrangian::{
     ElementFormulas, Energies, impulse, is_linear_in, is_steady_in, residual, sizes, strain_course, stress_deviation,
     stress_force,
 };
-use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
+use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Output, Parameter, State};
 use crate::elements::NodeKind;
 use crate::program::ArgumentKind::{
     Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
@@ -158,10 +158,6 @@ pub trait AnyElement: Send + Sync {
     fn node_kinds(&self) -> Vec<NodeKind>;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Times at which a load jumps.
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64>;
-    /// The same times in recorded numbers.
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded>;
     /// Records R(a, v, q, p, t).
     fn record_residual(&self) -> Recording;
     /// Records w_P P + w_F F as a function of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
@@ -179,6 +175,14 @@ pub trait AnyElement: Send + Sync {
     fn is_conservative(&self) -> bool;
     /// Whether it has strains.
     fn has_strains(&self) -> bool;
+    /// What histories tell of it.
+    fn output_list(&self) -> Vec<Output> {
+        Vec::new()
+    }
+    /// Records strains, their rates and the outputs behind those of strains, of (v, q, p, t), and the stresses of (e, de/dt, p, t).
+    fn record_outputs(&self) -> Result<[Arc<Formula>; 2], String> {
+        Err("it tells nothing".into())
+    }
     /// Records what a search for its state needs beside the residual; `None` without strains.
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>>;
 }
@@ -216,12 +220,6 @@ impl<E: Element> AnyElement for E {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.breakpoints(p)
-    }
     fn record_residual(&self) -> Recording {
         record_residual(self)
     }
@@ -245,6 +243,12 @@ impl<E: Element> AnyElement for E {
     }
     fn has_strains(&self) -> bool {
         self.strain_count() > 0
+    }
+    fn output_list(&self) -> Vec<Output> {
+        self.outputs()
+    }
+    fn record_outputs(&self) -> Result<[Arc<Formula>; 2], String> {
+        record_outputs(self)
     }
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
         (self.strain_count() > 0).then(|| record_stresses(self))
@@ -316,6 +320,19 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     })
 }
 
+fn record_outputs(element: &dyn ElementFormulas) -> Result<[Arc<Formula>; 2], String> {
+    let ((n, m), count) = (sizes(element), element.strain_count());
+    let told = Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)], |x| {
+        let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+        super::lagrangian::told(element, [v, q, p], t[0])
+    })?;
+    let stresses = Formula::record([(Strain, 2 * count), (OfPart, m), (Time, 1)], |x| {
+        let [e, rate, p, t] = arguments(x, [count, count, m, 1]);
+        super::lagrangian::stresses(element, [e, rate, p], t[0])
+    })?;
+    Ok([told, stresses])
+}
+
 fn record_stresses(element: &dyn ElementFormulas) -> Result<StressFormulas, String> {
     let ((n, m), count) = (sizes(element), element.strain_count());
     let course = Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
@@ -355,6 +372,7 @@ struct ElementRecordings {
     power: OnceLock<Recording>,
     inertia_moment: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
+    outputs: OnceLock<Option<[Arc<Formula>; 2]>>,
     has_energies: OnceLock<bool>,
     conservative: OnceLock<bool>,
 }
@@ -380,6 +398,7 @@ impl ElementPhysics {
             power: OnceLock::new(),
             inertia_moment,
             stresses: OnceLock::new(),
+            outputs: OnceLock::new(),
             has_energies: OnceLock::new(),
             conservative: OnceLock::new(),
         }))
@@ -412,14 +431,6 @@ impl ElementPhysics {
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
         self.0.own.parameter_list()
-    }
-    /// Times at which a load jumps.
-    pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.own.breakpoint_times(p)
-    }
-    /// The same times in recorded numbers.
-    pub(crate) fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.own.recorded_breakpoints(p)
     }
     /// Whether its energies are complete.
     pub fn has_energies(&self) -> bool {
@@ -461,6 +472,27 @@ impl ElementPhysics {
     /// Formulas of its stresses, if it has strains that can be recorded apart.
     pub fn stresses(&self) -> Option<&StressFormulas> {
         self.0.stresses.get_or_init(|| self.0.own.record_stresses().and_then(Result::ok)).as_ref()
+    }
+    /// What histories tell of it; nothing where that cannot be recorded.
+    pub fn outputs(&self) -> Vec<Output> {
+        let own = self.0.own.output_list();
+        if own.is_empty() || self.output_formulas().is_some() { own } else { Vec::new() }
+    }
+    fn output_formulas(&self) -> Option<&[Arc<Formula>; 2]> {
+        self.0.outputs.get_or_init(|| self.0.own.record_outputs().ok()).as_ref()
+    }
+    /// Its outputs at a state, in the order of their list.
+    pub fn outputs_at(&self, [v, q]: [&[f64]; 2], p: &[f64], t: f64) -> Vec<f64> {
+        let Some([told, stresses]) = self.output_formulas() else { return Vec::new() };
+        let mut work = FormulaWork::default();
+        let inputs = v.iter().chain(q).chain(p).chain([&t]).copied();
+        let told = work.run(told.values(), inputs).to_vec();
+        let count = stresses.outputs.len();
+        let (of_strains, own) = told.split_at(2 * count);
+        let stresses = work.run(stresses.values(), of_strains.iter().chain(p).chain([&t]).copied());
+        let (e, rates) = of_strains.split_at(count);
+        let of_strain = e.iter().zip(rates).zip(stresses).flat_map(|((e, rate), stress)| [*e, *rate, *stress]);
+        of_strain.chain(own.iter().copied()).collect()
     }
     /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
     pub fn impulse(&self) -> &Arc<Formula> {
@@ -532,10 +564,6 @@ pub trait AnyConstraint: Send + Sync {
     }
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Times at which the prescribed motion is not smooth.
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64>;
-    /// The same times in recorded numbers.
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded>;
     /// g or h of recorded numbers (v, q, p) and t.
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
 }
@@ -576,12 +604,6 @@ impl<C: Constraint> AnyConstraint for C {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.breakpoints(p)
-    }
     fn evaluate(&self, [_, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         let mut g = vec![Recorded::from(0.0); self.equations()];
         self.g(q, p, t, &mut g);
@@ -601,12 +623,6 @@ impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
-    }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.breakpoints(p)
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.breakpoints(p)
     }
     fn evaluate(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         let mut h = vec![Recorded::from(0.0); C::EQUATIONS];
@@ -693,14 +709,6 @@ impl ConstraintPhysics {
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
         self.0.own.parameter_list()
-    }
-    /// Times at which the prescribed motion is not smooth.
-    pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.own.breakpoint_times(p)
-    }
-    /// The same times in recorded numbers.
-    pub(crate) fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.0.own.recorded_breakpoints(p)
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {

@@ -1,6 +1,7 @@
 use super::{NodeKind, Parameter};
 use crate::program::{Recorded, Stages};
 use crate::scalar::Scalar;
+use std::borrow::Cow;
 
 /// Accelerations, velocities and coordinates of an element's nodes, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +12,27 @@ pub struct State<'a, S> {
     pub v: &'a [S],
     /// Coordinates.
     pub q: &'a [S],
+}
+
+/// A number that histories tell of an element beside the motion of its nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// What it is, as `force`.
+    pub name: Cow<'static, str>,
+    /// Its unit; empty where that is not known.
+    pub unit: &'static str,
+}
+
+impl Output {
+    /// Of a name and a unit.
+    pub fn new(name: impl Into<Cow<'static, str>>, unit: &'static str) -> Self {
+        Output { name: name.into(), unit }
+    }
+
+    /// A strain, its rate and its stress, by what they are called and their units: `[("length", "m"), ("rate", "m/s"), ("force", "N")]`.
+    pub fn of_strain(named: [(&'static str, &'static str); 3]) -> Vec<Self> {
+        named.map(|(name, unit)| Output::new(name, unit)).into()
+    }
 }
 
 /// A part of the system with inertia, stiffness or load: one formula, written once for every number type, and nothing else.
@@ -71,13 +93,16 @@ pub trait Element: Send + Sync + 'static {
     fn dissipation<S: Scalar>(&self, _e: &[S], _rate: &[S], _p: &[S]) -> S {
         S::zero()
     }
+    /// What histories tell of it: of each strain the strain, its rate and its stress, all that is stored and lost together, then what
+    /// [`write_outputs`](Element::write_outputs) gives. They are computed where histories are written, and nowhere else.
+    fn outputs(&self) -> Vec<Output> {
+        Vec::new()
+    }
+    /// The outputs behind those of strains, into `outputs`.
+    fn write_outputs<S: Scalar>(&self, _v: &[S], _q: &[S], _p: &[S], _t: S, _outputs: &mut [S]) {}
     /// Mass \[kg\].
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
         S::zero()
-    }
-    /// Times at which a load jumps: steps end there and the acceleration is solved anew.
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        Vec::new()
     }
     /// The residual of an element with a node map, in stages; of [`Flexible`](super::Flexible) alone.
     #[doc(hidden)]

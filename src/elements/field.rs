@@ -88,10 +88,6 @@ pub trait Field: Send + Sync + 'static {
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
         S::zero()
     }
-    /// Times at which a load jumps.
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        Vec::new()
-    }
 }
 
 /// The element that a [`Field`] makes.
@@ -274,9 +270,6 @@ impl<F: Field> Element for Flexible<F> {
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         self.0.mass(p)
-    }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.breakpoints(p)
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
         F::MAPPED?;

@@ -35,6 +35,8 @@ pub trait ElementFormulas: Formulas {
     fn parameter_count(&self) -> usize;
     fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]);
     fn mass(&self, p: &[Recorded]) -> Recorded;
+    fn output_count(&self) -> usize;
+    fn write_outputs(&self, state: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]);
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)>;
 }
 
@@ -50,6 +52,12 @@ impl<E: Element> ElementFormulas for E {
     }
     fn mass(&self, p: &[Recorded]) -> Recorded {
         Element::mass(self, p)
+    }
+    fn output_count(&self) -> usize {
+        self.outputs().len()
+    }
+    fn write_outputs(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]) {
+        Element::write_outputs(self, v, q, p, t, outputs);
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
         Element::in_stages(self, s, p, t)
@@ -89,6 +97,17 @@ impl<E: Element> Formulas for E {
 /// Numbers of coordinates and parameters.
 pub(super) fn sizes(element: &dyn ElementFormulas) -> (usize, usize) {
     (dofs_of(&element.node_kinds()), element.parameter_count())
+}
+
+/// For each coordinate whether it is that of a state of first order, which has neither energy nor power.
+fn are_states(element: &dyn ElementFormulas) -> Vec<bool> {
+    element.node_kinds().into_iter().flat_map(|kind| vec![kind.is_of_states(); kind.dofs()]).collect()
+}
+
+/// Those of some numbers that belong to coordinates, not to states.
+fn of_coordinates(element: &dyn ElementFormulas, numbers: &[Recorded]) -> Vec<Recorded> {
+    let all = numbers.iter().zip(are_states(element));
+    all.filter(|(_, is_state)| !is_state).map(|(own, _)| *own).collect()
 }
 
 fn zeros(count: usize) -> Vec<Recorded> {
@@ -176,6 +195,26 @@ pub(super) fn from_energies(element: &dyn Formulas, s: State<Recorded>, p: &[Rec
     rate.into_iter().zip(force).map(|(rate, force)| rate - force).collect()
 }
 
+/// Strains, their rates, and the outputs behind those of strains.
+pub(super) fn told(element: &dyn ElementFormulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+    let e = strains(element, q, p, t);
+    let of_q = q.iter().copied().zip(v.iter().copied());
+    let moving: Vec<(Recorded, Recorded)> = of_q.chain([(t, Recorded::from(1.0))]).collect();
+    let mut own = zeros(element.output_count() - OF_STRAIN * e.len());
+    element.write_outputs([v, q, p], t, &mut own);
+    let rates = along_motion(&e, &moving);
+    [e, rates, own].concat()
+}
+
+/// Outputs of a strain: it, its rate, its stress.
+pub(super) const OF_STRAIN: usize = 3;
+
+/// Stresses of given strains and rates: what is stored and what is lost.
+pub(super) fn stresses(element: &dyn Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+    let stored = gradient(element.stored(e, p), e);
+    stored.into_iter().zip(losses(element, [e, rate, p], t)).map(|(stored, lost)| stored + lost).collect()
+}
+
 /// Force of given stresses, (de/dq)^T w.
 pub(super) fn stress_force(element: &dyn Formulas, [q, p, w]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
     gradient_of(&strains(element, q, p, t), w, q)
@@ -213,7 +252,7 @@ pub(super) fn impulse(
     [of_momentum, of_force]: [Recorded; 2],
 ) -> Option<Vec<Recorded>> {
     let (force, momentum) = match written(element, s, p, t) {
-        Some(residual) if !has_energies(element) => {
+        Some(residual) if are_states(element).contains(&true) || !has_energies(element) => {
             let moving: Vec<(Recorded, Recorded)> = s.a.iter().copied().zip(s.v.iter().copied()).collect();
             let momentum = along_motion(&residual, &moving);
             // what the momentum depends on beside v: M of anything else would leave its derivatives behind
@@ -237,7 +276,8 @@ pub(super) fn impulse(
     Some(momentum.into_iter().zip(force).map(|(momentum, force)| of_momentum * momentum + of_force * force).collect())
 }
 
-/// Power with which the element changes its energies beside what the motion does: of its forces, losses and what drives it, d(T + V)/dt - R . v.
+/// Power with which the element changes its energies beside what the motion does: of its forces, losses and what drives it, d(T + V)/dt - R . v, in
+/// which states of first order do not count: their equations are no forces.
 ///
 /// What energies make of the residual cancels in that; it is left out where both ways agree at two states, which they do for kinetic energies that
 /// are quadratic in velocities.
@@ -247,7 +287,8 @@ pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Reco
     // as energies are told, which know no time
     let Energies { kinetic, potential, .. } = Energies::of(element, [s.v, s.q, p], Recorded::from(0.0));
     let own = residual(element, s, p, t).0;
-    let whole = along_motion(&[kinetic + potential], &moving)[0] - work_of(&own, s.v);
+    let [own_rates, own] = [s.v, &own].map(|numbers| of_coordinates(element, numbers));
+    let whole = along_motion(&[kinetic + potential], &moving)[0] - work_of(&own, &own_rates);
     let mut applied = zeros(s.q.len());
     element.add_force(s.v, s.q, p, t, &mut applied);
     let e = strains(element, s.q, p, t);
@@ -255,7 +296,7 @@ pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Reco
     let with_time: Vec<(Recorded, Recorded)> = of_q.iter().copied().chain([(t, Recorded::from(1.0))]).collect();
     let stresses = losses(element, [&e, &along_motion(&e, &with_time), p], t);
     let lost = work_of(&stresses, &along_motion(&e, &of_q));
-    (work_of(&applied, s.v) - lost, whole)
+    (work_of(&of_coordinates(element, &applied), &own_rates) - lost, whole)
 }
 
 fn work_of(forces: &[Recorded], rates: &[Recorded]) -> Recorded {
@@ -322,8 +363,8 @@ pub(super) fn has_energies(element: &dyn ElementFormulas) -> bool {
             let steady = is_zero(gradient(stored, t)[0]);
             let lossless = losses(element, [&e, &zeros(e.len()), p], t[0]).into_iter().all(is_zero);
             let Some(own) = written(element, s, p, t[0]) else { return steady && lossless };
-            is_written = true;
-            let made = from_energies(element, s, p, t[0]);
+            let [own, made] = [own, from_energies(element, s, p, t[0])].map(|rows| of_coordinates(element, &rows));
+            is_written = !own.iter().all(|row| is_zero(*row));
             steady && lossless && agree(&values, &own, &made)
         });
         agrees && !(is_written && recording.graph.has_choices())
@@ -343,7 +384,7 @@ pub(super) fn is_conservative(element: &dyn ElementFormulas) -> bool {
         let moving: Vec<(Recorded, Recorded)> = q.iter().copied().zip(v.iter().copied()).collect();
         let losses = losses(element, [&e, &along_motion(&e, &moving), p], t[0]);
         e.extend(&losses);
-        is_free = force.iter().chain(&losses).all(|&force| is_zero(force));
+        is_free = of_coordinates(element, &force).iter().chain(&losses).all(|&force| is_zero(force));
         e
     });
     is_free && forces.is_ok() && has_energies(element)

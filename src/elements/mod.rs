@@ -8,6 +8,7 @@
 //! Sign: the residual is inertia + internal - applied = 0; a constraint adds A^T mu with A = dg/dq, so the force of the
 //! constraint on the bodies is -A^T mu.
 
+mod at_rest;
 mod characteristic;
 mod constraint;
 pub(crate) mod dyn_layer;
@@ -21,7 +22,6 @@ mod parameter;
 mod table;
 mod time_formula;
 mod time_function;
-mod turning;
 
 pub(crate) mod bodies;
 pub mod entries;
@@ -29,6 +29,7 @@ pub mod flexible;
 pub mod forces;
 pub mod joints;
 
+pub(crate) use at_rest::{AtRest, OfStates, SPIN_PARAMETERS, turn, turn_gradient};
 pub use characteristic::{Characteristic, ForceLaw};
 pub use constraint::Constraint;
 pub use dyn_layer::{AnyConstraint, AnyElement};
@@ -36,7 +37,7 @@ pub(crate) use dyn_layer::{
     ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here,
     motion_derivatives, unrelated_numbers,
 };
-pub use element::{Element, State};
+pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
@@ -46,5 +47,4 @@ pub use parameter::{Admissible, Parameter};
 pub use table::Table;
 pub(crate) use time_formula::RecordedFunction;
 pub use time_formula::TimeFormula;
-pub use time_function::{MOST_BREAKPOINTS, TimeFunction};
-pub(crate) use turning::{InTurningFrame, SPIN_PARAMETERS, turn, turn_gradient};
+pub use time_function::TimeFunction;

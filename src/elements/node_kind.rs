@@ -17,6 +17,9 @@ pub enum NodeKind {
     Slope,
     /// Any number of coordinates with the meaning that the user's elements give them.
     Coordinates(usize),
+    /// Any number of states of first order z, which have neither inertia nor energy: z stands in v, z' in a, and nothing depends on q. About an
+    /// equilibrium, and in statics, z stands in q and z' in v instead.
+    States(usize),
 }
 
 impl NodeKind {
@@ -27,13 +30,18 @@ impl NodeKind {
             NodeKind::Body => 7,
             NodeKind::Natural => 12,
             NodeKind::Slope => 6,
-            NodeKind::Coordinates(count) => count,
+            NodeKind::Coordinates(count) | NodeKind::States(count) => count,
         }
     }
 
     /// Itself, unless it has no place in space.
     pub fn in_space(self) -> Option<Self> {
-        (!matches!(self, NodeKind::Coordinates(_))).then_some(self)
+        (!matches!(self, NodeKind::Coordinates(_) | NodeKind::States(_))).then_some(self)
+    }
+
+    /// Whether it has states of first order.
+    pub fn is_of_states(self) -> bool {
+        matches!(self, NodeKind::States(_))
     }
 
     /// What it is in a message.
@@ -45,6 +53,8 @@ impl NodeKind {
             NodeKind::Slope => "a node of a cable".into(),
             NodeKind::Coordinates(1) => "a coordinate".into(),
             NodeKind::Coordinates(count) => format!("{count} coordinates"),
+            NodeKind::States(1) => "a state".into(),
+            NodeKind::States(count) => format!("{count} states"),
         }
     }
 
@@ -61,6 +71,7 @@ impl NodeKind {
     pub(crate) fn coordinate_name(self, index: usize) -> String {
         match self {
             NodeKind::Coordinates(_) => format!("coordinate {index}"),
+            NodeKind::States(_) => format!("state {index}"),
             NodeKind::Natural => ["x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz", "wx", "wy", "wz"][index].to_string(),
             NodeKind::Slope => ["x", "y", "z", "slope x", "slope y", "slope z"][index].to_string(),
             NodeKind::Point | NodeKind::Body => ["x", "y", "z", "e0", "e1", "e2", "e3"][index].to_string(),
@@ -76,7 +87,7 @@ impl NodeKind {
     #[inline(always)]
     pub fn position<S: Scalar>(self, q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
-            NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Coordinates(_) | NodeKind::States(_) => Vector3::zeros(),
             NodeKind::Point | NodeKind::Slope => Vector3::first_three(q),
             NodeKind::Body => Vector3::first_three(q) + Quaternion::from_slice(&q[3..]).rotate(point),
             NodeKind::Natural => Vector3::first_three(q) + combine_columns(&columns(q), point),
@@ -87,7 +98,7 @@ impl NodeKind {
     #[inline(always)]
     pub fn velocity<S: Scalar>(self, v: &[S], q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
-            NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Coordinates(_) | NodeKind::States(_) => Vector3::zeros(),
             NodeKind::Point | NodeKind::Slope => Vector3::first_three(v),
             NodeKind::Body => {
                 let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
@@ -150,7 +161,7 @@ impl NodeKind {
     #[inline(always)]
     pub(crate) fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         match self {
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => {}
             NodeKind::Body => {
                 let moment = rotation_gradient_transposed(Quaternion::from_slice(&q[3..]), s, force);
                 for i in 0..4 {
@@ -171,7 +182,7 @@ impl NodeKind {
     #[inline(always)]
     pub fn angular_velocity<S: Scalar>(self, v: &[S], q: &[S]) -> Vector3<S> {
         match self {
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => Vector3::zeros(),
             NodeKind::Body => {
                 let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
                 e.rotate(e.g_times(rate) * S::from(2.0))
@@ -187,7 +198,7 @@ impl NodeKind {
     #[inline(always)]
     pub(crate) fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
         match self {
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => {}
             NodeKind::Body => {
                 // omega = 2 G de/dt, so a body-frame moment acts on e as 2 G^T m
                 let e = Quaternion::from_slice(&q[3..]);
@@ -212,7 +223,7 @@ impl NodeKind {
     #[inline(always)]
     pub fn moment<S: Scalar>(self, q: &[S], generalized: &[S]) -> Vector3<S> {
         match self {
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => Vector3::zeros(),
             NodeKind::Body => {
                 let e = Quaternion::from_slice(&q[3..]);
                 e.rotate(e.g_times(Quaternion::from_slice(&generalized[3..])) * S::from(0.5))
@@ -233,7 +244,7 @@ impl NodeKind {
     /// world with natural coordinates.
     pub(crate) fn movement<S: Scalar>(self, q: &[S], along: &[S]) -> Vec<S> {
         match self {
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => along.to_vec(),
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => along.to_vec(),
             NodeKind::Body => {
                 let turned = Quaternion::from_slice(&q[3..]).rate_of_body_velocity(Vector3::first_three(&along[3..]));
                 along[..3].iter().copied().chain(turned).collect()
@@ -250,7 +261,7 @@ impl NodeKind {
     #[inline(always)]
     pub fn axes<S: Scalar>(self, q: &[S]) -> [Vector3<S>; 3] {
         match self {
-            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) | NodeKind::States(_) => {
                 let (zero, one) = (S::zero(), S::one());
                 [Vector3::new(one, zero, zero), Vector3::new(zero, one, zero), Vector3::new(zero, zero, one)]
             }

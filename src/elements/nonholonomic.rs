@@ -19,10 +19,6 @@ pub trait NonholonomicConstraint: Send + Sync + 'static {
     }
     /// h(v, q, p, t), linear in v, into `h`, which holds zeros before; scale the rows so that they are velocities or angular velocities.
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, h: &mut [S]);
-    /// Times at which the motion it prescribes is not smooth: steps end there.
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        Vec::new()
-    }
 }
 
 /// A [`NonholonomicConstraint`] among the constraints of a model.

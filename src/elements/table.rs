@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// A piece is found by one look-up and its numbers are gathered from the parameters, so that the effort does not grow with the number of
 /// knots. Parameters: the values y; for cubic pieces the slopes at the knots follow, as [`Table::numbers`] makes them of the values. A table
 /// whose values are always the same is a [`Curve`], which has no parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     interpolant: Interpolant,
     /// Number k of the piece from x_k to x_{k+1}, the first and the last one beyond the ends; of steps that of the value.
@@ -33,13 +33,17 @@ impl Table {
             Curve::of_pieces(knots, all, !interpolant.has_kinks())
         };
         let (number, h) = (|k: f64| [k, 0.0, 0.0, 0.0], |k: usize| knots[k + 1] - knots[k]);
+        let share = |from: f64, k: usize| [from, 1.0 / h(k), 0.0, 0.0];
         let (nothing, identity) = (number(0.0), [0.0, 1.0, 0.0, 0.0]);
         let end = if interpolant == Interpolant::Steps { last } else { last - 1 };
         let piece = pieces(nothing, &|k| number(k as f64), number(end as f64));
         Ok(Table {
             interpolant,
-            piece: Arc::new(piece.with_kinks(interpolant.has_kinks())),
-            share: Arc::new(pieces(nothing, &|k| [0.0, 1.0 / h(k), 0.0, 0.0], number(1.0))),
+            piece: Arc::new(piece.joined_by(interpolant)),
+            share: Arc::new(match interpolant {
+                Interpolant::LinesOn => pieces(share(0.0, 0), &|k| share(0.0, k), share(1.0, last - 1)),
+                _ => pieces(nothing, &|k| share(0.0, k), number(1.0)),
+            }),
             width: Arc::new(pieces(number(h(0)), &|k| number(h(k)), number(h(last - 1)))),
             beyond: [(identity, nothing), (nothing, identity)]
                 .map(|(before, behind)| Arc::new(pieces(before, &|_| nothing, behind))),

@@ -1,6 +1,6 @@
 use super::Parameter;
 use crate::program::{ArgumentKind, Formula, ProgramWork};
-use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
+use crate::scalar::Scalar;
 use std::fmt;
 use std::sync::Arc;
 
@@ -36,12 +36,9 @@ pub trait TimeFormula: Send + Sync + 'static {
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()
     }
-    /// f at a time \[s\]. It chooses by [`Scalar::select`], [`Scalar::min`] and the like: one that looks at a value is refused.
+    /// f at a time \[s\]. It chooses by [`Scalar::select`], [`Scalar::min`] and the like: one that looks at a value is refused. Steps end
+    /// where the side of a choice changes, which is found from the recording. The value and the rate of a driven motion must not jump there.
     fn value<S: Scalar>(&self, t: S, p: &[S]) -> S;
-    /// Times \[s\] at which f or one of its first two derivatives jumps: steps end there. A driver may have jumps of the second alone.
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        Vec::new()
-    }
 }
 
 /// A [`TimeFormula`] that was recorded.
@@ -50,8 +47,6 @@ pub struct RecordedFunction {
     /// f of (t, p).
     formula: Arc<Formula>,
     parameters: Vec<Parameter>,
-    /// Times of breakpoints as functions of p.
-    breakpoints: Arc<Formula>,
 }
 
 impl fmt::Debug for RecordedFunction {
@@ -59,9 +54,6 @@ impl fmt::Debug for RecordedFunction {
         f.debug_struct("RecordedFunction").field("parameters", &self.parameters).finish_non_exhaustive()
     }
 }
-
-/// Distance from a breakpoint at which both sides are compared, as a share of the time (or of 1 s, if that is more).
-const BESIDE: f64 = 1e-5;
 
 impl RecordedFunction {
     /// Records a function.
@@ -74,9 +66,7 @@ impl RecordedFunction {
             vec![function.value(x[0], &x[1..])]
         });
         let formula = formula.map_err(|why| format!("a function of time: {why}"))?;
-        let breakpoints = Formula::record(parameters.len(), |p| function.breakpoints(p));
-        let breakpoints = breakpoints.map_err(|why| format!("the breakpoints of a function of time: {why}"))?;
-        Ok(RecordedFunction { formula, parameters, breakpoints })
+        Ok(RecordedFunction { formula, parameters })
     }
 
     /// Its parameters.
@@ -89,33 +79,5 @@ impl RecordedFunction {
         let (inputs, mut result) = ([&[t], p].concat(), [S::zero()]);
         self.formula.values().run_in(&inputs, &mut result, &mut ProgramWork::default());
         result[0]
-    }
-
-    /// Times at which f or one of its first two derivatives jumps.
-    pub fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        let mut times = vec![S::zero(); self.breakpoints.outputs.len()];
-        if !times.is_empty() {
-            self.breakpoints.values().run_in(p, &mut times, &mut ProgramWork::default());
-        }
-        times
-    }
-
-    /// The first breakpoint at which f or df/dt jumps: there their differences across the breakpoint do not shrink with the distance.
-    pub fn rate_jump(&self, p: &[f64]) -> Option<f64> {
-        let p: Vec<Complex64> = p.iter().map(|&p| Complex64::from(p)).collect();
-        let at = |t: f64| {
-            let value = self.value(Complex64::new(t, COMPLEX_STEP), &p);
-            [value.re, value.im / COMPLEX_STEP]
-        };
-        let across = |t: f64, distance: f64| {
-            let (before, after) = (at(t - distance), at(t + distance));
-            [0, 1].map(|k| ((after[k] - before[k]).abs(), before[k].abs() + after[k].abs()))
-        };
-        let jumps = |t: &f64| {
-            let distance = BESIDE * t.abs().max(1.0);
-            let (far, near) = (across(*t, distance), across(*t, 0.1 * distance));
-            (0..2).any(|k| near[k].0 > 1e-9 * near[k].1 && near[k].0 > 0.5 * far[k].0)
-        };
-        self.breakpoints::<f64>(&p.iter().map(|p| p.re).collect::<Vec<f64>>()).into_iter().find(jumps)
     }
 }

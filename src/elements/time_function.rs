@@ -2,12 +2,9 @@ use super::entries::Range::{Any, Positive};
 use super::entries::Type::{Count, Fixed, Fixeds, Number, OfTime};
 use super::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Key, VALUES, forms, may, need};
 use super::{Parameter, RecordedFunction, Table, TimeFormula};
-use crate::scalar::{COMPLEX_STEP, Complex64, Curve, Interpolant, Scalar};
+use crate::program::{ArgumentKind, Formula, Reads};
+use crate::scalar::{Curve, Interpolant, Scalar};
 use std::sync::Arc;
-
-/// Knots of a monotone table that steps still end at: its second derivative jumps there, which costs methods above third order their order;
-/// ends of steps at each of many knots would cost more. With a few more knots than this `esdirk4` is of order 3.3 (study `signals`).
-pub const MOST_BREAKPOINTS: usize = 100;
 
 const TIMES: Key = may("times", Fixeds(0, "s"), "times of the points, increasing; those of the file");
 
@@ -52,8 +49,7 @@ pub const FUNCTION: Forms = forms!([
 ]
 "formula" "a formula of the time t, exact at all times with all its derivatives" [
     need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
-    may("breakpoints", Fixeds(0, "s"), "times at which it or one of its first two derivatives jumps: steps end there; needed, if only as [], \
-        where abs, min, max or if_less choose"),
+    may("breakpoints", Fixeds(0, "s"), "from the times when these were not found from the formula: not needed, any"),
     may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
     may("end", Fixed("s", Any), "likewise, at least the end of the run"),
     may("intervals", Count(1, 10_000), "likewise, any"),
@@ -169,54 +165,18 @@ impl TimeFunction {
         }
     }
 
-    /// Knots of a table, and the way between them.
-    fn knots(&self) -> Option<(&[f64], Interpolant)> {
-        match self {
-            TimeFunction::Curve(curve, interpolant) => Some((curve.knots(), *interpolant)),
-            TimeFunction::Table(table) => Some((table.knots(), table.interpolant())),
-            _ => None,
-        }
-    }
-
-    /// Times at which f or one of its first two derivatives jumps; of a monotone table of more than [`MOST_BREAKPOINTS`] knots none.
-    pub fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        match self {
-            TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
-            TimeFunction::Step { switch } => vec![S::from(*switch)],
-            TimeFunction::SmoothStart(inner) => match p {
-                [own @ .., duration] => {
-                    let mapped = inner.breakpoints(own).into_iter().filter(|breakpoint| breakpoint.value() > 0.0);
-                    mapped.map(|breakpoint| time_started_at(breakpoint, *duration)).chain([*duration]).collect()
-                }
-                [] => unreachable!("the start duration is the last parameter"),
-            },
-            TimeFunction::Own(own) => own.breakpoints(p),
-            _ => match self.knots() {
-                Some((_, Interpolant::Smooth)) | None => Vec::new(),
-                Some((knots, Interpolant::Monotone)) if knots.len() > MOST_BREAKPOINTS => Vec::new(),
-                Some((knots, _)) => knots.iter().map(|&knot| S::from(knot)).collect(),
-            },
-        }
-    }
-
-    /// Time of the first jump of the value, if there is one; functions of one's own do not tell.
-    pub fn jump(&self) -> Option<f64> {
-        match self {
-            TimeFunction::Step { switch } => Some(*switch),
-            TimeFunction::SmoothStart(inner) => inner.jump(),
-            // the first knot is none: the value before it is its own
-            _ => self.knots().filter(|(_, interpolant)| *interpolant == Interpolant::Steps).map(|(knots, _)| knots[1]),
-        }
-    }
-
-    /// Time at which the value or its rate jumps, if there is one: no driven motion can follow.
-    pub(crate) fn rate_jump(&self, p: &[f64]) -> Option<f64> {
-        match self {
-            TimeFunction::Step { switch } => Some(*switch),
-            TimeFunction::SmoothStart(inner) => inner.rate_jump(p.split_last().map_or(p, |(_, own)| own)),
-            TimeFunction::Own(own) => own.rate_jump(p),
-            _ => self.knots().filter(|(_, interpolant)| interpolant.has_kinks()).map(|(knots, _)| knots[0]),
-        }
+    /// Times behind a start and up to an end at which the value or one of its first two derivatives may jump: where a switch of it changes sides.
+    ///
+    /// # Errors
+    /// More than a million of them.
+    pub fn breakpoints(&self, p: &[f64], within: [f64; 2]) -> Result<Vec<f64>, String> {
+        let formula = Formula::record([(ArgumentKind::Time, 1), (ArgumentKind::Parameter, p.len())], |x| {
+            vec![self.value(x[0], &x[1..])]
+        })?;
+        let Some(switches) = formula.switches(Reads::TimeAlone, true) else { return Ok(Vec::new()) };
+        let mut times: Vec<f64> = switches.times(&[&[0.0], p].concat(), &[0], within)?.iter().map(|own| own.t).collect();
+        times.dedup();
+        Ok(times)
     }
 }
 
@@ -225,28 +185,4 @@ fn started_time<S: Scalar>(t: S, duration: S) -> S {
     let time = t.max(S::zero());
     let x = time / duration;
     x.less(S::one()).select(duration * (x.powi(4) * ((x - 3.0) * x + 2.5)), time - duration * 0.5)
-}
-
-/// The first time at which s(t) has reached `s` > 0, to the last bit, with its derivatives: one step of Newton's method has these.
-fn time_started_at<S: Scalar>(s: S, duration: S) -> S {
-    let t = real_time_started_at(s.value(), duration.value());
-    let rate = started_time(Complex64::new(t, COMPLEX_STEP), Complex64::from(duration.value())).im / COMPLEX_STEP;
-    let defect = started_time(S::from(t), duration) - s;
-    S::from(t) - (defect - defect.value()) / rate
-}
-
-/// The same in real numbers: s grows from 0 on, so halving finds it.
-fn real_time_started_at(s: f64, duration: f64) -> f64 {
-    let (mut before, mut after) = (0.0, s + duration);
-    loop {
-        let middle = 0.5 * (before + after);
-        if !(before < middle && middle < after) {
-            return after;
-        }
-        if started_time(middle, duration) < s {
-            before = middle;
-        } else {
-            after = middle;
-        }
-    }
 }

@@ -158,19 +158,33 @@ impl Functional {
     /// Has its formulas watched in a run, if it reads all of it: where what it measures jumps, derivatives of what it makes of that over time
     /// are wrong; kinks take one order of the step from those of an integral.
     pub(crate) fn watch(&self, model: &Model, watch: &mut SwitchWatch) {
+        let told = if self.over == Over::Integral { SwitchKind::Kink } else { SwitchKind::Jump };
+        self.each_formula(model, |formula, lengths, places| watch.add((&self.name, Some(told)), formula, lengths, places));
+    }
+
+    /// Calls `see` with each formula that it reads during all of a run, whether lengths of vectors in it tell anything, and the places of its
+    /// arguments.
+    pub(crate) fn each_formula(&self, model: &Model, mut see: impl FnMut(&Arc<Formula>, bool, &dyn Fn() -> Vec<Place>)) {
         if self.over.times() != Times::Run {
             return;
         }
-        let told = if self.over == Over::Integral { SwitchKind::Kink } else { SwitchKind::Jump };
-        let of = (&*self.name, Some(told));
         match &self.measured {
             Measured::Energy(_) => {}
-            Measured::Group(group) => group.watch(model, |formula, places| watch.add(of, formula, false, places)),
+            Measured::Group(group) => group.each_formula(model, |formula, places| see(formula, false, places)),
             local => {
                 if let Some(Reading { formula, places }) = local.reading(model) {
-                    watch.add(of, formula, true, || places.to_vec());
+                    see(formula, true, &|| places.to_vec());
                 }
             }
+        }
+    }
+
+    /// The formula of what it measures of nodes and joints, and where its arguments stand.
+    #[cfg(feature = "cli")]
+    pub(crate) fn formula(&self, model: &Model) -> Option<(Arc<Formula>, Vec<Place>)> {
+        match &self.measured {
+            Measured::Energy(_) | Measured::Group(_) => None,
+            local => local.reading(model).map(|own| (Arc::clone(own.formula), own.places.to_vec())),
         }
     }
 

@@ -249,7 +249,7 @@ impl MeasuredGroup {
     }
 
     /// Gives the formula of each element to `add`, with the places of its arguments.
-    pub(super) fn watch(&self, model: &Model, mut add: impl FnMut(&Arc<Formula>, &dyn Fn() -> Vec<Place>)) {
+    pub(super) fn each_formula(&self, model: &Model, mut see: impl FnMut(&Arc<Formula>, &dyn Fn() -> Vec<Place>)) {
         for batch in self.batches(model) {
             for member in &batch.members {
                 let dofs: Vec<usize> = member.nodes.iter().cloned().flatten().collect();
@@ -262,7 +262,7 @@ impl MeasuredGroup {
                     Argument::OfElement(place) => Place::P(member.own.start + place),
                     Argument::Time => Place::Time,
                 };
-                add(&batch.own.formula, &|| batch.own.arguments.iter().map(place).collect());
+                see(&batch.own.formula, &|| batch.own.arguments.iter().map(place).collect());
             }
         }
     }

@@ -1,5 +1,5 @@
 use crate::elements::entries::{Entry, Part, part_of};
-use crate::elements::{Parameter, State};
+use crate::elements::{OfStates, Parameter, State};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
 use crate::scalar::Scalar;
@@ -91,6 +91,33 @@ pub trait QuantityVisitor {
     fn visit<Q: Entry<Law: Quantity>>(&mut self);
 }
 
+/// A quantity that reads states of first order where they are unknowns like coordinates.
+struct AtRest {
+    own: MeasuredQuantity,
+    /// Which of its coordinates are states.
+    states: Vec<usize>,
+}
+
+impl AnyQuantity for AtRest {
+    fn dof_count(&self) -> usize {
+        self.own.dof_count()
+    }
+    fn unit(&self) -> &'static str {
+        self.own.own.unit()
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.own.parameter_list()
+    }
+    fn record(&self, _multipliers: usize) -> Result<Arc<Formula>, String> {
+        self.own.refused().map_or(Ok(()), |why| Err(why.to_string()))?;
+        self.own.formula().with_arguments(|x| {
+            let mut all = x.to_vec();
+            self.states.iter().for_each(|&dof| OfStates::InVelocity.in_motion(&mut all, self.dof_count(), dof));
+            all
+        })
+    }
+}
+
 /// A quantity of a model with its recording, made when it is first asked for.
 pub struct MeasuredQuantity {
     own: Box<dyn AnyQuantity>,
@@ -102,6 +129,11 @@ impl MeasuredQuantity {
     /// A quantity that sees some number of multipliers.
     pub fn new(own: Box<dyn AnyQuantity>, multipliers: usize) -> Self {
         MeasuredQuantity { own, multipliers, formula: OnceLock::new() }
+    }
+    /// The same where some of its coordinates are states that are unknowns like coordinates.
+    pub(crate) fn at_rest(self, states: Vec<usize>) -> Self {
+        let multipliers = self.multipliers;
+        MeasuredQuantity::new(Box::new(AtRest { own: self, states }), multipliers)
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {

@@ -116,6 +116,11 @@ impl<'p> Amplitudes<'p> {
         Ok(Amplitudes { pencil, places, pattern, factors, values })
     }
 
+    /// The same for values of modes, where P is nearly singular.
+    pub fn beside_modes(self) -> Self {
+        Amplitudes { factors: self.factors.unexamined(), ..self }
+    }
+
     /// Factors P(lambda).
     pub fn set(&mut self, lambda: Complex64) -> Result<(), Singular> {
         self.values.fill(0.0);

@@ -9,7 +9,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::march::{Method, Problem};
-use super::newton::Newton;
+use super::newton::{NOT_HELD, Newton};
 use super::step::newton;
 use super::{Counters, RunError, Stability, StartPlan, Systems};
 use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
@@ -188,7 +188,7 @@ impl Follower<'_> {
         let mut tangent = self.towards_load(&point).map_err(|unknown| RunError::Singular {
             place: place.into(),
             unknown,
-            hint: "nothing holds it in equilibrium: give it a support, a joint or a spring".into(),
+            hint: NOT_HELD.into(),
         })?;
         point.stability = self.newton.stability();
         self.load_weight = self.dot(&tangent.q, &tangent.q);

@@ -7,17 +7,23 @@
 //! (K + s C + s^2 M) y + A^T nu = -(M w + C x + s M x),  A y = 0,    z = x + s y
 //! ```
 //!
-//! (shift and invert of the linearized quadratic problem; Tisseur & Meerbergen 2001). M may be singular: what it leaves out vibrates infinitely fast.
+//! (shift and invert of the linearized quadratic problem; Tisseur & Meerbergen 2001). M may be singular: what it leaves out vibrates infinitely fast,
+//! but for states of first order, which have one value each by C (see [`AtRest`](crate::elements::AtRest)).
+//!
+//! Of a small model all values are found. Its rigid motions are what x -> (K + s C + s^2 M)^-1 K x takes to zero: each is one mode, whether zero is
+//! one value of it or, with a rate that stays, two.
 
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::krylov::{Space, add, dot, largest_pairs};
+use super::krylov::{Space, WholeBasis, add, all_pairs, dot, in_order, largest_pairs};
 use super::march::{Method, Problem};
-use super::vibrations::{Mode, Operator, is_rigid};
+use super::vibrations::{Mode, Modes, NOISE, Operator};
+use super::whole_basis::Motions;
 use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
+use nalgebra::{DMatrix, SVD};
 
 /// Most shifts that are tried.
 const MOST_SHIFTS: usize = 12;
@@ -27,6 +33,8 @@ const FIRST_SHIFT: f64 = 1e-7;
 const GROWTH: f64 = 30.0;
 /// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
 const FAR: f64 = 3.0;
+/// lambda^2 below this share of the square of the shift is not told from zero.
+const ZERO: f64 = 1e-10;
 /// theta below this share of the largest one is none.
 const INFINITE: f64 = 1e-10;
 /// Modes that are sought beyond those asked for.
@@ -89,94 +97,194 @@ fn value(pair: &Eigenpair, shift: f64) -> [f64; 2] {
 }
 
 /// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`, with damping and whatever else depends on
-/// velocities: up to `count` whose values lambda are nearest to zero, in the order of their sizes; fewer where there are no more. One of each
-/// conjugate pair is given.
+/// velocities: the first `count`, fewer where there are no more. One of each conjugate pair is given.
 ///
 /// # Errors
 /// As for [`vibrations`](super::vibrations()); modes that the operator does not keep.
-pub fn complex_modes(
+pub(crate) fn complex_modes(
     problem: &Problem<f64>,
     method: &Method,
     plan: &StartPlan,
     t: f64,
     count: usize,
-) -> Result<Vec<Mode>, RunError> {
+) -> Result<Modes, RunError> {
     let mut operator = Operator::new(problem, method, plan, (t, count))?;
     if operator.nodes == 0 {
-        return Ok(Vec::new());
+        return Ok(Modes { list: Vec::new(), proved: true });
     }
     let largest = operator.largest_ratio();
-    let equations = Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity);
-    let damping = operator.assembled(&equations);
-    let (ritz, shift) = near_zero(&mut operator, (&damping, largest), count)?;
-    let mut damped = Damped { operator: &mut operator, damping: &damping, shift };
+    let first = if largest > 0.0 { FIRST_SHIFT * largest.sqrt() } else { 1.0 };
+    operator.set_shift([first * first, first])?;
+    let damping = operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity));
+    let motions = operator.motions(Some(&damping), 2);
+    let stiffness = operator.stiffness();
+    let mut search = Search { operator, stiffness, damping, whole: motions.as_ref().map(with_rates), shift: first };
     let mut is_state = vec![false; problem.model.dofs];
-    problem.model.states.iter().for_each(|node| is_state[problem.model.node(*node).dofs.clone()].fill(true));
-    let (mut modes, mut rigid_shapes) = (Vec::new(), Vec::new());
-    for pair in &ritz {
-        let vectors = pair.vector.each_ref().map(|part| damped.apply(part));
+    problem.model.state_dofs().for_each(|dof| is_state[dof] = true);
+    let mut sought = count;
+    loop {
+        let (ritz, shift, matrix) = search.near_zero(sought, first)?;
+        let is_all = ritz.len() < sought;
+        let (mut list, mut rigid) = (Vec::new(), Vec::new());
+        if let (Some(matrix), Some(motions)) = (&matrix, &motions) {
+            for shape in search.rigid_shapes(matrix, motions, shift) {
+                if is_motion(&shape, &is_state) {
+                    list.push(Mode { frequency: 0.0, growth: 0.0, ahead: vec![0.0; shape.len()], shape });
+                }
+            }
+        }
+        let placed = match matrix {
+            Some(_) => in_order((ritz, shift), 2 * count, &place, &mut |shift| Ok(search.pairs(sought, shift)?.0))?,
+            None => ritz.into_iter().map(|pair| (pair, shift)).collect(),
+        };
+        for (pair, shift) in &placed {
+            let (mode, is_rigid) = search.mode(pair, *shift)?;
+            // a motion and its rate are two values 0 with one vector
+            if !is_rigid || matrix.is_none() && is_motion(&mode.shape, &is_state) && is_new(&mut rigid, &mode.shape) {
+                list.push(mode);
+            }
+        }
+        if list.len() >= count || is_all || motions.is_some() {
+            return Ok(Modes::first(list, count, motions.is_some()));
+        }
+        sought += count - list.len();
+    }
+}
+
+/// What modes are ordered by: |lambda|, negative for those that topple.
+fn place(pair: &Eigenpair, shift: f64) -> f64 {
+    let [re, im] = value(pair, shift);
+    if re > 0.0 && im == 0.0 { -re } else { re.hypot(im) }
+}
+
+/// Directions of coordinates, and those with inertia once more for their rates.
+fn with_rates(Motions { inertial, following }: &Motions) -> WholeBasis {
+    let both = |inertial: &Vec<Vec<f64>>, following: &Vec<Vec<f64>>| {
+        let zeros = || vec![0.0; inertial.first().or(following.first()).map_or(0, Vec::len)];
+        let coordinates = inertial.iter().chain(following).map(|own| [&own[..], &zeros()].concat());
+        let rates = inertial.iter().map(|own| [&zeros(), &own[..]].concat());
+        coordinates.chain(rates).collect()
+    };
+    WholeBasis { basis: both(&inertial.basis, &following.basis), dual: both(&inertial.dual, &following.dual) }
+}
+
+/// A search for modes.
+struct Search<'m> {
+    operator: Operator<'m>,
+    stiffness: Jacobian,
+    damping: Jacobian,
+    /// A basis of a small model.
+    whole: Option<WholeBasis>,
+    /// Shift of the operator.
+    shift: f64,
+}
+
+impl Search<'_> {
+    /// Pairs of the operator with a shift, all with its matrix in the basis of a small model.
+    fn pairs(&mut self, sought: usize, shift: f64) -> Result<(Vec<Eigenpair>, Option<DMatrix<f64>>), RunError> {
+        self.operator.set_shift([shift * shift, shift])?;
+        self.shift = shift;
+        let Search { operator, damping, whole, .. } = self;
+        let mut damped = Damped { operator, damping, shift };
+        if let Some(whole) = whole {
+            let (matrix, pairs) = all_pairs(&mut damped, whole)?;
+            return Ok((pairs, Some(matrix)));
+        }
+        let mut ritz = largest_pairs(&mut damped, sought, SPARE)?;
+        let most = ritz.first().map_or(0.0, size);
+        // what is not there for want of inertia is infinitely fast
+        ritz.retain(|pair| size(pair) > INFINITE * most);
+        Ok((ritz, None))
+    }
+
+    /// Those with the values nearest to zero, and the shift: of the size of what is sought, as rates are counted by it.
+    fn near_zero(&mut self, sought: usize, first: f64) -> Result<(Vec<Eigenpair>, f64, Option<DMatrix<f64>>), RunError> {
+        let mut shift = first;
+        for attempt in 1.. {
+            let (pairs, matrix) = self.pairs(sought, shift)?;
+            let values = pairs.iter().map(|pair| value(pair, shift));
+            let moving = pairs.iter().filter(|pair| !self.is_zero(pair, shift)).map(|pair| place(pair, shift).abs());
+            let lowest = moving.fold(f64::INFINITY, f64::min);
+            if (shift <= FAR * lowest && lowest <= FAR * shift) || attempt == MOST_SHIFTS {
+                return Ok((pairs, shift, matrix));
+            }
+            // at the shift of a mode that grows the matrix is singular
+            let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
+            shift = match (lowest.is_finite(), grows) {
+                // rigid motions hide what is far from the shift
+                (false, _) => shift * GROWTH,
+                (true, true) => 0.7 * lowest,
+                (true, false) => lowest,
+            };
+        }
+        unreachable!("the last attempt returns")
+    }
+
+    /// What x -> (K + s C + s^2 M)^-1 K x = x + s y takes to zero, of the operator's matrix.
+    fn rigid_shapes(&mut self, matrix: &DMatrix<f64>, motions: &Motions, shift: f64) -> Vec<Vec<f64>> {
+        let Search { operator, stiffness, damping, .. } = self;
+        let count = motions.inertial.basis.len() + motions.following.basis.len();
+        let own = DMatrix::identity(count, count) + matrix.view((0, 0), (count, count)) * shift;
+        let found = SVD::new(own, false, true);
+        let Some(vectors) = found.v_t.filter(|_| count > 0) else { return Vec::new() };
+        let basis: Vec<&Vec<f64>> = motions.inertial.basis.iter().chain(&motions.following.basis).collect();
+        let nodes = operator.nodes;
+        let mut damped = Damped { operator, damping, shift };
+        let mut shapes = Vec::new();
+        for (own, share) in vectors.row_iter().zip(&found.singular_values) {
+            let mut both = vec![0.0; 2 * nodes];
+            basis.iter().zip(own.iter()).for_each(|(own, share)| add(&mut both[..nodes], *share, own));
+            let whole = [damped.apply(&both)[..nodes].to_vec(), vec![0.0; nodes]];
+            if *share <= ZERO || damped.operator.is_rigid(stiffness, &whole) {
+                shapes.push(damped.operator.in_coordinates(whole)[0].clone());
+            }
+        }
+        shapes
+    }
+
+    /// Whether the value of a pair is zero but for round-off of the operator or of the stiffness: |lambda^2 x^H M x| and |lambda x^H C x| are then
+    /// round-off of x^H K x.
+    fn is_zero(&self, pair: &Eigenpair, shift: f64) -> bool {
+        let (size, nodes) = (place(pair, shift).abs(), self.operator.nodes);
+        let x = pair.vector.each_ref().map(|part| part[..nodes].to_vec());
+        let of = |matrix: &Jacobian| self.operator.along(matrix, &x);
+        let round_off = NOISE * of(&self.stiffness)[1];
+        let is_round_off = size * size * of(&self.operator.mass)[0] <= round_off && size * of(&self.damping)[0] <= round_off;
+        size * size <= ZERO * shift * shift || is_round_off
+    }
+
+    /// The mode of a pair, and whether it is a rigid motion.
+    fn mode(&mut self, pair: &Eigenpair, shift: f64) -> Result<(Mode, bool), RunError> {
+        if shift != self.shift {
+            self.operator.set_shift([shift * shift, shift])?;
+            self.shift = shift;
+        }
+        let is_rigid = self.is_zero(pair, shift);
+        let Search { operator, damping, .. } = self;
         let [mut growth, frequency] = value(pair, shift);
-        let is_rigid = is_rigid(growth * growth + frequency * frequency, shift * shift, largest);
-        let left = left_over(&vectors, pair);
+        let nodes = operator.nodes;
+        let mut damped = Damped { operator, damping, shift };
+        let left = left_over(&pair.vector.each_ref().map(|part| damped.apply(part)), pair);
         if !(is_rigid || left <= LEFT) {
             return Err(RunError::Input(format!(
                 "a mode is known to a share of {left:.1e} only: masses, stiffnesses or dampings differ by more than the digits of a number hold; \
                  ask for fewer modes"
             )));
         }
-        let nodes = damped.operator.nodes;
-        let [shape, ahead] = damped.operator.in_coordinates(vectors.map(|vector| vector[..nodes].to_vec()));
+        let [shape, ahead] = damped.operator.in_coordinates(pair.vector.each_ref().map(|part| part[..nodes].to_vec()));
         if is_rigid {
-            // a motion and its rate are two values 0 with one vector
-            if is_motion(&shape, &is_state) && is_new(&mut rigid_shapes, &shape) {
-                modes.push(Mode { frequency: 0.0, growth: 0.0, ahead: vec![0.0; shape.len()], shape });
-            }
-            continue;
+            return Ok((Mode { frequency: 0.0, growth: 0.0, ahead: vec![0.0; shape.len()], shape }, true));
         }
         if growth.abs() <= NO_GROWTH * frequency.hypot(growth - shift) {
             growth = 0.0;
         }
         // of a pair the value with a positive imaginary part, and its vector
         let turned = if frequency < 0.0 { ahead.iter().map(|part| -part).collect() } else { ahead };
-        modes.push(Mode { frequency: frequency.abs(), growth, shape, ahead: turned });
+        Ok((Mode { frequency: frequency.abs(), growth, shape, ahead: turned }, false))
     }
-    let absolute = |mode: &Mode| mode.frequency.hypot(mode.growth);
-    modes.sort_by(|a, b| absolute(a).total_cmp(&absolute(b)).then(a.growth.total_cmp(&b.growth)));
-    Ok(modes)
 }
 
-/// Pairs of the operator with the values nearest to zero, and the shift: of the size of what is sought, as rates are counted by it.
-fn near_zero(
-    operator: &mut Operator,
-    (damping, largest): (&Jacobian, f64),
-    count: usize,
-) -> Result<(Vec<Eigenpair>, f64), RunError> {
-    let mut shift = if largest > 0.0 { FIRST_SHIFT * largest.sqrt() } else { 1.0 };
-    for attempt in 1.. {
-        operator.set_shift([shift * shift, shift])?;
-        let mut ritz = largest_pairs(&mut Damped { operator, damping, shift }, count, SPARE)?;
-        let most = ritz.first().map_or(0.0, size);
-        // what is not there for want of inertia is infinitely fast
-        ritz.retain(|pair| size(pair) > INFINITE * most);
-        let values = ritz.iter().map(|pair| value(pair, shift));
-        let squares = values.clone().map(|[re, im]| re * re + im * im).filter(|own| !is_rigid(*own, shift * shift, largest));
-        let lowest = squares.fold(f64::INFINITY, f64::min).sqrt();
-        if (shift <= FAR * lowest && lowest <= FAR * shift) || attempt == MOST_SHIFTS {
-            return Ok((ritz, shift));
-        }
-        // at the shift of a mode that grows the matrix is singular
-        let grows = values.clone().any(|[re, im]| re > 0.0 && im.abs() < re);
-        shift = match (lowest.is_finite(), grows) {
-            // rigid motions hide what is far from the shift
-            (false, _) => shift * GROWTH,
-            (true, true) => 0.7 * lowest,
-            (true, false) => lowest,
-        };
-    }
-    unreachable!("the last attempt returns")
-}
-
-/// Whether anything moves but states: these are rates, and what they are rates of is nothing.
+/// Whether anything moves but states: one that nothing reads goes on by itself.
 fn is_motion(shape: &[f64], is_state: &[bool]) -> bool {
     let moving = shape.iter().zip(is_state).filter(|(_, is_state)| !**is_state).map(|(own, _)| own * own).sum::<f64>();
     moving > SAME * SAME * dot(shape, shape)

@@ -2,8 +2,10 @@
 
 use super::record::{StartRecord, StepRecord};
 use crate::assembly::{Model, NodeId, VectorsAvq};
-use crate::program::{Formula, ProgramWork, SwitchKind, Switches};
+use crate::design::shortest;
+use crate::program::{Formula, ProgramWork, Reads, SwitchKind, Switches, between};
 use std::collections::HashMap;
+use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -24,6 +26,50 @@ pub struct Crossing {
     pub count: usize,
     /// The last of them.
     pub last: usize,
+    /// The shortest time that it is on another side within a step at whose ends it is on the same one \[s\]: no stage need have seen it.
+    pub passed_over: Option<f64>,
+}
+
+impl fmt::Display for Crossing {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Crossing { part, is_functional, kind, step, t, count, last, passed_over } = self;
+        write!(f, "step {step} (t = {} s)", shortest(*t))?;
+        if *count > 1 {
+            write!(f, ", and in {} more steps until step {last}", count - 1)?;
+        }
+        let (whose, what) = (
+            if *is_functional { "functional " } else { "" },
+            match kind {
+                SwitchKind::Jump => "jumps",
+                SwitchKind::Kink => "has a kink",
+            },
+        );
+        write!(f, ": the formula of {whose}\"{part}\" {what} within the step: ")?;
+        f.write_str(match (is_functional, kind) {
+            (false, SwitchKind::Jump) => {
+                "the motion is right to first order of the step only, its estimated error is not to be trusted, and gradients of what is measured \
+                 after it are wrong, as are their complex steps; keep the motion on one side, or write the formula without the jump"
+            }
+            (false, SwitchKind::Kink) => {
+                "the motion and gradients of what is measured after it are right to first order of the step only, and its estimated error is not \
+                 to be trusted; take smaller steps, or let them be chosen to come close to it
+                 (--tolerance 1e-12), and compare"
+            }
+            (true, SwitchKind::Jump) => {
+                "its value is right to first order of the step only, its gradient is wrong, and so is its complex step; measure something that does \
+                 not jump"
+            }
+            (true, SwitchKind::Kink) => "its gradient is right to first order of the step only; take smaller steps and compare",
+        })?;
+        match passed_over {
+            Some(duration) => write!(
+                f,
+                "; it is there for {} s only, which the stages of a step may not see: take no longer steps (--longest-step)",
+                shortest((1e6 * duration).round() * 1e-6)
+            ),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Where an argument of a formula stands in the vectors of a state.
@@ -72,6 +118,8 @@ pub struct SwitchWatch {
     numbers: Vec<f64>,
     work: ProgramWork<f64>,
     step: usize,
+    /// Where the last step ended, before the breakpoint that may be there \[s\].
+    end: f64,
     crossings: Vec<Crossing>,
     /// Switches of formulas, with lengths and without.
     known: HashMap<(*const Formula, bool), Option<Switches>>,
@@ -81,14 +129,7 @@ impl SwitchWatch {
     /// Over the parts of a model.
     pub fn new(model: &Model) -> Self {
         let mut watch = SwitchWatch::default();
-        for own in model.elements.iter().filter(|own| own.physics.residual_refused().is_none()) {
-            let lists: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
-            watch.add((&own.name, None), own.physics.residual(), true, || places(model, lists, &own.nodes, &own.parameters));
-        }
-        for own in model.constraints.iter().filter(|own| own.physics.refused().is_none()) {
-            let lists: &[fn(usize) -> Place] = &[Place::V, Place::Q];
-            watch.add((&own.name, None), own.physics.formula(), true, || places(model, lists, &own.nodes, &own.parameters));
-        }
+        each_formula(model, |name, _, formula, places| watch.add((name, None), formula, true, places));
         watch
     }
 
@@ -102,7 +143,7 @@ impl SwitchWatch {
         places: impl FnOnce() -> Vec<Place>,
     ) {
         let known = self.known.entry((Arc::as_ptr(formula), lengths));
-        if let Some(switches) = known.or_insert_with(|| formula.switches(lengths)).clone() {
+        if let Some(switches) = known.or_insert_with(|| formula.switches(Reads::Motion, lengths)).clone() {
             let (name, places, numbers) = (name.into(), places(), Vec::new());
             let reads = (0..).zip(switches.reads()).filter_map(|(input, reads)| reads.then_some(input)).collect();
             let inputs = vec![0.0; places.len()];
@@ -114,7 +155,8 @@ impl SwitchWatch {
     pub fn start(&mut self, start: &StartRecord<f64>, p: &[f64]) {
         if !self.parts.is_empty() {
             self.seen = Seen { at: start.acceleration.point(), mu: start.acceleration.unknowns.mu.clone() };
-            self.begin(p, start.acceleration.t);
+            self.end = start.acceleration.t;
+            self.begin(p, self.end);
         }
     }
 
@@ -124,9 +166,10 @@ impl SwitchWatch {
         if self.parts.is_empty() {
             return;
         }
-        if step.restart.is_some() {
+        if step.t != self.end || step.restart.is_some() {
             self.begin(p, step.t);
         }
+        self.end = step.end;
         for stage in step.stages.iter().filter(|stage| stage.known.is_none()) {
             let (solve, Seen { at, mu }) = (&stage.solve, &mut self.seen);
             at.a.resize(solve.base.a.len(), 0.0);
@@ -134,11 +177,11 @@ impl SwitchWatch {
             at.q.resize(solve.base.q.len(), 0.0);
             at.set_shifted(&solve.base, solve.equations.residual, &solve.unknowns);
             mu.clone_from(&solve.unknowns.mu);
-            self.compare(p, solve.t, false);
+            self.compare(p, solve.t, None);
         }
         self.seen.at.v.clone_from(&step.v);
         self.seen.at.q.clone_from(&step.q);
-        self.compare(p, step.t + step.h, true);
+        self.compare(p, step.end, Some(step.h));
     }
 
     /// What was noted, jumps first.
@@ -155,22 +198,27 @@ impl SwitchWatch {
         }
     }
 
-    /// Compares the state with that at the start of the step; the end of it is the start of the next one.
-    fn compare(&mut self, p: &[f64], t: f64, is_end: bool) {
+    /// Compares the state with that at the start of the step; the end of one of size `h` is the start of the next one.
+    fn compare(&mut self, p: &[f64], t: f64, h: Option<f64>) {
         let SwitchWatch { parts, seen, inputs, numbers, work, step, crossings, .. } = self;
         for part in parts {
             inputs.resize(part.places.len(), 0.0);
             // within a step only what tells the sides
-            match is_end {
-                true => seen.write(&part.places, p, t, inputs),
-                false => part.reads.iter().for_each(|&input| inputs[input] = seen.value(part.places[input], p, t)),
+            match h {
+                Some(_) => seen.write(&part.places, p, t, inputs),
+                None => part.reads.iter().for_each(|&input| inputs[input] = seen.value(part.places[input], p, t)),
             }
             part.switches.evaluate(inputs, numbers, work);
             if part.switches.change(&part.numbers, numbers) {
                 seen.write(&part.places, p, t, inputs);
-                note(part, inputs, (*step, t), crossings);
+                note(part, inputs, (*step, t), None, crossings);
             }
-            if is_end {
+            if let Some(h) = h {
+                let ends = [[&part.inputs[..], inputs], [&part.numbers, numbers]];
+                if let Some([enters, leaves]) = part.switches.passed_over(ends[0], ends[1]) {
+                    let middle: Vec<f64> = between(&part.inputs, inputs, 0.5 * (enters + leaves)).collect();
+                    note(part, &middle, (*step, t), Some((leaves - enters) * h), crossings);
+                }
                 std::mem::swap(&mut part.inputs, inputs);
                 std::mem::swap(&mut part.numbers, numbers);
             }
@@ -179,7 +227,7 @@ impl SwitchWatch {
 }
 
 /// Notes how a part changes on the way from the start of the step to `inputs`, where a switch of it changes sides.
-fn note(part: &Watched, inputs: &[f64], (step, t): (usize, f64), crossings: &mut Vec<Crossing>) {
+fn note(part: &Watched, inputs: &[f64], (step, t): (usize, f64), passed_over: Option<f64>, crossings: &mut Vec<Crossing>) {
     // along the way an element's inertia would cancel its forces: the accelerations stay, unless a switch reads them
     let (mut to, mut numbers) = (inputs.to_vec(), Vec::new());
     let count = part.places.iter().take_while(|place| matches!(place, Place::A(_))).count();
@@ -191,11 +239,26 @@ fn note(part: &Watched, inputs: &[f64], (step, t): (usize, f64), crossings: &mut
     let is_functional = part.of_functional.is_some();
     let is_own = |own: &&mut Crossing| (&own.part, own.is_functional, own.kind) == (&part.name, is_functional, kind);
     match crossings.iter_mut().find(is_own) {
-        Some(own) => own.count += usize::from(std::mem::replace(&mut own.last, step) != step),
+        Some(own) => {
+            own.count += usize::from(std::mem::replace(&mut own.last, step) != step);
+            own.passed_over = [own.passed_over, passed_over].into_iter().flatten().reduce(f64::min);
+        }
         None => {
             let part = part.name.clone();
-            crossings.push(Crossing { part, is_functional, kind, step, t, count: 1, last: step });
+            crossings.push(Crossing { part, is_functional, kind, step, t, count: 1, last: step, passed_over });
         }
+    }
+}
+
+/// Calls `see` with the name of each element and constraint, whether it is a constraint, its formula, and the places of its arguments.
+pub fn each_formula(model: &Model, mut see: impl FnMut(&str, bool, &Arc<Formula>, &dyn Fn() -> Vec<Place>)) {
+    for own in model.elements.iter().filter(|own| own.physics.residual_refused().is_none()) {
+        let lists: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
+        see(&own.name, false, own.physics.residual(), &|| places(model, lists, &own.nodes, &own.parameters));
+    }
+    for own in model.constraints.iter().filter(|own| own.physics.refused().is_none()) {
+        let lists: &[fn(usize) -> Place] = &[Place::V, Place::Q];
+        see(&own.name, true, own.physics.formula(), &|| places(model, lists, &own.nodes, &own.parameters));
     }
 }
 

@@ -33,6 +33,8 @@ pub enum RunError {
         row: String,
         /// Its residual.
         residual: f64,
+        /// What to try.
+        hint: &'static str,
     },
     /// A formula that gives what is no number.
     NotFinite {
@@ -92,6 +94,18 @@ impl RunError {
         matches!(self, RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
     }
 
+    /// The same where no shorter step helped either.
+    pub(super) fn of_all_steps(self) -> Self {
+        match self {
+            RunError::NoConvergence { place, how, iterations, correction, limit, row, residual, .. } => {
+                let hint = "no smaller step helped: a force that jumps with the velocity, as friction by if_less(v, 0, -f, f), has no solution where it \
+                            should rest; write it smoothly, f * tanh(v / 1e-3)";
+                RunError::NoConvergence { place, how, iterations, correction, limit, row, residual, hint }
+            }
+            other => other,
+        }
+    }
+
     /// A pattern that no numbers could make regular.
     pub(crate) fn of_pattern(place: &str, singular: Singular) -> Self {
         RunError::Singular {
@@ -109,10 +123,10 @@ impl fmt::Display for RunError {
             RunError::Singular { place, unknown, hint } => {
                 write!(f, "{place}: the equations do not determine {unknown}; {hint}")
             }
-            RunError::NoConvergence { place, how, iterations, correction, limit, row, residual } => write!(
+            RunError::NoConvergence { place, how, iterations, correction, limit, row, residual, hint } => write!(
                 f,
                 "{place}: Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
-                 largest row: {row} ({residual:.1e}); try a smaller step"
+                 largest row: {row} ({residual:.1e}); {hint}"
             ),
             RunError::NotFinite { place, cause } => {
                 write!(f, "{place}: {cause}; if these arguments make sense, take a smaller step, otherwise mend the formula")

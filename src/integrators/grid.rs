@@ -106,6 +106,19 @@ impl TimeGrid {
         Ok(moved)
     }
 
+    /// Whether another grid was laid for the same run.
+    pub(crate) fn is_of_same_run(&self, other: &TimeGrid) -> bool {
+        (self.asked, self.times[self.steps()]) == (other.asked, other.times[other.steps()])
+    }
+
+    /// The same steps, each divided into two.
+    pub(crate) fn halved(&self) -> Self {
+        let mut times = vec![self.times[0]];
+        times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));
+        let breakpoints = self.breakpoints.iter().map(|(index, numbers)| (2 * index, numbers.clone())).collect();
+        TimeGrid { times, breakpoints, asked: 2 * self.asked }
+    }
+
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.
     ///
     /// # Errors

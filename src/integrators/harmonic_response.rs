@@ -47,7 +47,9 @@ pub(crate) fn harmonic_response(
 ) -> Result<Response, RunError> {
     let mut operator = Operator::new(problem, method, plan, (t, 1))?;
     let largest = operator.largest_ratio();
-    operator.set_shift([if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 }, 0.0])?;
+    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
+    // states that integrate what moves have a place in C alone
+    operator.set_shift([shift, shift.sqrt()])?;
     let stiffness = operator.stiffness();
     let damping = operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity));
     let system = operator.newton.system.clone();

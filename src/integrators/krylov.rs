@@ -1,10 +1,11 @@
-//! The largest eigenvalues of an operator, in a block Krylov space (Arnoldi).
+//! The largest eigenvalues of an operator in a block Krylov space (Arnoldi), and all of them where the space is small.
 
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::RunError;
 use crate::linalg::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
+use nalgebra::DMatrix;
 
 /// Residual of a pair, relative to its value.
 const CONVERGED: f64 = 1e-11;
@@ -123,15 +124,7 @@ pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -
         }
         let size = krylov.columns.len();
         let entry = |i: usize, j: usize| krylov.columns[j].get(i).copied().unwrap_or(0.0);
-        let found = if space.is_symmetric() { symmetric_part_eigenpairs(size, entry) } else { eigenpairs(size, entry) };
-        let mut pairs = found.ok_or_else(|| {
-            RunError::Input(
-                "the matrices of the vibrations hold numbers that are not finite, or the search for their eigenvalues does not \
-                 converge: check masses and stiffnesses"
-                    .into(),
-            )
-        })?;
-        let magnitude = |pair: &Eigenpair| pair.value[0].hypot(pair.value[1]);
+        let mut pairs = projected_pairs(space.is_symmetric(), size, entry)?;
         pairs.sort_by(|a, b| magnitude(b).total_cmp(&magnitude(a)));
         pairs.truncate(count);
         let left = |pair: &Eigenpair| {
@@ -140,14 +133,111 @@ pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -
             rows.flat_map(|i| [beyond(&pair.vector[0], i), beyond(&pair.vector[1], i)]).fold(0.0, f64::hypot)
         };
         if krylov.basis.len() == size || pairs.iter().all(|pair| left(pair) <= CONVERGED * magnitude(pair)) {
-            for pair in &mut pairs {
-                for part in &mut pair.vector {
-                    let mut vector = vec![0.0; length];
-                    krylov.basis.iter().zip(&*part).for_each(|(own, share)| add(&mut vector, *share, own));
-                    *part = vector;
-                }
-            }
+            pairs.iter_mut().for_each(|pair| follow(space, &krylov.basis, pair));
             return Ok(pairs);
         }
+    }
+}
+
+/// Size of an eigenvalue.
+pub(super) fn magnitude(pair: &Eigenpair) -> f64 {
+    pair.value[0].hypot(pair.value[1])
+}
+
+/// A sum of vectors with shares.
+fn combined(basis: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; basis.first().map_or(0, Vec::len)];
+    basis.iter().zip(shares).for_each(|(own, share)| add(&mut sum, *share, own));
+    sum
+}
+
+fn projected_pairs(
+    is_symmetric: bool,
+    size: usize,
+    entry: impl Fn(usize, usize) -> f64,
+) -> Result<Vec<Eigenpair>, RunError> {
+    let found = if is_symmetric { symmetric_part_eigenpairs(size, entry) } else { eigenpairs(size, entry) };
+    found.ok_or_else(|| {
+        RunError::Input(
+            "the matrices of the vibrations hold numbers that are not finite, or the search for their eigenvalues does not \
+             converge: check masses and stiffnesses"
+                .into(),
+        )
+    })
+}
+
+/// A basis of all that an operator does not take to zero, and its dual one: dual_i . basis_j = 1 for i = j, otherwise 0.
+pub(super) struct WholeBasis {
+    pub basis: Vec<Vec<f64>>,
+    pub dual: Vec<Vec<f64>>,
+}
+
+/// The operator in a basis, and all its eigenvalues but those that are zero, the largest ones first.
+///
+/// # Errors
+/// Numbers that are not finite.
+pub(super) fn all_pairs(
+    space: &mut dyn Space,
+    WholeBasis { basis, dual }: &WholeBasis,
+) -> Result<(DMatrix<f64>, Vec<Eigenpair>), RunError> {
+    let mut matrix = DMatrix::zeros(dual.len(), basis.len());
+    for (column, own) in basis.iter().enumerate() {
+        let result = space.apply(&space.image(own));
+        dual.iter().enumerate().for_each(|(row, own)| matrix[(row, column)] = dot(own, &result));
+    }
+    let mut pairs = projected_pairs(space.is_symmetric(), basis.len(), |i, j| matrix[(i, j)])?;
+    pairs.sort_by(|a, b| magnitude(b).total_cmp(&magnitude(a)));
+    pairs.iter_mut().for_each(|pair| follow(space, basis, pair));
+    Ok((matrix, pairs))
+}
+
+/// Makes the vector of a pair in a basis one of the space, with what the operator takes to zero: x = T x / theta.
+fn follow(space: &mut dyn Space, basis: &[Vec<f64>], pair: &mut Eigenpair) {
+    let [re, im] = pair.vector.each_ref().map(|part| space.apply(&space.image(&combined(basis, part))));
+    let [own_re, own_im] = pair.value.map(|part| part / magnitude(pair).powi(2));
+    let part = |a: &[f64], b: &[f64], sign: f64| a.iter().zip(b).map(|(a, b)| a * own_re + sign * b * own_im).collect();
+    pair.vector = [part(&re, &im, 1.0), part(&im, &re, -1.0)];
+}
+
+/// By how much a value may be larger than the shift at which it is found: what is left of its digits.
+const RANGE: f64 = 1e5;
+
+/// A pair with the shift at which it was found.
+pub(super) type Placed = (Eigenpair, f64);
+
+/// The first `count` of all pairs in the order of a place, which is negative for those that come first of all, each from a shift from which its
+/// size is not too far: those known at one and, beyond, those found at larger ones.
+///
+/// # Errors
+/// Those of the search.
+pub(super) fn in_order(
+    (mut pairs, mut shift): (Vec<Eigenpair>, f64),
+    count: usize,
+    place: &dyn Fn(&Eigenpair, f64) -> f64,
+    find: &mut dyn FnMut(f64) -> Result<Vec<Eigenpair>, RunError>,
+) -> Result<Vec<Placed>, RunError> {
+    let (mut taken, mut known): (Vec<Placed>, usize) = (Vec::new(), 0);
+    loop {
+        pairs.sort_by(|a, b| place(a, shift).abs().total_cmp(&place(b, shift).abs()));
+        let (mut passed, mut is_done) = (0, true);
+        for pair in pairs {
+            // a pair is two values
+            passed += if pair.value[1] == 0.0 { 1 } else { 2 };
+            let own = place(&pair, shift);
+            if passed <= known {
+                continue;
+            }
+            if own.abs() <= RANGE * shift {
+                known = passed;
+                taken.push((pair, shift));
+            } else {
+                is_done &= own > 0.0 && taken.len() >= count;
+            }
+        }
+        if is_done {
+            return Ok(taken);
+        }
+        shift *= RANGE;
+        pairs = find(shift)?;
     }
 }

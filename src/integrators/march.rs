@@ -55,6 +55,11 @@ impl Method {
         Method { table, level, tolerance, backend, unreduced: false, measures_phases: false }
     }
 
+    /// The same with constraints inside nodes in the matrix.
+    pub(crate) fn unreduced(&self) -> Self {
+        Method { unreduced: true, ..self.clone() }
+    }
+
     /// The level at which constraints are kept: in an equilibrium and by a variational integrator that of positions, whatever is chosen.
     pub fn constraint_level(&self) -> ConstraintLevel {
         let given = self.table.is_static() || self.table.variational.is_some();

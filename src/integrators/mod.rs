@@ -19,6 +19,7 @@ mod error_terms;
 pub(crate) mod given;
 mod grid;
 mod harmonic_response;
+mod implicit_weights;
 mod initial_guess;
 mod krylov;
 mod lists;
@@ -46,6 +47,7 @@ mod table;
 pub(crate) mod tables;
 mod variational_momentum;
 mod vibrations;
+mod whole_basis;
 
 pub use crate::program::SwitchKind;
 pub(crate) use adaptive::march_adaptive;
@@ -58,7 +60,7 @@ pub(crate) use complex_modes::complex_modes;
 pub use counters::Counters;
 pub(crate) use counters::Phase;
 pub use crossings::Crossing;
-pub(crate) use crossings::{Place, SwitchWatch};
+pub(crate) use crossings::{Place, SwitchWatch, each_formula};
 pub(crate) use dividing::march_dividing;
 pub use error::RunError;
 pub(crate) use given::{march, march_along};
@@ -69,17 +71,19 @@ pub use march::Method;
 pub(crate) use march::Problem;
 pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, is_cut, mode_vectors, value_of};
 pub use newton::NewtonTolerance;
-pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal};
+pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales};
 pub(crate) use pause::{Pace, Pause};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 pub(crate) use record::{Guide, Recorder, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;
-pub(crate) use resting_start::resting_start;
+pub(crate) use resting_start::{resting_start, staying_states};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
-pub(crate) use start::{InitialState, StartPlan};
+#[cfg(feature = "cli")]
+pub(crate) use start::INCONSISTENT;
+pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;
 pub(crate) use step_points::StepRule;
@@ -89,7 +93,7 @@ pub(crate) use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::Mode;
-pub(crate) use vibrations::vibrations;
+pub(crate) use vibrations::{Modes, equilibrium_at, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

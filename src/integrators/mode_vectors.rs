@@ -15,7 +15,6 @@ use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, System, Unknowns};
 use crate::scalar::Complex64;
 use nalgebra::DMatrix;
-use std::sync::Arc;
 
 /// Where an error is met.
 const PLACE: &str = "derivatives of modes";
@@ -58,8 +57,7 @@ pub(crate) struct ModeGroup {
 }
 
 /// Vectors of modes about an equilibrium, in a system in which constraints inside nodes are such as others.
-pub(crate) struct ModeVectors<'m> {
-    pub system: Arc<System<'m>>,
+pub(crate) struct ModeVectors {
     /// Coordinates of the equilibrium.
     pub q: Vec<f64>,
     /// Its reactions, without displacements.
@@ -100,26 +98,28 @@ pub(crate) fn is_cut(modes: &[Mode], asked: usize) -> bool {
 ///
 /// # Errors
 /// As for these; vectors that do not settle.
-pub(crate) fn mode_vectors<'m>(
-    problem: &'m Problem<'m, f64>,
+pub(crate) fn mode_vectors(
+    problem: &Problem<f64>,
     method: &Method,
     plan: &StartPlan,
     t: f64,
     (modes, asked): (&[Mode], usize),
     is_damped: bool,
-) -> Result<ModeVectors<'m>, RunError> {
-    let unreduced = Method { unreduced: true, ..method.clone() };
-    let mut operator = Operator::new(problem, &unreduced, plan, (t, modes.len().max(1)))?;
+) -> Result<ModeVectors, RunError> {
+    let mut operator = Operator::new(problem, &method.unreduced(), plan, (t, modes.len().max(1)))?;
     let found = grouped(modes, asked);
     let lowest = found.iter().map(|(lambda, _)| lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
-    operator.set_shift([if lowest.is_finite() { SHIFT * lowest } else { 1.0 }, 0.0])?;
+    let shift = if lowest.is_finite() { SHIFT * lowest } else { 1.0 };
+    // states that integrate what moves have a place in C alone
+    operator.set_shift([shift, if is_damped { shift.sqrt() } else { 0.0 }])?;
     let stiffness = operator.stiffness();
     let damping =
         is_damped.then(|| operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity)));
     let system = operator.newton.system.clone();
     let pencil = Pencil::new(&system, operator.nodes, [&stiffness, &operator.mass], damping.as_ref());
     let turns = found.iter().any(|(lambda, _)| lambda.re != 0.0 && lambda.im != 0.0);
-    let mut amplitudes = Amplitudes::new(&pencil, turns).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
+    let amplitudes = Amplitudes::new(&pencil, turns).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
+    let mut amplitudes = amplitudes.beside_modes();
     let mut groups = Vec::new();
     for (lambda, members) in found {
         let [right, left] = vectors(&mut amplitudes, &pencil, lambda, members.len())?;
@@ -128,7 +128,7 @@ pub(crate) fn mode_vectors<'m>(
         let whole = |list: Vec<Vec<Complex64>>| list.iter().map(|own| amplitude(&system, &stiffness, own)).collect();
         groups.push(ModeGroup { modes: members, lambda, right: whole(right), left: whole(left), slope });
     }
-    Ok(ModeVectors { system, q: operator.base.q, reactions: operator.reactions, groups })
+    Ok(ModeVectors { q: operator.base.q, reactions: operator.reactions, groups })
 }
 
 /// So many vectors z and w of one value.

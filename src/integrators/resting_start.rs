@@ -2,15 +2,16 @@
 //!
 //! Steps of an implicit Euler method that forgets its velocities, x = argmin V(q + h^2 x) + |h^2 x|^2_M / (2 h^2), follow the energy downhill to an
 //! equilibrium that stands, with reactions and loads that have no energy as they come: R(x, 0, q + h^2 x, p, t) + A^T mu = 0,
-//! g(q + h^2 x, p, t) = 0. One that ends where that sum is not least is too long. They grow until they end where R(0, 0, q + x, p, t) + A^T mu = 0
+//! g(q + h^2 x, p, t) = 0, and states of first order by their rates, x = f(z + h^2 x). One that ends where that sum is not least is too long. They grow until they end where R(0, 0, q + x, p, t) + A^T mu = 0
 //! does, which is solved last and alone counts: its solution does not depend on the way there.
 
 use super::initial_guess::{InitialGuess, solve};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::SolveRecord;
-use super::{Counters, Method, Problem, RunError, Stability, StartPlan, Verdict};
-use crate::assembly::{Equations, Level, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
-use crate::elements::RunScalar;
+use super::{Counters, InitialState, Method, Problem, RestingPlan, RunError, Stability, StartPlan, Verdict};
+use crate::assembly::{Attached, Equations, Level, Model, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
+use crate::elements::{ElementPhysics, RunScalar, State};
+use crate::scalar::{COMPLEX_STEP, Complex64};
 use std::sync::Arc;
 
 /// Size of the first step \[s\]; it is divided and multiplied until steps are of a good length.
@@ -50,25 +51,25 @@ fn at_rest() -> Equations {
 }
 
 impl<S: RunScalar> RestingStart<S> {
-    /// Finds the equilibrium near the start, or follows that of a real run, without the equations `dropped` of the model at rest.
+    /// Finds the equilibrium near the start, or follows that of a real run.
     ///
     /// # Errors
     /// [`RunError`] with what moves on, or could not be solved.
     pub fn find(
         problem: &Problem<S>,
         method: &Method,
-        dropped: &[usize],
+        RestingPlan { dropped, stays }: &RestingPlan,
         t: f64,
         guide: Option<&SolveRecord<f64>>,
     ) -> Result<Self, RunError> {
-        let resting = problem.model.at_rest();
+        let resting = problem.model.at_rest(stays);
         let (model, p) = (&resting.model, resting.parameters(&problem.p));
         let system = Arc::new(System::new(model, method.system_options(dropped, false)));
         let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend).map(Newton::divided);
         let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         newton.counters = Counters::measuring(method.measures_phases);
-        let v = model.velocities_at_rest(&problem.start.v);
-        let base = VectorsAvq { a: vec![S::zero(); model.dofs], v, q: problem.start.q.clone() };
+        let InitialState { q, v } = &problem.start;
+        let base = VectorsAvq { a: vec![S::zero(); model.dofs], v: resting.velocities(v), q: resting.coordinates(q, v) };
         let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
         if guide.is_some() {
             solve(&mut newton, &mut record, InitialGuess::guided(guide), &p, &|| PLACE.into())?;
@@ -76,18 +77,91 @@ impl<S: RunScalar> RestingStart<S> {
         }
         let mut search = Search { newton, p: &p, record, h: FIRST, at: Vec::new(), ended: None };
         search.run().or_else(|why| search.turns_on(why))?;
+        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+        check_staying(problem.model, stays, &real(&problem.p), &real(&search.record.point().q))?;
         let stability = Stability { turns: model.spin.is_some(), ..search.newton.stability() };
         Ok(RestingStart { record: search.record, stability: Some(stability), counters: search.newton.counters })
     }
 }
 
-/// Coordinates at which a motion begins: those of the equilibrium near the given ones, if the plan says so.
+/// Coordinates and states at which a motion begins: those of the equilibrium near the given ones, if the plan says so; with the velocities that are
+/// given, but for those of a turn.
 ///
 /// # Errors
 /// [`RunError`] with what moves on, or could not be solved.
-pub fn resting_start(problem: &Problem<f64>, method: &Method, plan: &StartPlan) -> Result<Vec<f64>, RunError> {
-    let Some(dropped) = &plan.equilibrium else { return Ok(problem.start.q.clone()) };
-    Ok(RestingStart::find(problem, method, dropped, 0.0, None)?.record.point().q)
+pub fn resting_start(problem: &Problem<f64>, method: &Method, plan: &StartPlan) -> Result<InitialState<f64>, RunError> {
+    let mut start = problem.start.clone();
+    if let Some(plan) = &plan.equilibrium {
+        let found = RestingStart::find(problem, method, plan, 0.0, None)?.record.point().q;
+        problem.model.at_rest(&plan.stays).set_motion(&found, &mut start.q, &mut start.v);
+    }
+    Ok(start)
+}
+
+/// The elements that see states, with the places of their coordinates.
+fn of_states(model: &Model) -> impl Iterator<Item = (&Attached<ElementPhysics>, Vec<usize>)> {
+    let nodes =
+        |element: &Attached<ElementPhysics>| element.nodes.iter().map(|node| &model.nodes[node.0]).collect::<Vec<_>>();
+    let seeing = model.elements.iter().map(move |element| (element, nodes(element)));
+    let seeing = seeing.filter(|(_, nodes)| nodes.iter().any(|node| node.kind.is_of_states()));
+    seeing.map(|(element, nodes)| (element, nodes.iter().flat_map(|node| node.dofs.clone()).collect()))
+}
+
+/// Residual of an element at its coordinates, where nothing moves.
+fn still_residual<S: RunScalar>(element: &Attached<ElementPhysics>, p: &[S], q: &[S]) -> Vec<S> {
+    let still = vec![S::zero(); q.len()];
+    element.physics.residual_at(State { a: &still, v: &still, q }, &p[element.parameters.clone()], S::zero())
+}
+
+/// Places of states that stay where a motion begins at an equilibrium: those that nothing reads, and those whose rates depend at rest on no place and on
+/// no other state, at the given start.
+pub(crate) fn staying_states(problem: &Problem<f64>) -> Vec<usize> {
+    let (model, InitialState { q, v }) = (problem.model, &problem.start);
+    let mut stays = model.unread_states();
+    let states: Vec<usize> = model.state_dofs().collect();
+    if states.len() == stays.len() {
+        return stays;
+    }
+    let resting = model.at_rest(&[]);
+    let lift = |list: Vec<f64>| list.into_iter().map(Complex64::from).collect::<Vec<_>>();
+    let (p, q) = (lift(resting.parameters(&problem.p)), lift(resting.coordinates(q, v)));
+    // what each rate depends on
+    let mut read = vec![Vec::new(); model.dofs];
+    for (element, dofs) in of_states(&resting.model) {
+        for place in 0..dofs.len() {
+            let mut own: Vec<Complex64> = dofs.iter().map(|&dof| q[dof]).collect();
+            own[place].im = COMPLEX_STEP;
+            let rows = dofs.iter().zip(still_residual(element, &p, &own));
+            rows.filter(|(_, row)| row.im != 0.0).for_each(|(&row, _)| read[row].push(dofs[place]));
+        }
+    }
+    loop {
+        let depends = |state: usize| read[state].iter().any(|dof| !stays.contains(dof));
+        let more: Vec<usize> = states.iter().copied().filter(|dof| !stays.contains(dof) && !depends(*dof)).collect();
+        if more.is_empty() {
+            return stays;
+        }
+        stays.extend(more);
+    }
+}
+
+/// States that stay and are read must have come to rest where they are.
+fn check_staying(model: &Model, stays: &[usize], p: &[f64], q: &[f64]) -> Result<(), RunError> {
+    let (unread, resting) = (model.unread_states(), model.at_rest(&[]));
+    let (mut rates, p) = (vec![0.0; model.dofs], resting.parameters(p));
+    for (element, dofs) in of_states(&resting.model) {
+        let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
+        dofs.iter().zip(still_residual(element, &p, &own)).for_each(|(&dof, row)| rates[dof] -= row);
+    }
+    match stays.iter().find(|&dof| rates[*dof] != 0.0 && !unread.contains(dof)) {
+        Some(&dof) => Err(RunError::Input(format!(
+            "{PLACE}: {} never rests: its rate there is {:.6e}, whatever the places and the other states are; hold it at its start ([[hold]] of a scene file, \
+             `MechanismBuilder::hold` in a program), or start the motion from given coordinates",
+            model.dof_name(dof),
+            rates[dof]
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// A search for an equilibrium.
@@ -180,31 +254,38 @@ impl<S: RunScalar> Search<'_, '_, S> {
         step.unknowns.x.fill(S::zero());
         solve(newton, step, InitialGuess::Given, p, &|| PLACE.into())?;
         let moved = step.point().q;
-        let displacement = newton.distance(&moved, at) / newton.length;
-        if newton.stability().verdict() == Verdict::Unstable {
+        let displacement = self.displacement(&moved);
+        if self.newton.stability().verdict() == Verdict::Unstable {
             return Ok(Step::NotLeast(displacement));
         }
         if displacement > LONGEST {
             return Ok(Step::TooLong);
         }
-        *at = moved;
+        self.at = moved;
         Ok(Step::To(displacement))
     }
 
     /// Looks for the equilibrium itself from where the steps have come to; one that lies elsewhere or does not stand is not taken while steps go on.
     fn looks_at_rest(&mut self, reactions: &Unknowns<S>) -> bool {
-        let Search { newton, p, record, at, ended, .. } = self;
+        let Search { newton, p, record, at, .. } = self;
         record.unknowns.clone_from(reactions);
         let moved = at.iter().zip(&record.base.q);
         record.unknowns.x.iter_mut().zip(moved).for_each(|(x, (&at, &base))| *x = at - base);
         if let Err(why) = solve(newton, record, InitialGuess::Given, p, &|| PLACE.into()) {
-            *ended = Some(Ended::Failed(why));
+            self.ended = Some(Ended::Failed(why));
             return false;
         }
-        let away = newton.distance(&record.point().q, at) / newton.length;
-        let is_taken = away <= SHORT && newton.stability().verdict() != Verdict::Unstable;
-        *ended = (!is_taken).then_some(Ended::Refused);
+        let away = self.displacement(&self.record.point().q);
+        let is_taken = away <= SHORT && self.newton.stability().verdict() != Verdict::Unstable;
+        self.ended = (!is_taken).then_some(Ended::Refused);
         is_taken
+    }
+
+    /// Largest displacement from where the search has come to, by the model's length; states have no length.
+    fn displacement(&self, moved: &[S]) -> f64 {
+        let (Search { newton, at, .. }, mut moved) = (self, moved.to_vec());
+        newton.system.model.state_dofs().for_each(|dof| moved[dof] = at[dof]);
+        newton.distance(&moved, at) / newton.length
     }
 
     /// Steps have come to rest at a state that was not taken.

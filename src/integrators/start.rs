@@ -4,6 +4,7 @@
 use super::newton::Newton;
 use super::not_finite::not_finite;
 use super::redundancy::{constraint_rows, dependent_equations};
+use super::resting_start::staying_states;
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, Residual, Spin, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::design::shortest;
@@ -42,12 +43,21 @@ pub struct StartPlan {
     pub choose_again: bool,
     /// Project the start.
     pub project: bool,
-    /// Begin at an equilibrium, without these equations of the [model at rest](Model::at_rest), which depend on the others.
-    pub equilibrium: Option<Vec<usize>>,
+    /// Begin at an equilibrium.
+    pub equilibrium: Option<RestingPlan>,
+}
+
+/// How the equilibrium is found at which a motion begins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestingPlan {
+    /// Equations of the [model at rest](Model::at_rest) that are left out: they depend on the others.
+    pub dropped: Vec<usize>,
+    /// Places of states of first order that stay as they are given: nothing depends on them, or their rates at rest depend on nothing.
+    pub stays: Vec<usize>,
 }
 
 /// Violation of a constraint beyond which a start is inconsistent, relative to the size of the coordinates or rates.
-const INCONSISTENT: f64 = 1e-9;
+pub(crate) const INCONSISTENT: f64 = 1e-9;
 
 impl StartPlan {
     /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.
@@ -58,10 +68,11 @@ impl StartPlan {
         examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
         let equilibrium = policy.from_equilibrium.then(|| {
-            let (resting, start) = (problem.model.at_rest(), problem.start.clone());
+            let (stays, start) = (staying_states(problem), problem.start.clone());
+            let resting = problem.model.at_rest(&stays);
             let (model, p) = (&resting.model, resting.parameters(&problem.p));
-            let (q, v) = (start.q.clone(), model.velocities_at_rest(&start.v));
-            dependent_equations(&Problem { model, p, start }, (&q, &v), 0.0, None)
+            let (q, v) = (resting.coordinates(&start.q, &start.v), resting.velocities(&start.v));
+            RestingPlan { dropped: dependent_equations(&Problem { model, p, start }, (&q, &v), 0.0, None), stays }
         });
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start, equilibrium })
     }

@@ -43,7 +43,7 @@ pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(),
             )));
         }
     }
-    forces_turn(model, p, q)
+    forces_turn(model, p, [q, v])
 }
 
 /// The coordinates of some nodes.
@@ -55,10 +55,11 @@ fn gathered(model: &Model, nodes: &[NodeId], x: &[f64]) -> Vec<f64> {
 ///
 /// # Errors
 /// [`RunError::Input`] with the element whose forces are not.
-pub(crate) fn forces_turn(model: &Model, p: &[f64], q: &[f64]) -> Result<(), RunError> {
+pub(crate) fn forces_turn(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(), RunError> {
     let Some(spin) = &model.spin else { return Ok(()) };
-    let resting = model.at_rest();
+    let resting = model.about_rest(true);
     let (own_p, numbers) = (resting.parameters(p), &p[spin.parameters.clone()]);
+    let q = &resting.coordinates(q, v);
     let about = Vector3::first_three(numbers);
     let rotation = Quaternion::about(Vector3::first_three(&numbers[3..]), ANGLE);
     let rotated = |nodes: &[NodeId], x: &[f64], (about, rotation): (Vector3<f64>, Quaternion<f64>)| {

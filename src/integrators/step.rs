@@ -14,8 +14,8 @@ use super::start::check_velocities;
 use super::steady_turn;
 use super::step_points::StepRule;
 use super::{
-    Carried, ConstraintLevel, InitialState, Pace, Pause, RunError, Scheme, Stability, StabilityCourse, StartPlan, Systems,
-    Table, TimeGrid, Verdict,
+    Carried, ConstraintLevel, InitialState, Pace, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse,
+    StartPlan, Systems, Table, TimeGrid, Verdict,
 };
 use crate::assembly::{Clock, ConstraintRows, Equations, Residual, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
@@ -239,7 +239,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let InitialState { mut q, mut v } = self.problem.start.clone();
         let is_static = self.method.table.is_static();
         let equilibrium = match &plan.equilibrium {
-            Some(dropped) => Some(self.come_to_rest(dropped, t, &mut q, guide)?),
+            Some(resting) => Some(self.come_to_rest(resting, t, [&mut q, &mut v], guide)?),
             None => None,
         };
         if equilibrium.is_some() {
@@ -327,19 +327,19 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok([first, Some(second)])
     }
 
-    /// Moves coordinates to the equilibrium near them.
+    /// Moves coordinates and states to the equilibrium near them.
     fn come_to_rest(
         &mut self,
-        dropped: &[usize],
+        plan: &RestingPlan,
         t: f64,
-        q: &mut Vec<S>,
+        [q, v]: [&mut [S]; 2],
         guide: Option<&StartRecord<f64>>,
     ) -> Result<SolveRecord<S>, RunError> {
         let guide = guide.and_then(|start| start.equilibrium.as_ref());
-        let RestingStart { record, stability, counters } = RestingStart::find(self.problem, self.method, dropped, t, guide)?;
+        let RestingStart { record, stability, counters } = RestingStart::find(self.problem, self.method, plan, t, guide)?;
         self.earlier += counters;
         self.resolution.errors.stability = stability.map(|end| StabilityCourse { end, lost: None });
-        *q = record.point().q;
+        self.problem.model.at_rest(&plan.stays).set_motion(&record.point().q, q, v);
         Ok(record)
     }
 
@@ -629,6 +629,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record: &mut SolveRecord<S>,
     ) -> Result<(), RunError> {
         self.acceleration.residual.clock = self.clock;
+        self.acceleration.run_sizes.join(&self.stage.run_sizes);
         record.t = t;
         record.equations = Equations::acceleration();
         record.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };

@@ -1,20 +1,22 @@
 //! Small undamped vibrations about an equilibrium: K x = omega^2 M x on the manifold of the constraints.
 //!
 //! With R and A at (0, 0, q): M = dR/da, and K = d(R + A^T mu)/dq holds the geometric stiffness and the curvature of all reactions.
-//! Loads and drivers are frozen, dampers have no effect. The lowest modes are the largest of the operator x -> y,
+//! Loads and drivers are frozen, dampers have no effect, and states of first order stay at the values of the equilibrium: what their rates do to a
+//! vibration is damping. The lowest modes are the largest of the operator x -> y,
 //!
 //! ```text
 //! (K + s M) y + A^T nu = M x,  A y = 0:   theta = 1 / (omega^2 + s),
 //! ```
 //!
-//! in a block Krylov space that is orthonormal in M. Where K is symmetric, the numbers of negative eigenvalues of K - r M and K + r M tell how
-//! many modes have omega^2 between -r and r (Sylvester's law): none of them is missing. The shift s > 0 makes the matrix regular where a body is free, with omega = 0;
-//! directions without inertia vibrate infinitely fast and are not found.
+//! of which a small model has as many as directions with inertia, and all are found. Those of a large one come from a block Krylov space that is
+//! orthonormal in M; where K is symmetric, the number of negative eigenvalues of K - r M tells how many modes have omega^2 below r (Sylvester's
+//! law): none of them is missing. The shift s > 0 makes the matrix regular where a body is free, with omega = 0; directions without inertia vibrate
+//! infinitely fast and are not found.
 
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::krylov::{Space, add, dot, largest_pairs};
+use super::krylov::{Space, add, all_pairs, dot, in_order, largest_pairs, magnitude};
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{RunError, Stability, StartPlan, Systems};
@@ -45,6 +47,33 @@ impl Mode {
     pub fn is_unstable(&self) -> bool {
         self.growth > 0.0
     }
+
+    /// True if it leaves the equilibrium without swinging about it.
+    pub fn topples(&self) -> bool {
+        self.growth > 0.0 && self.frequency == 0.0
+    }
+
+    /// By which modes are in order: |growth + i omega|^2, less than 0 for those that topple.
+    fn rank(&self) -> f64 {
+        let square = self.growth * self.growth + self.frequency * self.frequency;
+        if self.topples() { -square } else { square }
+    }
+}
+
+/// Modes in their order: those that topple, the fastest first, then the others by |growth + i omega|.
+pub(crate) struct Modes {
+    pub list: Vec<Mode>,
+    /// Whether it is proved that none is missing before the last one, or at all where fewer were found than asked for.
+    pub proved: bool,
+}
+
+impl Modes {
+    /// The first ones.
+    pub(super) fn first(mut list: Vec<Mode>, count: usize, proved: bool) -> Self {
+        list.sort_by(|a, b| a.rank().total_cmp(&b.rank()).then(a.growth.total_cmp(&b.growth)));
+        list.truncate(count);
+        Modes { list, proved }
+    }
 }
 
 /// First shift, as a share of the largest ratio of stiffness and inertia.
@@ -53,73 +82,125 @@ pub(super) const FIRST_SHIFT: f64 = 1e-8;
 const MOST_SHIFTS: usize = 6;
 /// A shift this much smaller or larger than the lowest mode that is not rigid is chosen anew.
 const FAR: [f64; 2] = [1e-2, 10.0];
-/// omega^2 is round-off of zero below this share of the shift ...
+/// omega^2 is not told from zero below this share of the shift.
 const ZERO: f64 = 1e-10;
-/// ... and this share of the largest ratio of stiffness and inertia.
-const NOISE: f64 = 1e-16;
+/// Another shift where it is.
+const SMALLER: f64 = 1e-6;
+/// x^T K x is round-off of zero below this share of the sum of |x_i K_ij x_j|: a thousand units of the last digit of K.
+pub(super) const NOISE: f64 = 1e3 * f64::EPSILON;
 /// Displacement towards an equilibrium, as a share of the largest coordinate, beyond which a state is none.
 const AWAY: f64 = 1e-7;
+/// Displacement that is round-off, likewise.
+const LAST_DIGITS: f64 = 100.0 * f64::EPSILON;
 /// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 2;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
-/// Distance of a bound from the last mode below which others are counted, as a share of its omega^2 ...
+/// Distance of a bound from the last mode below which others are counted, as a share of its omega^2.
 const BESIDE: f64 = 1e-6;
-/// ... and of the largest ratio of stiffness and inertia.
-const APART: f64 = 1e-13;
 /// A bound above every omega^2, in largest ratios of stiffness and inertia.
 const ABOVE: f64 = 1e4;
 /// Searches, each from more vectors than the one before, until no mode is missing.
 const MOST_SEARCHES: usize = 4;
 
-/// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`: up to `count` whose omega^2 are nearest
-/// to zero, in the order of omega^2; fewer where there are no more.
+/// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`: the first `count`, fewer where there are no
+/// more.
 ///
 /// # Errors
 /// [`RunError::Input`]: a start that is no equilibrium, an initial velocity, a constraint on velocities, no modes asked for; modes that are
 /// there by their count, but were not found;
 /// [`RunError::Singular`]: a coordinate with neither inertia nor stiffness.
-pub fn vibrations(
+pub(crate) fn vibrations(
     problem: &Problem<f64>,
     method: &Method,
     plan: &StartPlan,
     t: f64,
     count: usize,
-) -> Result<Vec<Mode>, RunError> {
+) -> Result<Modes, RunError> {
     let mut operator = Operator::new(problem, method, plan, (t, count))?;
     if operator.nodes == 0 {
-        return Ok(Vec::new());
+        return Ok(Modes { list: Vec::new(), proved: true });
     }
     let largest = operator.largest_ratio();
     let mut shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
-    let mut ritz = Vec::new();
-    for _ in 0..MOST_SHIFTS {
+    operator.set_shift([shift, 0.0])?;
+    let whole = operator.motions(None, 1).map(|own| own.inertial);
+    let stiffness = operator.stiffness();
+    let find = |operator: &mut Operator, shift: f64| {
         operator.set_shift([shift, 0.0])?;
-        ritz = largest_pairs(&mut operator, count, SPARE)?;
-        let squares: Vec<f64> = ritz.iter().map(|pair| square(pair, shift)).map(|[re, im]| re.hypot(im)).collect();
-        // at the shift of an unstable mode K + s M is singular
-        let has_unstable =
-            ritz.iter().map(|pair| square(pair, shift)[0]).any(|re| re < 0.0 && !is_rigid(-re, shift, largest));
-        match chosen_shift(&squares, (shift, largest), has_unstable) {
-            Some(other) => shift = other,
-            None => break,
+        match &whole {
+            Some(whole) => Ok(all_pairs(operator, whole)?.1),
+            None => largest_pairs(operator, count, SPARE),
         }
+    };
+    let mut ritz = find(&mut operator, shift)?;
+    for _ in 1..MOST_SHIFTS {
+        let found: Vec<(f64, bool)> = ritz
+            .iter()
+            .map(|pair| {
+                let [re, im] = square(pair, shift);
+                // at the shift of an unstable mode K + s M is singular
+                (if re < 0.0 { -re.hypot(im) } else { re.hypot(im) }, operator.is_rigid(&stiffness, &pair.vector))
+            })
+            .collect();
+        let Some(other) = chosen_shift(&found, shift) else { break };
+        shift = other;
+        ritz = find(&mut operator, shift)?;
     }
-    operator.complete(&mut ritz, (count, shift, largest))?;
-    let mut modes: Vec<(f64, Mode)> = Vec::new();
-    for pair in &ritz {
-        let [mut re, mut im] = square(pair, shift);
-        if is_rigid(re.hypot(im), shift, largest) {
+    let (pairs, proved) = match &whole {
+        // what is too far from the shift to be told from infinity comes last
+        Some(own) => {
+            let least = f64::EPSILON * own.basis.len() as f64;
+            let place = |pair: &Eigenpair, shift: f64| {
+                let [re, im] = square(pair, shift);
+                let is_infinite = magnitude(pair) * shift <= least;
+                match is_infinite {
+                    true => f64::INFINITY,
+                    false => {
+                        if im == 0.0 {
+                            re
+                        } else {
+                            re.hypot(im)
+                        }
+                    }
+                }
+            };
+            (in_order((ritz, shift), count, &place, &mut |shift| find(&mut operator, shift))?, true)
+        }
+        None => {
+            let proved = operator.complete(&mut ritz, (count, shift, largest), &stiffness)?;
+            (ritz.into_iter().map(|pair| (pair, shift)).collect(), proved)
+        }
+    };
+    let mode = |(pair, shift): &(Eigenpair, f64)| {
+        let [mut re, mut im] = square(pair, *shift);
+        if operator.is_rigid(&stiffness, &pair.vector) {
             (re, im) = (0.0, 0.0);
         }
         // (growth + i omega)^2 = -omega^2
         let size = re.hypot(im);
         let [growth, frequency] = [(0.5 * (size - re)).max(0.0).sqrt(), (0.5 * (size + re)).max(0.0).sqrt()];
-        let [shape, ahead] = operator.shape(pair);
-        modes.push((re, Mode { frequency, growth, shape, ahead }));
-    }
-    modes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    Ok(modes.into_iter().map(|(_, mode)| mode).collect())
+        let [shape, ahead] = operator.in_coordinates(pair.vector.clone());
+        Mode { frequency, growth, shape, ahead }
+    };
+    Ok(Modes::first(pairs.iter().map(mode).collect(), count, proved))
+}
+
+/// The start of a problem as an equilibrium at time (or load factor) `t`, states of first order with it.
+///
+/// # Errors
+/// As for [`vibrations`].
+pub(crate) fn equilibrium_at(
+    problem: &Problem<f64>,
+    method: &Method,
+    plan: &StartPlan,
+    t: f64,
+) -> Result<Vec<f64>, RunError> {
+    let mut operator = Operator::new(problem, method, plan, (t, 1))?;
+    let largest = operator.largest_ratio();
+    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
+    operator.set_shift([shift, shift.sqrt()])?;
+    Ok(operator.base.q)
 }
 
 /// Where an error is met.
@@ -131,18 +212,17 @@ fn undetermined(unknown: String) -> RunError {
     RunError::Singular { place: PLACE.into(), unknown, hint }
 }
 
-/// Whether omega^2 is that of a rigid motion but for round-off.
-pub(super) fn is_rigid(square: f64, shift: f64, largest: f64) -> bool {
-    square <= ZERO * shift + NOISE * largest
-}
-
-/// A shift that suits the sizes of omega^2 that were found with another one better; half of the least where some are on the side of the shift.
-fn chosen_shift(squares: &[f64], (shift, largest): (f64, f64), is_beside: bool) -> Option<f64> {
-    let (rigid, moving): (Vec<f64>, Vec<f64>) = squares.iter().partition(|square| is_rigid(**square, shift, largest));
-    let lowest = moving.into_iter().fold(f64::INFINITY, f64::min);
-    let too_small = !rigid.is_empty() && shift < FAR[0] * lowest;
+/// A shift that suits omega^2 that were found with another one better, and what of them is rigid; half of the least where some are on the side of
+/// the shift.
+fn chosen_shift(found: &[(f64, bool)], shift: f64) -> Option<f64> {
+    let moving = || found.iter().filter(|own| !own.1).map(|own| own.0);
+    let lowest = moving().fold(f64::INFINITY, |least: f64, own| least.min(own.abs()));
+    if lowest <= ZERO * shift {
+        return Some(SMALLER * shift);
+    }
+    let too_small = moving().count() < found.len() && shift < FAR[0] * lowest;
     let is_far = lowest.is_finite() && (too_small || shift > FAR[1] * lowest);
-    is_far.then_some(if is_beside { 0.5 * lowest } else { lowest })
+    is_far.then_some(if moving().any(|own| own < 0.0) { 0.5 * lowest } else { lowest })
 }
 
 /// omega^2 = 1 / theta - s.
@@ -202,6 +282,14 @@ impl<'m> Operator<'m> {
         if count == 0 {
             return Err(RunError::Input("0 modes are asked for; it must be at least 1".into()));
         }
+        if let Some(dof) = problem.start.v.iter().position(|&v| v != 0.0) {
+            return Err(RunError::Input(format!(
+                "initial velocity of {} is {}, and vibrations are about what rests: set it to 0 (who moves evenly along with a motion sees it at rest), \
+                 begin with a steady turn ([[spin]] and start = \"steady\" of a scene file), or take a run of one period (--periodic)",
+                problem.model.dof_name(dof),
+                problem.start.v[dof]
+            )));
+        }
         super::start::check_stillness(problem)?;
         let systems = Systems::new(problem.model, method, &plan.dropped);
         let newton = Newton::new(systems.plain, method.tolerance, method.backend);
@@ -259,20 +347,32 @@ impl<'m> Operator<'m> {
         let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         let no_equilibrium = |how: String| {
             Err(RunError::Input(format!(
-                "vibrations need an equilibrium to start from, but {how}: find it first by the method \"static\""
+                "vibrations need an equilibrium to start from, but {how}: begin at one (start = \"equilibrium\" of a scene file), or find it by the \
+                 method \"static\""
             )))
         };
-        if let Err(failure) =
-            self.newton.solve(StageSystem { equations: &equations, base: &self.base, p, t: self.t }, &mut unknowns)
-        {
-            return match self.newton.describe(&failure, &equations, PLACE) {
-                RunError::NoConvergence { .. } => no_equilibrium("there is none near this state".into()),
-                other => Err(other),
-            };
+        let farthest = |newton: &Newton<f64>, x: &[f64]| {
+            let size = |dof: &usize| (x[*dof] * newton.coordinate_scales[*dof]).abs();
+            (0..model.dofs).max_by(|one, other| size(one).total_cmp(&size(other))).map(|dof| (dof, size(&dof)))
+        };
+        let stage = StageSystem { equations: &equations, base: &self.base, p, t: self.t };
+        if let Err(failure) = self.newton.solve(stage, &mut unknowns) {
+            let why = self.newton.describe(&failure, &equations, PLACE);
+            // the matrix is regular with as much inertia as stiffness, unless something is not determined; and what is let go moves
+            let heavy = Equations::stage(StageCoefficients::new(gamma / FIRST_SHIFT, beta, 1.0), Level::Position);
+            unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
+            let is_regular = self.newton.linearize(StageSystem { equations: &heavy, ..stage }, &mut unknowns).is_ok();
+            if matches!(why, RunError::NotFinite { .. }) || !is_regular {
+                return Err(why);
+            }
+            let moved = self.newton.correction().x;
+            let first = farthest(&self.newton, &moved).filter(|own| own.1 > LAST_DIGITS * self.newton.size(&self.base.q));
+            let Some((dof, _)) = first else { return Err(why) };
+            let first = format!(": let go, {} moves away first", model.dof_name(dof));
+            return no_equilibrium(format!("this state is none, and none is near{first}"));
         }
-        let size = |place: usize| (unknowns.x[place] * self.newton.coordinate_scales[place]).abs();
-        if let Some(dof) = (0..model.dofs).max_by(|&a, &b| size(a).total_cmp(&size(b)))
-            && !(size(dof) <= AWAY * self.newton.size(&self.base.q))
+        if let Some((dof, size)) = farthest(&self.newton, &unknowns.x)
+            && !(size <= AWAY * self.newton.size(&self.base.q))
         {
             return no_equilibrium(format!("{} would move by {:.1e} to reach one", model.dof_name(dof), unknowns.x[dof]));
         }
@@ -293,45 +393,76 @@ impl<'m> Operator<'m> {
         Ok(newton.stability())
     }
 
-    /// Searches again, from more vectors, while modes are missing below the last one, or anywhere where fewer were found than asked for.
-    fn complete(&mut self, ritz: &mut Vec<Eigenpair>, (count, shift, largest): (usize, f64, f64)) -> Result<(), RunError> {
-        let apart = (APART * largest).max(ZERO * shift);
-        let mut counted = [0, 0];
+    /// Searches again, from more vectors, while modes are missing below the last one, or anywhere where fewer were found than asked for. Returns
+    /// whether it is known that none is.
+    fn complete(
+        &mut self,
+        ritz: &mut Vec<Eigenpair>,
+        (count, shift, largest): (usize, f64, f64),
+        stiffness: &Jacobian,
+    ) -> Result<bool, RunError> {
+        // each vector has x^T M x = 1
+        let noise = ritz.iter().map(|pair| NOISE * self.along(stiffness, &pair.vector)[1]);
+        let apart = noise.fold(ZERO * shift, f64::max);
+        let (mut counted, mut sought) = ([0, 0], count);
         for search in 1..=MOST_SEARCHES {
             if !self.is_symmetric {
-                return Ok(());
+                return Ok(false);
             }
-            let sizes: Vec<f64> = ritz.iter().map(|pair| square(pair, shift)[0].abs()).collect();
+            let squares: Vec<f64> = ritz.iter().map(|pair| square(pair, shift)[0]).collect();
             let mut bound = ABOVE * largest.max(shift);
-            if sizes.len() >= count {
-                bound = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+            if squares.len() >= sought {
+                bound = squares.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
                 // modes as good as the last one may be either
-                while sizes.iter().any(|size| (size - bound).abs() < (BESIDE * bound).max(apart)) && bound > 0.0 {
+                while squares.iter().any(|own| (own - bound).abs() < (BESIDE * bound).max(apart)) && bound > 0.0 {
                     bound -= (2.0 * BESIDE * bound).max(2.0 * apart);
                 }
+                if bound <= 0.0 {
+                    bound = -2.0 * apart;
+                }
             }
-            if bound <= 0.0 {
-                return Ok(());
-            }
-            let found = sizes.iter().filter(|size| **size < bound).count();
             // where a bound meets a mode by chance, one beside it does not
             let mut known =
-                |shift: f64| self.factor([shift, 0.0]).ok().filter(|own| own.neutral == 0).map(|own| own.negative);
-            let mut below = |bound: f64| known(-bound).or_else(|| known(-bound * (1.0 + BESIDE)));
-            let counts = (below(bound), below(-bound));
+                |bound: f64| self.factor([-bound, 0.0]).ok().filter(|own| own.neutral == 0).map(|own| own.negative);
+            let there = known(bound).or_else(|| known(bound * (1.0 - BESIDE)));
             self.factor([shift, 0.0]).map_err(undetermined)?;
-            let (Some(above), Some(unstable)) = counts else { return Ok(()) };
-            counted = [found, above.saturating_sub(unstable)];
+            let Some(there) = there else { return Ok(false) };
+            counted = [squares.iter().filter(|own| **own < bound).count(), there];
             if counted[0] == counted[1] {
-                return Ok(());
+                return Ok(true);
             }
-            *ritz = largest_pairs(self, count, SPARE + search * (counted[1].saturating_sub(found) + 2))?;
+            sought += there.saturating_sub(counted[0]);
+            *ritz = largest_pairs(self, sought, SPARE * (search + 1))?;
         }
         let [found, there] = counted;
         Err(RunError::Input(format!(
             "of {there} modes that are there by Sylvester's law, {found} were found: masses or stiffnesses differ by more than the digits of a \
              number hold; ask for fewer modes, or mend the smallest masses"
         )))
+    }
+
+    /// x^H K x of a complex vector, and the sum of the sizes of its terms.
+    pub fn along(&self, matrix: &Jacobian, vector: &[Vec<f64>; 2]) -> [f64; 2] {
+        let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
+        let mut sums = [0.0; 2];
+        for column in 0..nodes {
+            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                let (row, value) = (pattern.rows[place] as usize, matrix.values[place]);
+                if row < nodes {
+                    for part in vector {
+                        sums[0] += part[row] * value * part[column];
+                        sums[1] += (part[row] * value * part[column]).abs();
+                    }
+                }
+            }
+        }
+        [sums[0].abs(), sums[1]]
+    }
+
+    /// Whether a mode is a rigid motion but for the round-off of its stiffness.
+    pub fn is_rigid(&self, stiffness: &Jacobian, vector: &[Vec<f64>; 2]) -> bool {
+        let [own, terms] = self.along(stiffness, vector);
+        own <= NOISE * terms
     }
 
     /// M x.
@@ -392,14 +523,6 @@ impl<'m> Operator<'m> {
             }
         }
         add(vector, 1.0, &self.solve(&rhs));
-    }
-
-    /// A mode in all coordinates, with x^T M x = 1 and its largest entry positive.
-    fn shape(&mut self, pair: &Eigenpair) -> [Vec<f64>; 2] {
-        // once more through the operator: what has no inertia follows what has, and theta is divided by its size alone
-        let images = [0, 1].map(|part| self.times_mass(&pair.vector[part]));
-        let vectors = images.map(|image| self.apply(&image));
-        self.in_coordinates(vectors)
     }
 
     /// A complex vector in all coordinates, with x^H M x = 1, or where it moves no mass with 1 as its largest entry, which is real and positive.

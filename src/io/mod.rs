@@ -14,6 +14,8 @@ mod read;
 mod table;
 #[cfg(feature = "cli")]
 mod vtu;
+#[cfg(feature = "cli")]
+mod xml;
 
 #[cfg(feature = "arrow")]
 pub use arrow::ArrowFile;

@@ -1,5 +1,6 @@
 //! Meshes with numbers for ParaView: `.vtu` files, binary and compressed, and a `.pvd` file that says at which time each was taken.
 
+use super::xml::xml_text;
 use super::{IoError, write_file};
 use crate::elements::flexible::faces::FaceKind;
 use flate2::Compression;
@@ -106,7 +107,7 @@ impl Appended {
 
 /// The text of an array.
 fn array(name: &str, kind: &str, components: usize, place: usize) -> String {
-    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+    let name = xml_text(name);
     format!(
         "        <DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{place}\"/>\n"
     )

@@ -1,7 +1,9 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use nalgebra::{DMatrix, Hessenberg, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Hessenberg, SymmetricEigen};
 use num_complex::Complex64;
 use std::ops::Range;
 
@@ -69,6 +71,27 @@ pub fn complex_eigenvalues(matrix: DMatrix<Complex64>) -> Option<Vec<Complex64>>
     let (mut vectors, mut t) = Hessenberg::new(matrix).unpack();
     triangularize(&mut t, &mut vectors)?;
     Some(t.diagonal().iter().copied().collect())
+}
+
+/// Smallest singular value of a complex matrix, from above, by inverse iteration with A^H A: how far another one is of which a value is zero.
+pub fn least_singular_value(matrix: DMatrix<Complex64>) -> f64 {
+    /// Steps, each of which leaves less of the other singular values by the square of their ratio.
+    const STEPS: usize = 4;
+    let turn = |k: usize, _: usize| Complex64::from_polar(1.0, k as f64 * k as f64);
+    let (mut x, mut least) = (DVector::from_fn(matrix.nrows(), turn), f64::INFINITY);
+    let (adjoint, own) = (matrix.adjoint().lu(), matrix.lu());
+    for _ in 0..STEPS {
+        x.unscale_mut(x.norm());
+        if !(adjoint.solve_mut(&mut x) && own.solve_mut(&mut x)) {
+            return 0.0;
+        }
+        // a vector that overflows is of a matrix that is singular
+        least = x.norm().sqrt().recip();
+        if !(least > 0.0) {
+            return 0.0;
+        }
+    }
+    least
 }
 
 /// The same of the symmetric part of a real matrix, whatever the rest is: what round-off adds to a symmetric one would make a complex pair of two
@@ -208,7 +231,7 @@ fn is_finite(pair: &Eigenpair) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Eigenpair, complex_eigenvalues, eigenpairs};
+    use super::{Eigenpair, complex_eigenvalues, eigenpairs, least_singular_value};
     use nalgebra::DMatrix;
     use num_complex::Complex64;
 
@@ -267,6 +290,20 @@ mod tests {
             complex_eigenvalues(DMatrix::from_element(3, 3, Complex64::ZERO)).expect("zeros"),
             vec![Complex64::ZERO; 3]
         );
+    }
+
+    #[test]
+    fn the_least_singular_value_is_that_of_a_decomposition() {
+        let entry = |i: usize, j: usize| Complex64::from_polar(1.0 + (i * j) as f64, (3 * i + j * j) as f64);
+        for size in [1, 2, 5, 12] {
+            let matrix = DMatrix::from_fn(size, size, entry);
+            let expected = matrix.clone().svd(false, false).singular_values.min();
+            let own = least_singular_value(matrix);
+            assert!((own - expected).abs() <= 0.1 * expected, "{size}: {own:e} {expected:e}");
+        }
+        // values of a Jordan block move by the square root of what its least singular value is
+        let block = |shift: f64| DMatrix::from_row_slice(2, 2, &[shift, 1.0, 0.0, shift].map(Complex64::from));
+        assert!(least_singular_value(block(1e-8)) < 2e-16 && least_singular_value(block(0.0)) == 0.0);
     }
 
     #[test]

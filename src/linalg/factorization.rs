@@ -156,6 +156,8 @@ pub struct Factorization {
     given: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
+    /// Whether a matrix that is nearly singular is refused.
+    examines: bool,
     /// Backward errors of solutions, and their numbers side by side.
     errors: Vec<f64>,
     beside: Vec<f64>,
@@ -202,6 +204,11 @@ impl Factorization {
         Ok(Self { own, threads, ..Self::of(solver, plan, pattern.clone(), scaling) })
     }
 
+    /// The same for matrices that may be nearly singular: inverse iterations want them so.
+    pub fn unexamined(self) -> Self {
+        Factorization { examines: false, ..self }
+    }
+
     /// Shared by ranks, whatever its size.
     #[cfg(test)]
     pub(super) fn on(pattern: &Arc<SparsePattern>, world: &'static dyn crate::exchange::Exchange) -> Self {
@@ -229,6 +236,7 @@ impl Factorization {
             given: Vec::new(),
             correction: Vec::new(),
             checked: false,
+            examines: true,
             errors: Vec::new(),
             beside: Vec::new(),
             has_factors: false,
@@ -306,7 +314,7 @@ impl Factorization {
         self.scaled.resize(values.len(), 0.0);
         self.scaling.apply_to_own(values, &mut self.scaled);
         self.solver.factor(&self.scaled)?;
-        if !self.checked {
+        if self.examines && !self.checked {
             self.examine()?;
             self.checked = true;
         }

@@ -20,7 +20,7 @@ mod vectors;
 
 pub(crate) use column_groups::{AT_ONCE, is_shared_by_threads, ranges_where};
 pub use dense::DenseLu;
-pub(crate) use eigen::{Eigenpair, complex_eigenvalues, eigenpairs, symmetric_part_eigenpairs};
+pub(crate) use eigen::{Eigenpair, complex_eigenvalues, eigenpairs, least_singular_value, symmetric_part_eigenpairs};
 pub use factorization::Backend;
 pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
 pub(crate) use multifrontal::SMALL_FILL;

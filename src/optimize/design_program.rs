@@ -9,6 +9,9 @@ use crate::scenes::{Limit, Sense};
 use std::collections::VecDeque;
 use std::time::Instant;
 
+/// What to do where a history cannot be gone on with.
+const ANEW: &str = "begin anew from its best design with --restart";
+
 /// factor (sum of weights times functionals) + constant.
 pub(super) struct Combination {
     pub weights: Vec<(usize, f64)>,
@@ -120,6 +123,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             stopped: false,
         };
         let begun = Instant::now();
+        program.check_begin(start)?;
         let simulated = program.simulate(start)?;
         let values = &simulated.values;
         let size = |wanted: Option<f64>, natural: &[f64]| {
@@ -130,7 +134,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             row.factor /= size(constraint.scale, &[constraint.limit.value(), row.value(values)]);
         }
         let y = program.scaling.scaled(start);
-        program.check_begin(start, values)?;
+        program.check_values(values)?;
         if program.replayed(&y, start).is_some() {
             program.latest = Some((simulated, 0));
             return Ok(program);
@@ -139,15 +143,35 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         Ok(program)
     }
 
-    /// Whether the recorded optimization begins with the start: the same law, method and machine give the same bits.
-    fn check_begin(&self, start: &[f64], values: &[f64]) -> Result<(), RunError> {
+    /// Whether the recorded optimization begins with the start, and its points follow from what this one simulates.
+    fn check_begin(&self, start: &[f64]) -> Result<(), RunError> {
+        let Some(first) = self.recorded.front() else { return Ok(()) };
+        if first.design != start {
+            let there = &first.design;
+            return Err(RunError::Input(format!(
+                "the history begins with the design {there:?}, but here it is {start:?}; {ANEW}"
+            )));
+        }
+        let is_other = |point: &&DesignPoint| {
+            let [there, here] = [point.fingerprint, self.optimization.fingerprint(&point.design)];
+            there != here && !(there.is_nan() && here.is_nan())
+        };
+        match self.recorded.iter().find(is_other) {
+            Some(point) => Err(RunError::Input(format!(
+                "evaluation {} of the history follows from other laws, numbers, methods or settings than it would here: it is of another scene or \
+                 version of the program; {ANEW}",
+                point.evaluation
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the start has the recorded values: the same laws and numbers on the same machine give the same bits.
+    fn check_values(&self, values: &[f64]) -> Result<(), RunError> {
         match self.recorded.front() {
-            Some(DesignPoint { design, functionals, .. }) if (start, values) != (design, functionals) => {
-                Err(RunError::Input(format!(
-                    "the history begins with the design {design:?} and the functionals {functionals:?}, but here they are {start:?} and \
-                     {values:?}: it is of another scene, start, method or machine; begin anew from its best design with --restart"
-                )))
-            }
+            Some(DesignPoint { functionals, .. }) if values != functionals => Err(RunError::Input(format!(
+                "the history begins with the functionals {functionals:?}, but here they are {values:?}: it is of another machine; {ANEW}"
+            ))),
             _ => Ok(()),
         }
     }
@@ -194,6 +218,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             Ok(values) => (self.objective.weights.iter().map(weighted).sum(), violation(&self.kinds, &values.constraints)),
             Err(_) => (f64::NAN, f64::NAN),
         };
+        let fingerprint = self.optimization.fingerprint(&design);
         self.history.points.push(DesignPoint {
             evaluation: place,
             iteration: None,
@@ -204,6 +229,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             objective,
             violation,
             work,
+            fingerprint,
         });
         self.tell();
         values
@@ -215,7 +241,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         if point.design != design {
             self.failure = Some(RunError::Input(format!(
                 "evaluation {} of the history is at the design {:?}, but this optimization goes to {design:?}: its limits, bounds or optimizer \
-                 have changed; begin anew from its best design with --restart",
+                 have changed; {ANEW}",
                 point.evaluation, point.design
             )));
             self.stopped = true;

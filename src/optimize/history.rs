@@ -51,6 +51,9 @@ pub struct DesignPoint {
     pub violation: f64,
     /// What it cost.
     pub work: Work,
+    /// A whole number for what its values and gradients follow from: laws, numbers, method, settings. Not a number where it
+    /// is not known.
+    pub fingerprint: f64,
 }
 
 impl DesignPoint {
@@ -78,7 +81,7 @@ pub struct DesignHistory {
 /// Columns before those of design variables.
 const FIRST: [&str; 5] = ["evaluation", "iteration", "objective", "violation", "failed"];
 /// Columns behind those of functionals.
-const LAST: [&str; 9] = [
+const LAST: [&str; 10] = [
     "simulations",
     "simulation newton iterations",
     "simulation factorizations",
@@ -88,6 +91,7 @@ const LAST: [&str; 9] = [
     "gradient solves",
     "gradient element products",
     "gradient time [s]",
+    "fingerprint",
 ];
 
 impl DesignHistory {
@@ -135,7 +139,7 @@ impl DesignHistory {
             row.extend([simulations, simulation.iterations, simulation.factorizations].map(|count| count as f64));
             row.push(simulation_seconds);
             row.extend([sweeps, gradient.factorizations, gradient.solves, gradient.products].map(|count| count as f64));
-            row.push(gradient_seconds);
+            row.extend([gradient_seconds, point.fingerprint]);
             match &point.gradients {
                 Some(gradients) => row.extend(gradients.iter().flatten()),
                 None => row.resize(row.len() + self.functionals.len() * self.variables.len(), f64::NAN),
@@ -162,7 +166,7 @@ impl DesignHistory {
         let (n, m) = (self.variables.len(), self.functionals.len());
         let work = FIRST.len() + n + m;
         let point = |(evaluation, row): (usize, &Vec<f64>)| {
-            let last: [f64; 9] = std::array::from_fn(|k| row[work + k]);
+            let last: [f64; LAST.len()] = std::array::from_fn(|k| row[work + k]);
             let count = |k: usize| last[k] as usize;
             let mut own = Work { simulations: count(0), simulation_seconds: last[3], ..Work::default() };
             (own.simulation.iterations, own.simulation.factorizations) = (count(1), count(2));
@@ -180,6 +184,7 @@ impl DesignHistory {
                 objective: row[2],
                 violation: row[3],
                 work: own,
+                fingerprint: last[9],
             }
         };
         self.points = rows.iter().enumerate().map(point).collect();
@@ -215,6 +220,7 @@ impl DesignHistory {
             objective: row[objective],
             violation: row[violation],
             work: Work::default(),
+            fingerprint: f64::NAN,
         };
         let points = rows.iter().enumerate().map(point).collect();
         let history = DesignHistory { maximize, tolerance, points, ..DesignHistory::default() };

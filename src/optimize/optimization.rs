@@ -2,8 +2,11 @@ use super::{DesignHistory, Ended, Stopping};
 use crate::design::DesignVariable;
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
-use crate::integrators::{Method, RunError};
-use crate::scenes::{AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes};
+use crate::integrators::{Method, RunError, TimeGrid};
+use crate::scenes::{
+    AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes, fingerprint,
+    whole_number,
+};
 
 /// Where gradients come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +66,8 @@ pub struct Optimization<'s> {
     pub(super) places: Vec<(usize, String)>,
     /// Those of them that are aggregates.
     aggregates: Vec<(String, AggregateKind)>,
+    /// The steps of each case at the initial design, whose numbers between breakpoints all designs have.
+    pub(super) grids: Vec<TimeGrid>,
 }
 
 /// One simulation of a design.
@@ -130,13 +135,17 @@ impl<'s> Optimization<'s> {
     pub fn new(scene: &'s dyn AnyScene, problem: OptimizationProblem, cases: Vec<Case<'s>>) -> Result<Self, RunError> {
         let variables = scene.variables();
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-        let mut all = Vec::new();
+        let (mut all, mut grids) = (Vec::new(), Vec::new());
         for (place, case) in cases.iter().enumerate() {
             if case.scene.variables().iter().map(|own| &own.name).ne(variables.iter().map(|own| &own.name)) {
                 let words = case.told("its design variables are not those of the scene, which all share".into());
                 return Err(RunError::Input(words));
             }
             let mechanism = case.scene.build_real(&initial).map_err(RunError::Input)?;
+            let Settings { end, steps, control, .. } = &case.settings;
+            let breakpoints = mechanism.breakpoints(*end).map_err(RunError::Input)?;
+            let steps = if control.is_some() { 1 } else { *steps };
+            grids.push(TimeGrid::uniform(*end, steps, &breakpoints).map_err(RunError::Input)?);
             let own = mechanism.functionals.iter();
             all.extend(own.map(|own| CaseFunctional {
                 case: place,
@@ -167,7 +176,19 @@ impl<'s> Optimization<'s> {
         all.retain(|own| named(&own.full));
         let (functionals, places) = all.into_iter().map(|own| ((own.full, own.unit), (own.case, own.name))).unzip();
         let (keep, gradient, stopping) = (Keep::default(), GradientBy::Adjoint, Stopping::default());
-        Ok(Optimization { scene, problem, cases, keep, gradient, stopping, variables, functionals, places, aggregates })
+        Ok(Optimization {
+            scene,
+            problem,
+            cases,
+            keep,
+            gradient,
+            stopping,
+            variables,
+            functionals,
+            places,
+            aggregates,
+            grids,
+        })
     }
 
     /// The design variables.
@@ -194,6 +215,20 @@ impl<'s> Optimization<'s> {
     pub fn varying(&self) -> Vec<usize> {
         let varies = |name: &String| self.problem.varying.as_ref().is_none_or(|names| names.contains(name));
         (0..self.variables.len()).filter(|&i| varies(&self.variables[i].name)).collect()
+    }
+
+    /// What values and gradients of a design follow from: a whole number, not a number where it cannot be built.
+    pub(super) fn fingerprint(&self, design: &[f64]) -> f64 {
+        let of_case = |(number, case): (usize, &Case)| {
+            let is_measured = |name: &str| self.places.iter().any(|place| place.0 == number && place.1 == name);
+            fingerprint(case.scene, design, (&case.method, &case.settings), is_measured, true)
+        };
+        let measures = |case: &(usize, &Case)| self.places.iter().any(|place| place.0 == case.0);
+        let all: Vec<f64> = self.cases.iter().enumerate().filter(measures).map(of_case).collect();
+        if all.iter().any(|own| own.is_nan()) {
+            return f64::NAN;
+        }
+        whole_number(&(all.iter().map(|own| own.to_bits()).collect::<Vec<u64>>(), format!("{:?}", self.gradient)))
     }
 
     /// The values of the linear constraints' sums at a design.

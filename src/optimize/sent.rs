@@ -20,7 +20,18 @@ sent_by_fields!(Counters {
     nanoseconds,
 });
 sent_by_fields!(Work { simulations, simulation, simulation_seconds, sweeps, gradient, gradient_seconds });
-sent_by_fields!(DesignPoint { evaluation, iteration, design, functionals, extremes, gradients, objective, violation, work });
+sent_by_fields!(DesignPoint {
+    evaluation,
+    iteration,
+    design,
+    functionals,
+    extremes,
+    gradients,
+    objective,
+    violation,
+    work,
+    fingerprint
+});
 sent_by_fields!(DesignHistory { variables, functionals, maximize, tolerance, points });
 sent_by_fields!(Values { objective, constraints });
 sent_by_fields!(Point { x, values, violation });
@@ -41,7 +52,8 @@ sent_by_variants!(RunError {
     0 Input { 0: message },
     1 Singular { place: place, unknown: unknown, hint: hint },
     2 NoConvergence {
-        place: place, how: how, iterations: iterations, correction: correction, limit: limit, row: row, residual: residual
+        place: place, how: how, iterations: iterations, correction: correction, limit: limit, row: row, residual: residual,
+        hint: hint
     },
     3 NotFinite { place: place, cause: cause },
     4 Redundant { place: place, equation: equation, violation: violation },

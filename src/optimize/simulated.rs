@@ -115,6 +115,7 @@ impl<'o> Optimization<'o> {
     ) -> Result<(Kept<'o>, Found), RunError> {
         let Case { scene, method, settings, .. } = &self.cases[number];
         let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
+        prepared.keep_steps_of(&self.grids[number]);
         let known = |name: &str| self.places.iter().position(|place| place.0 == number && place.1 == name);
         prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
         prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));

@@ -39,10 +39,14 @@ impl Arguments {
     /// Which of them are of the state of a mechanism: coordinates, their derivatives, multipliers.
     pub fn of_state(&self) -> Vec<bool> {
         use ArgumentKind::{Acceleration, Coordinate, Multiplier, Velocity};
-        let of_kind = |&(kind, count): &(ArgumentKind, usize)| {
-            std::iter::repeat_n(matches!(kind, Acceleration | Velocity | Coordinate | Multiplier), count)
-        };
-        self.0.iter().flat_map(of_kind).collect()
+        self.are(|kind| matches!(kind, Acceleration | Velocity | Coordinate | Multiplier))
+    }
+    /// Which of them are the time.
+    pub fn of_time(&self) -> Vec<bool> {
+        self.are(|kind| kind == ArgumentKind::Time)
+    }
+    fn are(&self, of_kind: impl Fn(ArgumentKind) -> bool) -> Vec<bool> {
+        self.0.iter().flat_map(|&(kind, count)| std::iter::repeat_n(of_kind(kind), count)).collect()
     }
     /// Kinds and numbers.
     pub fn kinds(&self) -> &[(ArgumentKind, usize)] {

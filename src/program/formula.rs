@@ -69,6 +69,10 @@ pub enum ProgramKind {
     PointGradient,
     /// Numbers that tell the sides of switches.
     Switches,
+    /// Rates of these numbers along a change of all arguments.
+    SwitchRates,
+    /// Numbers at which tables are read.
+    TableArguments,
     /// Results, and their rates along a change of all arguments.
     Course,
     /// One of a caller's own, by its number.
@@ -384,6 +388,14 @@ impl Formula {
         })
     }
 
+    /// The formula with others in place of its arguments, which `arguments` makes of these.
+    ///
+    /// # Errors
+    /// None that it did not have itself.
+    pub fn with_arguments(&self, arguments: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
+        Self::record_in_stages(self.arguments.kinds().to_vec(), |x| self.again(&arguments(x)))
+    }
+
     /// Its results for arguments of another recording.
     fn again(&self, arguments: &[Recorded]) -> Results {
         let of_stages = |stages: &Stages<Node>| [stages.numbers.concat(), stages.forces.clone()].concat();
@@ -405,14 +417,7 @@ impl Formula {
             let mut digest = Digest::of(&(&self.arguments, &self.outputs, &self.stages));
             // what programs have added behind is none of the formula's
             let count = self.outputs.iter().map(|output| output.0 as usize + 1).max().unwrap_or(0);
-            for operation in &graph.operations()[..count] {
-                match *operation {
-                    Operation::Curve { curve, order, at } => {
-                        (&graph.curves()[curve as usize], order, at).hash(&mut digest);
-                    }
-                    operation => operation.hash(&mut digest),
-                }
-            }
+            graph.hash_first(count, &mut digest);
             digest
         })
     }

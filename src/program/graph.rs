@@ -53,6 +53,16 @@ impl Hasher for OperationHasher {
 }
 
 impl Graph {
+    /// Takes its first operations into a digest, curves by what they are.
+    pub fn hash_first(&self, count: usize, digest: &mut impl Hasher) {
+        for operation in &self.operations[..count] {
+            match *operation {
+                Operation::Curve { curve, order, at } => (&self.curves[curve as usize], order, at).hash(digest),
+                operation => operation.hash(digest),
+            }
+        }
+    }
+
     /// The operations so far; operands come first.
     pub fn operations(&self) -> &[Operation] {
         &self.operations

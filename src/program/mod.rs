@@ -23,7 +23,10 @@ mod operation;
 mod recorded;
 mod refused;
 mod running;
+mod switch_times;
 mod switches;
+#[cfg(feature = "cli")]
+mod table_arguments;
 mod undefined;
 
 pub use arguments::ArgumentKind;
@@ -38,4 +41,7 @@ pub use operation::Node;
 pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
 pub use refused::refuses_machine_code;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
-pub use switches::{SwitchKind, Switches};
+pub use switch_times::SwitchTime;
+pub use switches::{Reads, SwitchKind, Switches, between};
+#[cfg(feature = "cli")]
+pub(crate) use table_arguments::TableRange;

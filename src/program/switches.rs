@@ -1,21 +1,24 @@
 //! Where a formula passes from one piece to another.
 
-use super::formula::{Formula, ProgramKind};
+use super::formula::{Codes, Formula, ProgramKind};
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
 use crate::scalar::Curve;
 use smallvec::smallvec;
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// What tells on which side of a switch a formula is, from some results of the program of its switches.
 #[derive(Clone, Debug, PartialEq)]
-enum Side {
+pub(super) enum Side {
     /// Whether the first of two numbers is less than the second.
     Order,
-    /// The largest whole number up to one.
-    Whole,
-    /// An angle, which leaps between -pi and pi.
+    /// Whether a number is below zero, through which a divisor or what a root is taken of may pass.
+    Sign,
+    /// The largest whole number up to a number times `scale`, plus `offset`: steps of `floor`, poles of a tangent.
+    Whole { scale: f64, offset: f64 },
+    /// The angle of a point with the coordinates (y, x), which leaps from pi to -pi where y changes its sign and x is negative.
     Angle,
     /// The piece of a table that jumps or bends at its knots.
     Piece(Arc<Curve>),
@@ -23,11 +26,22 @@ enum Side {
     Direction(usize),
 }
 
-/// The switches of a formula that depend on its state: comparisons that choose, whole numbers, angles, tables, lengths.
+/// Which switches of a formula are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Reads {
+    /// Those that read coordinates, their derivatives or multipliers: when they change sides a motion tells.
+    Motion,
+    /// Those that read the time and none of these: when they change sides is known before the motion.
+    TimeAlone,
+}
+
+/// Switches of a formula: comparisons that choose, whole numbers, angles, tables, lengths, poles.
 #[derive(Clone, Debug)]
 pub struct Switches {
     sides: Vec<Side>,
     program: Arc<Program>,
+    /// Rates of the numbers along a change of all arguments.
+    rates: Arc<Program>,
     /// Results of the formula, and their rates along a change of all arguments.
     course: Arc<Program>,
 }
@@ -41,8 +55,6 @@ pub enum SwitchKind {
     Jump,
 }
 
-/// Change of an angle that is none of a motion whose steps resolve it \[rad\].
-const LEAP: f64 = 3.0;
 /// Cosine between two directions of a vector that has passed through zero or close to it.
 const REVERSED: f64 = -0.9;
 /// Change of results over neighbouring numbers, as a share of their size, that is a jump; and of their slopes.
@@ -61,117 +73,200 @@ const ROUGHLY: f64 = 1e-9;
 const HIDDEN: f64 = 4.0 * f64::EPSILON;
 
 impl Formula {
-    /// Its switches that depend on coordinates, their derivatives or multipliers, lengths of vectors among them if they are asked for; `None`
-    /// where it has none.
-    pub fn switches(&self, lengths: bool) -> Option<Switches> {
-        let of_state = self.arguments().of_state();
-        let (sides, nodes) = self.inspect(|graph, outputs| conditions(graph, outputs, &of_state, lengths));
+    /// Its switches of some kind, lengths of vectors among them if they are asked for; `None` where it has none.
+    pub fn switches(&self, reads: Reads, lengths: bool) -> Option<Switches> {
+        let (of_state, of_time) = (self.arguments().of_state(), self.arguments().of_time());
+        let [moved_by, excluded] = match reads {
+            Reads::Motion => [&of_state[..], &[]],
+            Reads::TimeAlone => [&of_time[..], &of_state],
+        };
+        let (sides, nodes) =
+            self.inspect(|graph, outputs| Conditions::of(graph, outputs, [moved_by, excluded], (reads, lengths)));
         if sides.is_empty() {
             return None;
         }
-        let program = self.dense_program((ProgramKind::Switches, smallvec![u32::from(lengths)]), 0, |_, _, _| nodes);
+        let code = [u32::from(lengths), u32::from(reads == Reads::TimeAlone)];
         let count = self.inputs;
-        let course = self.dense_program((ProgramKind::Course, smallvec![]), count, |graph, x, outputs| {
+        let along = |graph: &mut Graph, x: &[Node], results: &[Node]| {
             let seeds: Vec<(Node, Node)> = x[..count].iter().copied().zip(x[count..].iter().copied()).collect();
-            let rates = graph.forward(outputs, &seeds);
+            graph.forward(results, &seeds)
+        };
+        let rates = self.dense_program((ProgramKind::SwitchRates, Codes::from_slice(&code)), count, |graph, x, _| {
+            along(graph, x, &nodes)
+        });
+        let program = self.dense_program((ProgramKind::Switches, Codes::from_slice(&code)), 0, |_, _, _| nodes);
+        let course = self.dense_program((ProgramKind::Course, smallvec![]), count, |graph, x, outputs| {
+            let rates = along(graph, x, outputs);
             outputs.iter().copied().chain(rates).collect()
         });
-        Some(Switches { sides, program, course })
+        Some(Switches { sides, program, rates, course })
     }
 }
 
-/// Sides of the switches that results depend on, and the numbers that tell them; of those alone that read an argument `of_state`.
-fn conditions(graph: &Graph, outputs: &[Node], of_state: &[bool], lengths: bool) -> (Vec<Side>, Vec<Node>) {
-    let (needed, mut moves) = (graph.needed(outputs), Vec::new());
-    let (mut sides, mut nodes) = (Vec::new(), Vec::new());
-    for (place, &operation) in graph.operations().iter().take(needed.len()).enumerate() {
-        let is_of_state = |index: u32| of_state.get(index as usize).copied().unwrap_or(false);
-        let mut any = matches!(operation, Operation::Input(index) if is_of_state(index));
-        operation.for_each_operand(|operand| any |= moves[operand.0 as usize]);
-        moves.push(any);
-        if !any || !needed[place] {
-            continue;
-        }
-        let node = Node(place as u32);
-        match operation {
-            Operation::Binary(Binary::Less, x, y) => {
-                sides.push(Side::Order);
-                nodes.extend([x, y]);
+/// Sides of the switches that results depend on, and the numbers that tell them.
+struct Conditions<'g> {
+    graph: &'g Graph,
+    sides: Vec<Side>,
+    nodes: Vec<Node>,
+}
+
+impl<'g> Conditions<'g> {
+    /// Those that read an argument of `moved_by` and none that is `excluded`.
+    fn of(
+        graph: &'g Graph,
+        outputs: &[Node],
+        [moved_by, excluded]: [&[bool]; 2],
+        (reads, lengths): (Reads, bool),
+    ) -> (Vec<Side>, Vec<Node>) {
+        let needed = graph.needed(outputs);
+        let depends_on = |arguments: &[bool]| {
+            let mut depends = Vec::with_capacity(needed.len());
+            for operation in &graph.operations()[..needed.len()] {
+                let mut any = matches!(operation, Operation::Input(index) if arguments.get(*index as usize) == Some(&true));
+                operation.for_each_operand(|operand| any |= depends[operand.0 as usize]);
+                depends.push(any);
             }
-            Operation::Unary(Unary::Floor, x) => {
-                sides.push(Side::Whole);
-                nodes.push(x);
-            }
-            Operation::Binary(Binary::Atan2, ..) => {
-                sides.push(Side::Angle);
-                nodes.push(node);
-            }
-            Operation::Curve { curve, at, .. } if graph.curves()[curve as usize].has_kinks() => {
-                let side = Side::Piece(Arc::clone(&graph.curves()[curve as usize]));
-                if !sides.iter().zip(last_nodes(&sides, &nodes)).any(|(own, own_node)| *own == side && own_node == at) {
-                    sides.push(side);
-                    nodes.push(at);
+            depends
+        };
+        let (moves, is_excluded) = (depends_on(moved_by), depends_on(excluded));
+        let counts = |node: Node| moves[node.0 as usize] && !is_excluded[node.0 as usize];
+        let mut own = Conditions { graph, sides: Vec::new(), nodes: Vec::new() };
+        for (place, &operation) in graph.operations()[..needed.len()].iter().enumerate().filter(|(place, _)| needed[*place])
+        {
+            match operation {
+                Operation::Binary(Binary::Less, x, y) if counts(Node(place as u32)) => own.add(Side::Order, &[x, y]),
+                Operation::Unary(Unary::Floor, x) if counts(x) => own.add(Side::Whole { scale: 1.0, offset: 0.0 }, &[x]),
+                Operation::Unary(Unary::Tan, x) if counts(x) => {
+                    own.add(Side::Whole { scale: FRAC_1_PI, offset: 0.5 }, &[x]);
                 }
+                Operation::Unary(function @ (Unary::Asin | Unary::Acos), x) if counts(x) => own.add_turns(function, x),
+                Operation::Binary(Binary::Atan2, y, x) if counts(Node(place as u32)) => own.add(Side::Angle, &[y, x]),
+                Operation::Curve { curve, at, .. } if counts(at) => {
+                    let curve = &graph.curves()[curve as usize];
+                    if curve.has_kinks() || reads == Reads::TimeAlone && curve.has_breakpoints() {
+                        own.add(Side::Piece(Arc::clone(curve)), &[at]);
+                    }
+                }
+                Operation::Binary(Binary::Div, _, divisor) => own.add_zeros(divisor, &counts),
+                Operation::Unary(Unary::Ln, x) => own.add_zeros(x, &counts),
+                Operation::Unary(Unary::Sqrt, square) if lengths && counts(square) => own.add_length(square),
+                Operation::Power(base, bits) if f64::from_bits(bits).fract() != 0.0 && counts(base) => {
+                    if lengths {
+                        own.add_length(base);
+                    }
+                    own.add_zeros(base, &counts);
+                }
+                _ => {}
             }
-            Operation::Unary(Unary::Sqrt, square) if lengths => add_length(graph, square, &mut sides, &mut nodes),
-            Operation::Power(square, bits) if lengths && f64::from_bits(bits).fract() != 0.0 => {
-                add_length(graph, square, &mut sides, &mut nodes);
-            }
-            _ => {}
+        }
+        (own.sides, own.nodes)
+    }
+
+    /// Adds a side, unless it is there.
+    fn add(&mut self, side: Side, numbers: &[Node]) {
+        let mut first = 0;
+        let is_there = self.sides.iter().any(|own| {
+            first += own.count();
+            *own == side && self.nodes[first - own.count()..first] == *numbers
+        });
+        if !is_there {
+            self.sides.push(side);
+            self.nodes.extend(numbers);
         }
     }
-    (sides, nodes)
-}
 
-/// The last number of each side.
-fn last_nodes(sides: &[Side], nodes: &[Node]) -> Vec<Node> {
-    let mut end = 0;
-    let last = |side: &Side| {
-        end += side.count();
-        nodes[end - 1]
-    };
-    sides.iter().map(last).collect()
-}
+    /// Adds the turning points of an arc sine or cosine of a sine or cosine.
+    fn add_turns(&mut self, function: Unary, of: Node) {
+        let Operation::Unary(inner @ (Unary::Sin | Unary::Cos), x) = self.graph.operation(of) else { return };
+        // asin(sin u) and acos(cos u) bend where the inner slope vanishes
+        let offset = if inner == Unary::Sin { 0.5 } else { 0.0 };
+        debug_assert!(matches!(function, Unary::Asin | Unary::Acos));
+        self.add(Side::Whole { scale: FRAC_1_PI, offset }, &[x]);
+    }
 
-/// The vector whose squared length is taken the root of.
-fn add_length(graph: &Graph, square: Node, sides: &mut Vec<Side>, nodes: &mut Vec<Node>) {
-    let (mut open, mut components) = (vec![square], Vec::new());
-    while let Some(node) = open.pop() {
-        match graph.operation(node) {
-            Operation::Binary(Binary::Add, x, y) => open.extend([x, y]),
-            Operation::Binary(Binary::Mul, x, y) if x == y => components.push(x),
-            _ => return,
+    /// Adds the factors of a product that may pass through zero.
+    fn add_zeros(&mut self, product: Node, counts: &impl Fn(Node) -> bool) {
+        let mut open = vec![product];
+        while let Some(node) = open.pop() {
+            if !counts(node) {
+                continue;
+            }
+            match self.graph.operation(node) {
+                Operation::Binary(Binary::Mul, x, y) if x == y => open.push(x),
+                Operation::Binary(Binary::Mul | Binary::Div, x, y) => open.extend([x, y]),
+                Operation::Unary(Unary::Neg | Unary::Sqrt, x) => open.push(x),
+                Operation::Unary(Unary::Cos, x) => self.add(Side::Whole { scale: FRAC_1_PI, offset: 0.5 }, &[x]),
+                Operation::Unary(Unary::Sin, x) => self.add(Side::Whole { scale: FRAC_1_PI, offset: 0.0 }, &[x]),
+                _ if self.is_not_negative(node) => {}
+                _ => self.add(Side::Sign, &[node]),
+            }
         }
     }
-    sides.push(Side::Direction(components.len()));
-    nodes.extend(components);
+
+    /// Whether a number is zero or above whatever its arguments are.
+    fn is_not_negative(&self, node: Node) -> bool {
+        match self.graph.operation(node) {
+            Operation::Constant(bits) => f64::from_bits(bits) >= 0.0,
+            Operation::Unary(Unary::Sqrt | Unary::Exp | Unary::Cosh | Unary::Acos, _) | Operation::Power(..) => true,
+            Operation::Binary(Binary::Less, ..) => true,
+            Operation::Binary(Binary::Mul, x, y) if x == y => true,
+            Operation::Binary(Binary::Add | Binary::Mul | Binary::Div, x, y) => {
+                self.is_not_negative(x) && self.is_not_negative(y)
+            }
+            Operation::Select([_, then, otherwise]) => self.is_not_negative(then) && self.is_not_negative(otherwise),
+            _ => false,
+        }
+    }
+
+    /// Adds the vector whose squared length is taken the root of.
+    fn add_length(&mut self, square: Node) {
+        let (mut open, mut components) = (vec![square], Vec::new());
+        while let Some(node) = open.pop() {
+            match self.graph.operation(node) {
+                Operation::Binary(Binary::Add, x, y) => open.extend([x, y]),
+                Operation::Binary(Binary::Mul, x, y) if x == y => components.push(x),
+                Operation::Binary(Binary::Mul, x, y) if self.graph.constant_of(x).is_some_and(|x| x > 0.0) => open.push(y),
+                Operation::Binary(Binary::Mul, x, y) if self.graph.constant_of(y).is_some_and(|y| y > 0.0) => open.push(x),
+                _ => return,
+            }
+        }
+        self.add(Side::Direction(components.len()), &components);
+    }
 }
 
 impl Side {
     /// How many numbers tell it.
-    fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         match self {
             Side::Direction(count) => *count,
-            Side::Order => 2,
-            Side::Whole | Side::Angle | Side::Piece(_) => 1,
+            Side::Order | Side::Angle => 2,
+            Side::Sign | Side::Whole { .. } | Side::Piece(_) => 1,
         }
+    }
+
+    /// The number that passes through an end of the side, and its rate where rates are given.
+    pub fn number(&self, own: &[f64]) -> f64 {
+        if *self == Side::Order { own[0] - own[1] } else { own[0] }
     }
 
     /// Whether it is another one.
     fn changes(&self, before: &[f64], after: &[f64]) -> bool {
         match self {
             Side::Order => (before[0] < before[1]) != (after[0] < after[1]),
-            Side::Whole => before[0].floor() != after[0].floor(),
-            Side::Angle => (after[0] - before[0]).abs() > LEAP,
+            Side::Sign => (before[0] < 0.0) != (after[0] < 0.0),
+            &Side::Whole { scale, offset } => (before[0] * scale + offset).floor() != (after[0] * scale + offset).floor(),
+            Side::Angle => (before[0] < 0.0) != (after[0] < 0.0) && before[1].min(after[1]) < 0.0,
             Side::Piece(curve) => curve.piece(before[0]) != curve.piece(after[0]),
             Side::Direction(_) => cosine(before, after) < REVERSED,
         }
     }
 
     /// Whether numbers on the way are on another side than those at its start: of a vector, which turns over close to zero, beyond a right angle.
-    fn has_changed(&self, before: &[f64], own: &[f64]) -> bool {
+    pub fn has_changed(&self, before: &[f64], own: &[f64]) -> bool {
         match self {
             Side::Direction(_) => cosine(before, own) < 0.0,
+            // on the way x may be above zero where y is not yet
+            Side::Angle => (before[0] < 0.0) != (own[0] < 0.0),
             _ => self.changes(before, own),
         }
     }
@@ -184,14 +279,18 @@ impl Side {
         match self {
             Side::Order if before[0] < before[1] => Some(own[0] - own[1]),
             Side::Order => Some(own[1] - own[0]),
-            Side::Whole => Some(beyond(before[0].floor() + f64::from(u8::from(is_up)))),
+            Side::Sign | Side::Angle if before[0] < 0.0 => Some(own[0]),
+            Side::Sign | Side::Angle => Some(-own[0]),
+            &Side::Whole { scale, offset } => {
+                let whole = (before[0] * scale + offset).floor() + f64::from(u8::from(is_up));
+                Some(beyond((whole - offset) / scale))
+            }
             Side::Piece(curve) => {
                 let piece = curve.piece(before[0]);
                 let knot = if is_up { Some(piece) } else { piece.checked_sub(1) };
                 knot.and_then(|knot| curve.knots().get(knot)).map(|&knot| beyond(knot))
             }
             Side::Direction(_) => Some(-cosine(before, own)),
-            Side::Angle => None,
         }
     }
 }
@@ -210,7 +309,7 @@ impl Way<'_> {
     /// At a share of it.
     fn numbers_at(&mut self, share: f64) -> &[f64] {
         self.inputs.clear();
-        self.inputs.extend(at(self.from, self.to, share));
+        self.inputs.extend(between(self.from, self.to, share));
         self.switches.evaluate(&self.inputs, &mut self.numbers, &mut self.work);
         &self.numbers
     }
@@ -279,7 +378,7 @@ impl Way<'_> {
         } else {
             (switches.change_between((from, to), low, high), low)
         };
-        change.kind(known, || switches.terms(&at(from, to, at_low).collect::<Vec<_>>()))
+        change.kind(known, || switches.terms(&between(from, to, at_low).collect::<Vec<_>>()))
     }
 }
 
@@ -309,15 +408,72 @@ impl Switches {
         self.changing(before, after).next().is_some()
     }
 
-    fn changing<'s>(&'s self, before: &'s [f64], after: &'s [f64]) -> impl Iterator<Item = (&'s Side, usize)> {
+    /// All sides, with the places of their first numbers.
+    pub(super) fn sides(&self) -> impl Iterator<Item = (&Side, usize)> {
         let mut first = 0;
-        let places = self.sides.iter().map(move |side| {
+        self.sides.iter().map(move |side| {
             first += side.count();
             (side, first - side.count())
-        });
-        places.filter(|(side, first)| {
+        })
+    }
+
+    /// Rates of the numbers at some arguments along a change of these.
+    pub(super) fn rates(&self, inputs: &[f64], direction: &[f64], work: &mut ProgramWork<f64>) -> Vec<f64> {
+        let mut rates = vec![0.0; self.rates.outputs()];
+        self.rates.run(&[inputs, direction].concat(), &mut rates, work);
+        rates
+    }
+
+    pub(super) fn changing<'s>(&'s self, before: &'s [f64], after: &'s [f64]) -> impl Iterator<Item = (&'s Side, usize)> {
+        self.sides().filter(|(side, first)| {
             let own = *first..first + side.count();
             side.changes(&before[own.clone()], &after[own])
+        })
+    }
+
+    /// Shares of the straight way between two lists of arguments between which a switch is on another side that is on the same one at both ends:
+    /// where its number turns back in between, or where another switch changes sides.
+    pub fn passed_over(&self, [from, to]: [&[f64]; 2], [before, after]: [&[f64]; 2]) -> Option<[f64; 2]> {
+        let direction: Vec<f64> = from.iter().zip(to).map(|(from, to)| to - from).collect();
+        let mut work = ProgramWork::default();
+        let rates = [from, to].map(|inputs| self.rates(inputs, &direction, &mut work));
+        let mut way = Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work };
+        let turns: Vec<f64> = self
+            .sides()
+            .filter_map(|(side, first)| {
+                let own = first..first + side.count();
+                if side.changes(&before[own.clone()], &after[own.clone()]) {
+                    let place = way.place(side, first, [&before[own.clone()], &after[own]], ROUGHLY);
+                    return place.map(|(low, _)| low);
+                }
+                let [start, end] = [0, 1].map(|place| side.number(&rates[place][own.clone()]));
+                let number = side.number(&before[own.clone()]);
+                // of a parabola
+                let turn = start / (start - end);
+                let [there, beyond] = [0.5 * start * turn, start].map(|change| [number + change, 0.0]);
+                let excess = |own: &[f64]| side.excess(&before[first..first + side.count()], own, &beyond);
+                let comes_near = excess(&there)? > 0.5 * excess(&[number, 0.0])?;
+                (start * end < 0.0 && comes_near).then_some(turn)
+            })
+            .collect();
+        turns.into_iter().find_map(|turn| {
+            let numbers = way.numbers_at(turn).to_vec();
+            let (side, first) = self.changing(before, &numbers).find(|(side, first)| {
+                let own = *first..first + side.count();
+                !side.changes(&before[own.clone()], &after[own])
+            })?;
+            let own = first..first + side.count();
+            let ends = [[from, &way.inputs.clone()], [&way.inputs.clone(), to]];
+            let numbers_at_ends = [[before, &numbers], [&numbers, after]];
+            let place = |part: usize| {
+                let [from, to] = ends[part];
+                let mut way =
+                    Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work: ProgramWork::default() };
+                let numbers = numbers_at_ends[part].map(|numbers| &numbers[own.clone()]);
+                way.place(side, first, numbers, ROUGHLY).map(|(low, _)| low)
+            };
+            let [enters, leaves] = [place(0)?, place(1)?];
+            Some([enters * turn, turn + leaves * (1.0 - turn)])
         })
     }
 
@@ -334,15 +490,14 @@ impl Switches {
         let mut worst = known;
         for (side, first) in self.changing(&before, &after) {
             let own = first..first + side.count();
-            // next to a kink only jumps count, which show from further away, too
-            let widths: &[f64] = if worst.is_some() { &[ROUGHLY, 0.0] } else { &[0.0] };
-            let mut kind = None;
-            for &width in widths {
+            let mut kind_within = |width: f64, known: Option<SwitchKind>| {
                 let place = way.place(side, first, [&before[own.clone()], &after[own.clone()]], width);
-                kind = place.and_then(|place| way.kind_at(side, first, place, worst));
-                if kind.is_none() {
-                    break;
-                }
+                place.and_then(|place| way.kind_at(side, first, place, known))
+            };
+            // jumps show from further away, too, where two that are round-off apart may be one; next to a kink nothing else counts
+            let mut kind = kind_within(ROUGHLY, Some(SwitchKind::Kink));
+            if kind.is_none() && worst.is_none() {
+                kind = kind_within(0.0, None);
             }
             worst = worst.max(kind);
             if worst == Some(SwitchKind::Jump) {
@@ -350,6 +505,19 @@ impl Switches {
             }
         }
         worst.filter(|_| worst > known)
+    }
+
+    /// How the results change at a time `t`, for arguments of which those at the places `times` are the time.
+    pub fn kind_at_time(&self, inputs: &[f64], times: &[usize], t: f64) -> Option<SwitchKind> {
+        let [before, after] = [t.next_down(), t].map(|t| {
+            let mut inputs = inputs.to_vec();
+            times.iter().for_each(|&place| inputs[place] = t);
+            inputs
+        });
+        let mut direction = vec![0.0; inputs.len()];
+        times.iter().for_each(|&place| direction[place] = 1.0);
+        let change = self.change_from([&before, &after], &direction);
+        change.kind(None, || self.terms(&before))
     }
 
     /// The largest change of a result by an argument of its own size: results that cancel have its round-off.
@@ -367,11 +535,16 @@ impl Switches {
 
     /// Change and size of the results and of their slopes between two shares of the way.
     fn change_between(&self, way: (&[f64], &[f64]), low: f64, high: f64) -> Change {
-        let direction = || way.0.iter().zip(way.1).map(|(from, to)| to - from);
-        let [below, above] = [low, high].map(|share| {
-            let inputs: Vec<f64> = at(way.0, way.1, share).chain(direction()).collect();
+        let direction: Vec<f64> = way.0.iter().zip(way.1).map(|(from, to)| to - from).collect();
+        let [below, above] = [low, high].map(|share| between(way.0, way.1, share).collect::<Vec<f64>>());
+        self.change_from([&below, &above], &direction)
+    }
+
+    /// Change and size of the results, and of their rates along a direction, between two lists of arguments.
+    fn change_from(&self, ends: [&[f64]; 2], direction: &[f64]) -> Change {
+        let [below, above] = ends.map(|inputs| {
             let mut results = vec![0.0; self.course.outputs()];
-            self.course.run(&inputs, &mut results, &mut ProgramWork::default());
+            self.course.run(&[inputs, direction].concat(), &mut results, &mut ProgramWork::default());
             results
         });
         let count = below.len() / 2;
@@ -410,7 +583,8 @@ impl Change {
     }
 }
 
-fn at(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64> {
+/// Numbers at a share of the straight way between two lists.
+pub fn between(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64> {
     from.iter().zip(to).map(move |(from, to)| from + share * (to - from))
 }
 

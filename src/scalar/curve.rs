@@ -3,6 +3,10 @@ use super::slopes::{monotone_slopes, natural_slopes};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+/// Knots of a monotone table of time that steps still end at: its second derivative jumps there, which costs methods above third order their
+/// order; ends of steps at each of many knots would cost more. With a few more knots than this `esdirk4` is of order 3.3 (study `signals`).
+pub const MOST_BREAKPOINTS: usize = 100;
+
 /// How values are joined between knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolant {
@@ -14,6 +18,8 @@ pub enum Interpolant {
     Smooth,
     /// Straight lines, constant beyond the ends.
     Lines,
+    /// Straight lines, which go on beyond the ends.
+    LinesOn,
     /// The value of the last knot that was passed, before the first one its value.
     Steps,
 }
@@ -24,13 +30,13 @@ impl Interpolant {
         match self {
             Interpolant::Monotone => monotone_slopes(knots, values),
             Interpolant::Smooth => natural_slopes(knots, values),
-            Interpolant::Lines | Interpolant::Steps => Vec::new(),
+            Interpolant::Lines | Interpolant::LinesOn | Interpolant::Steps => Vec::new(),
         }
     }
 
     /// Whether the value or the slope jumps at the knots.
     pub fn has_kinks(self) -> bool {
-        matches!(self, Interpolant::Lines | Interpolant::Steps)
+        matches!(self, Interpolant::Lines | Interpolant::LinesOn | Interpolant::Steps)
     }
 }
 
@@ -43,13 +49,14 @@ pub struct Curve {
     /// The last knot belongs to the piece on its left.
     is_closed: bool,
     has_kinks: bool,
+    has_breakpoints: bool,
 }
 
 impl Hash for Curve {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let numbers = self.knots.iter().chain(self.pieces.as_flattened());
         numbers.for_each(|number| number.to_bits().hash(state));
-        (self.is_closed, self.has_kinks).hash(state);
+        (self.is_closed, self.has_kinks, self.has_breakpoints).hash(state);
     }
 }
 
@@ -90,32 +97,46 @@ impl Curve {
             let secant = (values[k + 1] - y) / h;
             match interpolant {
                 Interpolant::Steps => [y, 0.0, 0.0, 0.0],
-                Interpolant::Lines => [y, secant, 0.0, 0.0],
+                Interpolant::Lines | Interpolant::LinesOn => [y, secant, 0.0, 0.0],
                 Interpolant::Monotone | Interpolant::Smooth => {
                     let [left, right] = [slope(k) - secant, slope(k + 1) - secant];
                     [y, slope(k), -(left + left + right) / h, (left + right) / (h * h)]
                 }
             }
         });
-        let end = |k: usize| [values[k], slope(k), 0.0, 0.0];
+        let slope_beyond = |k: usize| match interpolant {
+            Interpolant::LinesOn => {
+                let first = k.min(last - 1);
+                (values[first + 1] - values[first]) / (knots[first + 1] - knots[first])
+            }
+            _ => slope(k),
+        };
+        let end = |k: usize| [values[k], slope_beyond(k), 0.0, 0.0];
         let pieces = std::iter::once(end(0)).chain(inner).chain([end(last)]).collect();
         let has_kinks = interpolant.has_kinks();
-        Ok(Arc::new(Self::of_pieces(knots, pieces, !has_kinks).with_kinks(has_kinks)))
+        Ok(Arc::new(Self::of_pieces(knots, pieces, !has_kinks).joined_by(interpolant)))
     }
 
     /// Of its pieces, one more than knots.
     pub(crate) fn of_pieces(knots: &[f64], pieces: Vec<[f64; 4]>, is_closed: bool) -> Self {
-        Curve { knots: knots.to_vec(), pieces, is_closed, has_kinks: false }
+        Curve { knots: knots.to_vec(), pieces, is_closed, has_kinks: false, has_breakpoints: false }
     }
 
-    /// Says whether what is made of it jumps or bends at its knots.
-    pub(crate) fn with_kinks(self, has_kinks: bool) -> Self {
-        Curve { has_kinks, ..self }
+    /// Says how smooth what is made of it is at its knots.
+    pub(crate) fn joined_by(self, interpolant: Interpolant) -> Self {
+        let has_kinks = interpolant.has_kinks();
+        let curvature_jumps = interpolant == Interpolant::Monotone && self.knots.len() <= MOST_BREAKPOINTS;
+        Curve { has_kinks, has_breakpoints: has_kinks || curvature_jumps, ..self }
     }
 
     /// The knots.
     pub fn knots(&self) -> &[f64] {
         &self.knots
+    }
+
+    /// Slopes before the first knot and behind the last.
+    pub(crate) fn slopes_beyond(&self) -> [f64; 2] {
+        [self.pieces[0][1], self.pieces[self.pieces.len() - 1][1]]
     }
 
     /// The highest power that a piece has.
@@ -126,6 +147,11 @@ impl Curve {
     /// Whether value or slope jump at the knots.
     pub(crate) fn has_kinks(&self) -> bool {
         self.has_kinks
+    }
+
+    /// Whether steps end at its knots where it is a function of time.
+    pub(crate) fn has_breakpoints(&self) -> bool {
+        self.has_breakpoints
     }
 
     /// Number of the piece at `t`, from 0 before the first knot on.

@@ -27,7 +27,7 @@ mod vector;
 
 pub use complex::COMPLEX_STEP;
 pub(crate) use curve::check_knots;
-pub use curve::{Curve, Interpolant};
+pub use curve::{Curve, Interpolant, MOST_BREAKPOINTS};
 pub use duals::{TANGENTS, Tangents};
 pub(crate) use moving::Moving;
 pub(crate) use real::larger;

@@ -42,12 +42,14 @@ pub use thin_walls::{Extrusion, Profile, ThinWalls};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};
+use crate::elements::bodies::inertia_tensor::{self, Inadmissible};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::entries::{Given, Placed};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
+use crate::integrators::Table;
 use crate::program::Recorded;
-use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 use std::collections::{HashMap, HashSet};
 
@@ -186,7 +188,11 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A node of coordinates that the scene's own elements give a meaning to, with their rates.
     pub fn coordinates(&mut self, name: &str, q: &[S], v: &[S]) -> NodeId {
-        let node = self.add_node(name, NodeKind::Coordinates(q.len()), false, q);
+        self.with_rates(name, NodeKind::Coordinates(q.len()), q, v)
+    }
+
+    fn with_rates(&mut self, name: &str, kind: NodeKind, q: &[S], v: &[S]) -> NodeId {
+        let node = self.add_node(name, kind, false, q);
         if q.len() != v.len() {
             self.mistakes.push(format!("\"{name}\" has {} coordinates but {} velocities", q.len(), v.len()));
         }
@@ -197,12 +203,32 @@ impl<S: Scalar> MechanismBuilder<S> {
         node
     }
 
-    /// A node whose rates are states z of first order, with their start: an element of one's own gives z' = f, by the residual a - f with
-    /// z = v. They have no energy; an equilibrium at which a motion begins leaves them as they are given.
+    /// A node of states z of first order ([`NodeKind::States`]), with their start: an element of one's own gives z' = f, by the residual a - f with
+    /// z = v. They have no energy. An equilibrium at which a motion begins finds them with the coordinates, f = 0: the start is where the search
+    /// begins, and stays what a state has that no other number of the equilibrium depends on, or whose rate depends on none of these.
     pub fn states(&mut self, name: &str, initial: &[S]) -> NodeId {
-        let node = self.coordinates(name, &vec![S::zero(); initial.len()], initial);
-        self.model.states.push(node);
-        node
+        self.with_rates(name, NodeKind::States(initial.len()), &vec![S::zero(); initial.len()], initial)
+    }
+
+    /// The mechanism as an integrator sees it: in statics states of first order are unknowns like coordinates.
+    pub(super) fn for_table(mut self, table: &Table) -> Self {
+        let states: Vec<usize> = self.model.state_dofs().collect();
+        if states.is_empty() || !table.is_static() {
+            return self;
+        }
+        let ModelNumbers { q, v, .. } = &mut self.numbers;
+        states.iter().for_each(|&dof| q[dof] = std::mem::replace(&mut v[dof], S::zero()));
+        let functionals = std::mem::take(&mut self.functionals).into_iter().map(|mut own| {
+            if let Measured::Local { nodes, constraints, parameters, quantity } = own.measured {
+                let dofs = nodes.iter().flat_map(|node| self.model.nodes[node.0].dofs.clone());
+                let places = dofs.enumerate().filter(|(_, dof)| states.contains(dof)).map(|(place, _)| place).collect();
+                own.measured = Measured::Local { nodes, constraints, parameters, quantity: quantity.at_rest(places) };
+            }
+            own
+        });
+        self.functionals = functionals.collect();
+        self.model = self.model.with_states_as_coordinates();
+        self
     }
 
     /// The ground: a body at the origin that never moves.
@@ -219,7 +245,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Gives a node a velocity [m/s] and, if it is a body or a cable's node, an angular velocity in world components [rad/s].
     pub fn set_velocity(&mut self, node: NodeId, velocity: Vector3<S>, omega_world: Vector3<S>) {
         let Some(kind) = self.kind_of("set_velocity", node) else { return };
-        if let NodeKind::Coordinates(_) = kind {
+        if kind.in_space().is_none() {
             let name = &self.model.nodes[node.0].name;
             self.mistakes
                 .push(format!("\"{name}\" has no place in space: give the rates of its coordinates where it is made"));
@@ -410,7 +436,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Inertia of a body, in Euler parameters or natural coordinates: mass \[kg\], mass centre in the body frame \[m\], tensor about it
     /// (xx, yy, zz, xy, xz, yz) [kg m2].
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
-        self.check_inertia(name, inertia.map(Scalar::value));
+        let inertia = self.checked_inertia(name, mass, centre, inertia);
         let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
         let kind = self.kind_of(name, node).map(|_| self.asked(name, &[node], |given| given.body(0)));
         let law = if kind == Some(NodeKind::Natural) { NaturalBody.into() } else { RigidBody.into() };
@@ -419,28 +445,32 @@ impl<S: Scalar> MechanismBuilder<S> {
         body
     }
 
-    /// Principal moments of a body are not negative, and none exceeds the sum of the other two; rods and plates stand at these limits.
-    fn check_inertia(&mut self, name: &str, inertia: [f64; 6]) {
-        let [xx, yy, zz, xy, xz, yz] = inertia;
+    /// A tensor whose principal moments are those of a body, and where a moment of it is negative by round-off, zero.
+    fn checked_inertia(&mut self, name: &str, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> [S; 6] {
+        let (weight, place, values) =
+            (mass.value(), Vector3::from_f64(centre.components().map(Scalar::value)), inertia.map(Scalar::value));
         // what is not finite is told with the other parameters
-        if inertia.iter().any(|entry| !entry.is_finite()) {
-            return;
+        if ![&[weight], &place.components()[..], &values].concat().iter().all(|number| number.is_finite()) {
+            return inertia;
         }
-        let mut moments: [f64; 3] = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues().into();
-        moments.sort_by(f64::total_cmp);
-        let [least, middle, largest] = moments;
-        let (excess, round_off) = (largest - middle - least, 1e-9 * largest.abs().max(least.abs()));
-        let why = if least < -round_off {
-            "none can be negative".to_string()
-        } else if excess > round_off {
-            format!("the largest exceeds the sum of the others by {excess:.3e}, which no body's does")
-        } else {
-            return;
-        };
-        self.mistakes.push(format!(
-            "the inertia of \"{name}\" has the principal moments {least:.3e}, {middle:.3e} and {largest:.3e} kg m2: {why}; give the tensor \
-             about the mass centre in body axes, products with the sign of its entries"
-        ));
+        if let Err(Inadmissible { moments: [least, middle, largest], .. }) = inertia_tensor::check(weight, place, values) {
+            let why = match least < 0.0 {
+                true => "none can be negative".into(),
+                false => format!(
+                    "the largest exceeds the sum of the others by {:.3e}, which no body's does",
+                    largest - middle - least
+                ),
+            };
+            self.mistakes.push(format!(
+                "the inertia of \"{name}\" has the principal moments {least:.3e}, {middle:.3e} and {largest:.3e} kg m2: {why}; give the \
+                 tensor about the mass centre in body axes, products with the sign of its entries"
+            ));
+        }
+        let round_off = inertia_tensor::round_off(weight, place, values);
+        std::array::from_fn(|k| match values[k] {
+            moment if k < 3 && (-round_off..0.0).contains(&moment) => inertia[k] - S::from(moment),
+            _ => inertia[k],
+        })
     }
 
     /// A mass \[kg\] at a point.

@@ -2,7 +2,8 @@ use super::{ModeMeasure, Prepared};
 use crate::assembly::RestingModel;
 use crate::design::{DesignChain, ModelNumbers};
 use crate::integrators::{
-    Mode, ModeGroup, Problem, RunError, SAME_MODE, complex_modes, is_cut, mode_vectors, value_of, vibrations,
+    Mode, ModeGroup, Modes, Problem, RunError, SAME_MODE, Systems, complex_modes, is_cut, mode_vectors, staying_states,
+    value_of, vibrations,
 };
 use crate::scalar::Complex64;
 use crate::sensitivity::{Still, ValueBars, value_rates};
@@ -27,8 +28,10 @@ pub struct DifferentiatedModes {
     pub q: Vec<f64>,
     /// The modes.
     pub modes: Vec<Mode>,
-    /// For each mode; `None` for a rigid motion.
+    /// For each mode; `None` for a rigid motion. Empty where they were not asked for.
     pub gradients: Vec<Option<ModeGradient>>,
+    /// Whether it is proved that no mode is missing before the last one, or at all where fewer were found than asked for.
+    pub proved: bool,
 }
 
 /// Modes that are looked for beyond those asked for, so that none of several with one value is missing.
@@ -41,28 +44,31 @@ impl Prepared<'_> {
     /// # Errors
     /// As for these; vectors that do not settle, modes that meet and become one, and an equilibrium that does not follow from its equations.
     pub fn modes_with_gradients(&self, count: usize, damped: bool) -> Result<DifferentiatedModes, RunError> {
-        let (start, plan, t) = self.still_state()?;
         let is_damped = damped || self.spin_rate().is_some();
-        let frame = self.model().in_frame();
-        let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
+        let (frame, start, plan, t) = self.still_state()?;
+        let vibrating = if is_damped { frame.model.clone() } else { frame.model.with_states_held() };
+        let problem = Problem { model: &vibrating, p: frame.parameters(&self.mechanism.numbers.p), start };
         let find = if is_damped { complex_modes } else { vibrations };
         let mut sought = count + BEYOND;
-        let mut modes = find(&problem, &self.method, &plan, t, sought)?;
-        while modes.len() >= sought && is_cut(&modes, count) {
+        let mut found = find(&problem, &self.method, &plan, t, sought)?;
+        while found.list.len() >= sought && is_cut(&found.list, count) {
             sought *= 2;
-            modes = find(&problem, &self.method, &plan, t, sought)?;
+            found = find(&problem, &self.method, &plan, t, sought)?;
         }
+        let Modes { list: mut modes, proved } = found;
         let asked = count.min(modes.len());
         let vectors = mode_vectors(&problem, &self.method, &plan, t, (&modes, asked), is_damped)?;
         let chain = self.analysis().checked_chain(&self.x)?;
+        let is_free = !staying_states(&self.problem()).is_empty();
         let still = Still {
             vectors: &vectors,
+            system: Systems::new(&frame.model, &self.method.unreduced(), &plan.dropped).plain,
             p: &problem.p,
             active: &frame.parameters(&chain.active_parameters()),
             method: &self.method,
             t,
             is_damped,
-            has_rigid_motions: modes.iter().any(|mode| mode.frequency == 0.0 && mode.growth == 0.0),
+            is_free: is_free || modes.iter().any(|mode| mode.frequency == 0.0 && mode.growth == 0.0),
         };
         let mut gradients: Vec<Option<ModeGradient>> = vec![None; asked];
         for (group, bars) in vectors.groups.iter().zip(still.gradients()?) {
@@ -71,12 +77,9 @@ impl Prepared<'_> {
             own.for_each(|(&place, own)| gradients[place] = Some(own));
         }
         modes.truncate(asked);
-        Ok(DifferentiatedModes { q: problem.start.q, modes, gradients })
+        Ok(DifferentiatedModes { q: problem.start.q, modes, gradients, proved })
     }
 }
-
-/// Modes that are looked for beyond the numbers that are asked for: so many do not count, as rigid motions.
-const RIGID: usize = 6;
 
 /// Whether two modes have one value.
 fn is_same(one: &Mode, other: &Mode) -> bool {
@@ -84,7 +87,7 @@ fn is_same(one: &Mode, other: &Mode) -> bool {
 }
 
 /// A mode, with its derivatives where they were asked for.
-type Vibrating = (Mode, Option<ModeGradient>);
+type Measured = (Mode, Option<ModeGradient>);
 
 impl Prepared<'_> {
     /// What is measured of modes.
@@ -92,32 +95,35 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::complex_modes_with_state`]; fewer modes than that.
     pub(crate) fn measured_modes(&self, measures: &[ModeMeasure]) -> Result<Vec<f64>, RunError> {
-        let value = |modes: &[Vibrating], measure: &ModeMeasure| {
-            let mode = &modes[measure.number - 1].0;
-            if measure.growth { mode.growth } else { mode.frequency }
-        };
-        self.measured(measures, &value, &|count, damped| {
-            let damped = damped || self.spin_rate().is_some();
-            let found = if damped { self.complex_modes_with_state(count) } else { self.modes_with_state(count) };
-            Ok(DifferentiatedModes { q: Vec::new(), modes: found?.1, gradients: Vec::new() })
+        self.measured(measures, &|modes, measure| Ok(measure.value(&modes[measure.number - 1].0)), &|count, damped| {
+            self.modes_at_rest(count, damped || self.spin_rate().is_some())
         })
     }
 
     /// Its derivatives by all design variables.
     ///
     /// # Errors
-    /// As for [`Prepared::modes_with_gradients`].
+    /// As for [`Prepared::modes_with_gradients`]; rigid motions, whose frequency has no derivative.
     pub(crate) fn measured_modes_by_design(&self, measures: &[ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
-        let row = |modes: &[Vibrating], measure: &ModeMeasure| {
-            let own = &modes[measure.number - 1].0;
-            let equal = |(mode, _): &&Vibrating| is_same(mode, own);
+        let row = |modes: &[Measured], measure: &ModeMeasure| {
+            let (own, gradient) = &modes[measure.number - 1];
+            if gradient.is_none() {
+                let ModeMeasure { name, number, .. } = measure;
+                let first = modes.iter().position(|own| own.1.is_some());
+                let first = first
+                    .map_or("there is no other".into(), |first| format!("the first that is none is mode {}", first + 1));
+                return Err(RunError::Input(format!(
+                    "\"{name}\" is of mode {number}, a rigid motion here, which has no derivative: {first} (`costate modes` numbers them)"
+                )));
+            }
+            let equal = |(mode, _): &&Measured| is_same(mode, own);
             let group: Vec<&ModeGradient> = modes.iter().filter(equal).filter_map(|own| own.1.as_ref()).collect();
             let mut mean = vec![0.0; self.x.len()];
             for gradient in &group {
-                let rates = if measure.growth { &gradient.growth } else { &gradient.frequency };
+                let rates = measure.rates(own, gradient);
                 mean.iter_mut().zip(rates).for_each(|(mean, rate)| *mean += rate / group.len() as f64);
             }
-            mean
+            Ok(mean)
         };
         self.measured(measures, &row, &|count, damped| self.modes_with_gradients(count, damped))
     }
@@ -126,35 +132,34 @@ impl Prepared<'_> {
     fn measured<T>(
         &self,
         measures: &[ModeMeasure],
-        make: &dyn Fn(&[Vibrating], &ModeMeasure) -> T,
+        make: &dyn Fn(&[Measured], &ModeMeasure) -> Result<T, RunError>,
         find: &dyn Fn(usize, bool) -> Result<DifferentiatedModes, RunError>,
     ) -> Result<Vec<T>, RunError> {
         let mut all: Vec<Option<T>> = measures.iter().map(|_| None).collect();
         for damped in [false, true] {
             let own = || measures.iter().enumerate().filter(|(_, own)| own.damped == damped);
-            let Some(last) = own().max_by_key(|(_, own)| own.number) else { continue };
-            let mut count = last.1.number + RIGID;
-            let vibrating = loop {
-                let DifferentiatedModes { modes, mut gradients, .. } = find(count, damped)?;
+            let Some((_, last)) = own().max_by_key(|(_, own)| own.number) else { continue };
+            let mut count = last.number + BEYOND;
+            let modes = loop {
+                let DifferentiatedModes { modes, mut gradients, proved, .. } = find(count, damped)?;
                 gradients.resize(modes.len(), None);
                 let is_all = modes.len() < count;
-                let both = modes.into_iter().zip(gradients);
-                let vibrating: Vec<_> = both.filter(|(mode, _)| mode.frequency > 0.0).collect();
+                let modes: Vec<Measured> = modes.into_iter().zip(gradients).collect();
+                let Some((own, _)) = modes.get(last.number - 1) else {
+                    let ModeMeasure { name, number, .. } = last;
+                    let there = if proved { "there are" } else { "those found are" };
+                    let words = format!("\"{name}\" is of mode {number}; {there} only {}", modes.len());
+                    return Err(RunError::Input(words));
+                };
                 // with all that have its value
-                let own = vibrating.get(last.1.number - 1).zip(vibrating.last());
-                if own.is_some_and(|(own, end)| is_all || !is_same(&own.0, &end.0)) {
-                    break vibrating;
-                }
-                if is_all {
-                    let ModeMeasure { name, number, .. } = last.1;
-                    return Err(RunError::Input(format!(
-                        "\"{name}\" is of mode {number}; there are {} that vibrate",
-                        vibrating.len()
-                    )));
+                if is_all || modes.last().is_some_and(|(end, _)| !is_same(own, end)) {
+                    break modes;
                 }
                 count *= 2;
             };
-            own().for_each(|(place, measure)| all[place] = Some(make(&vibrating, measure)));
+            for (place, measure) in own() {
+                all[place] = Some(make(&modes, measure)?);
+            }
         }
         Ok(all.into_iter().flatten().collect())
     }
@@ -164,7 +169,9 @@ impl Prepared<'_> {
 fn by_design(chain: &DesignChain, frame: &RestingModel, ValueBars { p, q }: &ValueBars) -> [Vec<f64>; 2] {
     let numbers = chain.real();
     [0, 1].map(|part| {
-        let mut bar = ModelNumbers { p: vec![0.0; numbers.p.len()], q: q[part].clone(), v: vec![0.0; numbers.v.len()] };
+        let zeros = |list: &[f64]| vec![0.0; list.len()];
+        let mut bar = ModelNumbers { p: zeros(&numbers.p), q: zeros(&numbers.q), v: zeros(&numbers.v) };
+        frame.set_motion(&q[part], &mut bar.q, &mut bar.v);
         frame.add_gradient(&p[part], &mut bar.p);
         chain.gradient(&bar)
     })

@@ -5,6 +5,8 @@ mod differentiated_modes;
 mod facets;
 #[cfg(feature = "files")]
 pub mod file;
+mod fingerprint;
+mod folder_name;
 mod gmsh;
 mod joint_ends;
 mod mesh_data;
@@ -37,6 +39,11 @@ pub use builder::{
 pub use differentiated_modes::{DifferentiatedModes, ModeGradient};
 #[cfg(feature = "files")]
 pub use file::FileScene;
+pub(crate) use fingerprint::{fingerprint, whole_number};
+#[cfg(any(feature = "files", feature = "cli"))]
+pub(crate) use folder_name::check_folders;
+#[cfg(feature = "cli")]
+pub(crate) use folder_name::{COMPARISON, folder_name};
 pub use gmsh::{parse_gmsh, read_gmsh};
 pub use joint_ends::JointEnd;
 pub use mesh_data::{FilePlace, MeshData};
@@ -45,6 +52,7 @@ pub(crate) use mode_measure::check_modes;
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use periodic_modes::PeriodicModes;
 pub use prepared::Prepared;
+pub(crate) use prepared::{OF_QUOTIENTS, SCATTER};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 use scene::built;
 pub use scene::{AnyScene, Output, Scenario, Scene, Settings};

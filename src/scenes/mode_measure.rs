@@ -1,18 +1,19 @@
+use super::ModeGradient;
 use crate::functionals::Functional;
-use crate::integrators::RunError;
+use crate::integrators::{Mode, RunError};
 
 /// A number of a mode of small vibrations about the start of a scene or its equilibrium: runs and sweeps measure it beside their functionals, and
 /// the objective and limits of optimizations may name it as they do these.
 ///
-/// The mode is the one that has this number at each design: where two cross, a limit has a kink. Of several modes with one value the gradient
-/// is that of their mean.
+/// The mode is the one that has this number at each design, with those that topple counted first: where two cross, a limit has a kink, and none on
+/// the first frequency is met by the second. Of several modes with one value the gradient is that of their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModeMeasure {
     /// What it is called.
     pub name: String,
-    /// Which mode, from 1: as `costate modes` lists them, without rigid motions and those that do not vibrate.
+    /// Which mode, from 1: as `costate modes` numbers them, rigid motions and unstable ones among them.
     pub number: usize,
-    /// Its growth [1/s] instead of its omega [rad/s].
+    /// Its growth [1/s] instead of its omega [rad/s], for which of one that topples minus its growth stands: -sqrt(-omega^2).
     pub growth: bool,
     /// With dampers, states of first order and what else depends on velocities; about a steady turn that is always so.
     pub damped: bool,
@@ -22,6 +23,24 @@ impl ModeMeasure {
     /// omega \[rad/s\] of a mode without damping.
     pub fn frequency(name: &str, number: usize) -> Self {
         ModeMeasure { name: name.into(), number, growth: false, damped: false }
+    }
+
+    /// The number of a mode.
+    pub(crate) fn value(&self, mode: &Mode) -> f64 {
+        match (self.growth, mode.topples()) {
+            (true, _) => mode.growth,
+            (false, true) => -mode.growth,
+            (false, false) => mode.frequency,
+        }
+    }
+
+    /// Its derivatives by all design variables.
+    pub(super) fn rates(&self, mode: &Mode, gradient: &ModeGradient) -> Vec<f64> {
+        match (self.growth, mode.topples()) {
+            (true, _) => gradient.growth.clone(),
+            (false, true) => gradient.growth.iter().map(|own| -own).collect(),
+            (false, false) => gradient.frequency.clone(),
+        }
     }
 
     /// Its unit.

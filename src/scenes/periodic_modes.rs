@@ -2,7 +2,8 @@ use super::Prepared;
 use crate::assembly::Model;
 use crate::elements::NodeKind;
 use crate::integrators::{Crossing, Mode, RunError, SwitchKind};
-use crate::linalg::eigenpairs;
+use crate::linalg::{eigenpairs, least_singular_value};
+use crate::scalar::Complex64;
 use crate::sensitivity::Transition;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -31,6 +32,8 @@ const NOT_PERIODIC: f64 = 1e-3;
 const OUTSIDE: f64 = 1e-5;
 /// Share of the largest multiplier below which one is round-off.
 const FADED: f64 = 1e-13;
+/// Difference of a multiplier's size from 1 that round-off may make of several equal ones.
+const NEAR: f64 = 1e-3;
 
 impl Prepared<'_> {
     /// Modes about the motion of a run, which must repeat itself with the run's duration as period: of rotors whose blades see another support, load or
@@ -57,7 +60,7 @@ impl Prepared<'_> {
         let period = last - first;
         let signs = signs_at_end(self.model(), &transition);
         let gap = self.gap(&transition, &signs)?;
-        let map = returned(&transition, &signs)?;
+        let (map, round_off) = returned(&transition, &signs, self.grid.steps())?;
         let pairs = eigenpairs(map.nrows(), |i, j| map[(i, j)]);
         let mut pairs = pairs.ok_or_else(|| RunError::Input("the modes of the period do not converge".into()))?;
         let size = |[re, im]: [f64; 2]| re.hypot(im);
@@ -70,7 +73,15 @@ impl Prepared<'_> {
             let [re, im] = pair.value;
             let parts = pair.vector.each_ref().map(|part| &transition.basis * DVector::from_column_slice(part));
             let [shape, ahead] = shape(self.model().dofs, &transition.places[0], parts);
-            Mode { frequency: im.atan2(re).abs() / period, growth: size(pair.value).ln() / period, shape, ahead }
+            let size = size(pair.value);
+            // a map that differs by round-off may have a value of size 1 there: of two equal values they are far from it
+            let is_neutral = || {
+                let value = Complex64::new(re, im) / size;
+                let shifted = map.map(Complex64::from) - DMatrix::from_diagonal_element(map.nrows(), map.nrows(), value);
+                least_singular_value(shifted) <= round_off
+            };
+            let growth = if (size - 1.0).abs() < NEAR && is_neutral() { 0.0 } else { size.ln() / period };
+            Mode { frequency: im.atan2(re).abs() / period, growth, shape, ahead }
         });
         let modes = modes.collect();
         let (kinks, q) = (std::mem::take(&mut transition.crossings), transition.ends[0].q.clone());
@@ -117,8 +128,9 @@ impl Prepared<'_> {
     }
 }
 
-/// What the changes at the end are in terms of those of the start.
-fn returned(transition: &Transition, signs: &[f64]) -> Result<DMatrix<f64>, RunError> {
+/// What the changes at the end are in terms of those of the start, and by how much round-off changes that: a unit of the last digit for each step
+/// and each direction, and what lies outside of the changes that are possible at the start.
+fn returned(transition: &Transition, signs: &[f64], steps: usize) -> Result<(DMatrix<f64>, f64), RunError> {
     let Transition { places, basis, changed, .. } = transition;
     let rows: Vec<f64> = places.iter().flatten().map(|&place| signs[place]).collect();
     let turned = DMatrix::from_fn(changed.nrows(), changed.ncols(), |i, j| rows[i] * changed[(i, j)]);
@@ -127,7 +139,8 @@ fn returned(transition: &Transition, signs: &[f64]) -> Result<DMatrix<f64>, RunE
     let map = inverse * &turned;
     let outside = (basis * &map - &turned).amax();
     if outside <= OUTSIDE * turned.amax() {
-        return Ok(map);
+        let round_off = (steps + map.nrows()) as f64 * f64::EPSILON * map.norm() + outside;
+        return Ok((map, round_off));
     }
     Err(RunError::Input(format!(
         "at the end of the period changes of the state are none that the constraints allow at its start, by {outside:.1e} of {:.1e}: take more steps",

@@ -2,7 +2,7 @@ use super::builder::MechanismBuilder;
 use super::scene::{AnyScene, Settings};
 use super::unknown;
 use crate::assembly::{Attached, Model, VectorsAvq};
-use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
+use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated, shortest};
 use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
@@ -13,7 +13,7 @@ use crate::integrators::{
 use crate::linalg::{Factorization, SolverPlan};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
-use crate::sensitivity::{Analysis, largest_difference};
+use crate::sensitivity::{Analysis, Breakpoints, largest_difference};
 use std::ops::Range;
 
 /// A scene at one design, ready to run: built, checked, with its steps laid out.
@@ -38,6 +38,20 @@ pub struct Prepared<'s> {
     pub plan: StartPlan,
     /// How runs keep their steps for gradients: in memory unless it is changed.
     pub keep: Keep,
+}
+
+/// How many times the effect of a rounding of the variables two derivatives may be apart.
+pub(crate) const SCATTER: f64 = 4.0;
+/// Largest relative difference between gradients and difference quotients of runs that passes. Where roundings change complex steps by more, these
+/// show nothing that quotients do not.
+pub(crate) const OF_QUOTIENTS: f64 = 1e-6;
+
+/// A run beside a design.
+pub(crate) struct Nearby {
+    /// Values of the functionals.
+    pub values: Vec<f64>,
+    /// Their complex-step gradients.
+    pub rows: Vec<Vec<f64>>,
 }
 
 impl<'s> Prepared<'s> {
@@ -91,8 +105,7 @@ impl<'s> Prepared<'s> {
                 method.table.name
             )));
         }
-        let mechanism = scene.build_real(x).map_err(RunError::Input)?;
-        let breakpoints = mechanism.breakpoints();
+        let mechanism = scene.build_real(x).map_err(RunError::Input)?.for_table(&method.table);
         let Settings { end, steps, control, divide, mut policy, .. } = settings;
         // load steps lead to equilibria themselves
         policy.from_equilibrium &= !method.table.is_static();
@@ -100,13 +113,28 @@ impl<'s> Prepared<'s> {
             control.check(&method.table)?;
         }
         let steps = if control.is_some() { 1 } else { steps };
-        let grid = TimeGrid::uniform(end, steps, &breakpoints).map_err(RunError::Input)?;
+        let breakpoints = mechanism.all_breakpoints(end).map_err(RunError::Input)?;
+        if let Some(own) = breakpoints.all().iter().find(|own| own.is_constraint && own.kind.is_some() && own.at.t > 0.0) {
+            let (name, t) = (&own.part, shortest(own.at.t));
+            return Err(RunError::Input(format!(
+                "the motion that \"{name}\" prescribes or its rate would jump at t = {t} s; give it a smooth ramp or a table"
+            )));
+        }
+        let grid = TimeGrid::uniform(end, steps, &breakpoints.times()).map_err(RunError::Input)?;
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
         let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, divide, plan, keep };
         prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
         match prepared.functionals().iter().find_map(|functional| functional.refused(prepared.model())) {
             Some(why) => Err(RunError::Input(why)),
             None => Ok(prepared),
+        }
+    }
+
+    /// Takes the steps that were laid for another design of the scene, so that the number of those between two breakpoints does not change from
+    /// design to design, and values with it.
+    pub(crate) fn keep_steps_of(&mut self, other: &TimeGrid) {
+        if self.grid.is_of_same_run(other) {
+            self.grid = other.clone();
         }
     }
 
@@ -154,38 +182,53 @@ impl<'s> Prepared<'s> {
         factorization.map(|factorization| factorization.plan()).map_err(|singular| RunError::of_pattern("start", singular))
     }
 
-    /// Complex-step gradients at designs next to this one, variables a rounding up or down in four patterns: how far these are apart
-    /// is what no check of a derivative can see. Stiff members make it large, as a rounding of their length is a force.
+    /// Values and complex-step gradients at designs next to this one, variables a rounding of their size up or down in four patterns: how far
+    /// these are apart is what no check of a derivative can see. Stiff members make it large, as a rounding of their length is a force.
     ///
     /// # Errors
     /// Those of the runs.
-    pub fn complex_steps_nearby(&self) -> Result<[Vec<Vec<f64>>; 4], RunError> {
-        let at = |is_up: fn(usize) -> bool| -> Result<Vec<Vec<f64>>, RunError> {
-            let next = |i: usize, x: f64| if is_up(i) { x.next_up() } else { x.next_down() };
-            let moved = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| match next(i, x) {
-                next if x != 0.0 && next >= variable.lower && next <= variable.upper => next,
-                _ => x,
+    pub(crate) fn complex_steps_nearby(&self) -> Result<[Nearby; 4], RunError> {
+        let at = |is_up: fn(usize) -> bool| -> Result<Nearby, RunError> {
+            let next = |i: usize, x: f64, size: f64| match x {
+                0.0 if is_up(i) => f64::EPSILON * size,
+                0.0 => -f64::EPSILON * size,
+                _ if is_up(i) => x.next_up(),
+                _ => x.next_down(),
+            };
+            let moved = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| {
+                let next = next(i, x, variable.size(x));
+                if next >= variable.lower && next <= variable.upper { next } else { x }
             };
             let x: Vec<f64> = self.variables.iter().zip(&self.x).enumerate().map(moved).collect();
             let analysis = self.analysis();
             let forward = analysis.forward(&x)?;
-            Ok(analysis.complex_step(&x, &forward)?.rows)
+            let rows = analysis.complex_step(&x, &forward)?.rows;
+            Ok(Nearby { values: forward.values, rows })
         };
         Ok([at(|_| true)?, at(|_| false)?, at(|i| i % 2 == 0)?, at(|i| i % 2 == 1)?])
     }
 
     /// By how much the gradients of the functionals may differ from complex steps: by `least`, or by four times what a rounding of the
-    /// variables does ([`Self::complex_steps_nearby`]), as [`largest_difference`] measures it.
+    /// variables does to these ([`largest_difference`] of designs next to this one).
     ///
     /// # Errors
-    /// Those of the runs.
+    /// Those of the runs; a rounding that does so much that agreement would show nothing.
     pub fn gradient_limits(&self, least: f64) -> Result<Vec<f64>, RunError> {
         let nearby = self.complex_steps_nearby()?;
-        let apart = |k: usize| {
-            let pairs = nearby.iter().flat_map(|one| nearby.iter().map(move |other| (&one[k], &other[k])));
-            pairs.fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)))
+        let limit = |k: usize| {
+            let rows = nearby.each_ref().map(|run| &run.rows[k]);
+            let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| (one, other)));
+            let apart = SCATTER * pairs.fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)));
+            if apart > OF_QUOTIENTS {
+                let name = &self.functionals()[k].name;
+                return Err(RunError::Input(format!(
+                    "a rounding of the variables changes the complex-step derivatives of \"{name}\" by {:.1e} of them: agreement shows nothing",
+                    apart / SCATTER
+                )));
+            }
+            Ok(least.max(apart))
         };
-        Ok((0..self.functionals().len()).map(|k| least.max(4.0 * apart(k))).collect())
+        (0..self.functionals().len()).map(limit).collect()
     }
 
     /// The scene's dependence on its design.
@@ -209,7 +252,7 @@ impl<'s> Prepared<'s> {
         x: &[f64],
         built: Result<MechanismBuilder<S>, String>,
     ) -> Result<ModelNumbers<S>, String> {
-        let built = built?;
+        let built = built?.for_table(&self.method.table);
         // at its own design a scene has the options that it has
         let is_own = x.iter().map(|x| x.to_bits()).eq(self.x.iter().map(|x| x.to_bits()));
         let (ours, theirs) = (self.model(), &built.model);
@@ -245,9 +288,20 @@ impl<'s> Prepared<'s> {
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Times at which loads jump or drivers are not smooth.
-    pub fn breakpoints(&self) -> Vec<f64> {
-        self.model.breakpoints(&self.numbers.p.iter().map(|p| p.value()).collect::<Vec<f64>>())
+    /// Times of a run from 0 to `end` at which formulas jump or bend whatever the motion is, such as those of loads, drivers and states:
+    /// steps end there.
+    ///
+    /// # Errors
+    /// A part with more than a million of them.
+    pub fn breakpoints(&self, end: f64) -> Result<Vec<f64>, String> {
+        Ok(self.all_breakpoints(end)?.times())
+    }
+
+    fn all_breakpoints(&self, end: f64) -> Result<Breakpoints, String> {
+        let values = |numbers: &[S]| numbers.iter().map(|number| number.value()).collect();
+        let ModelNumbers { p, q, v } = &self.numbers;
+        let numbers = ModelNumbers { p: values(p), q: values(q), v: values(v) };
+        Breakpoints::of(&self.model, &self.functionals, &numbers, end)
     }
 }
 

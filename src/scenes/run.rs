@@ -6,7 +6,7 @@ use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::functionals::Sample;
 use crate::integrators::RunError;
 use crate::scalar::SpatialVector;
-use crate::sensitivity::{Forward, Gradient};
+use crate::sensitivity::{Forward, Gradient, SwitchError};
 
 /// A run of a prepared scene at its design.
 pub struct Run<'p> {
@@ -134,9 +134,13 @@ impl Run<'_> {
     /// Derivatives of all functionals by all design variables, by the discrete adjoint.
     ///
     /// # Errors
-    /// Those of [`Analysis::adjoint`](crate::sensitivity::Analysis::adjoint).
+    /// Those of [`Analysis::adjoint`](crate::sensitivity::Analysis::adjoint), and a gradient that a switch within a step makes
+    /// [wrong](crate::sensitivity::SwitchError).
     pub fn gradient(&self) -> Result<Gradient, RunError> {
-        self.prepared.analysis().adjoint(&self.prepared.x, &self.forward)
+        let analysis = self.prepared.analysis();
+        let gradient = analysis.adjoint(&self.prepared.x, &self.forward)?;
+        let switched = analysis.switch_errors(&self.forward, &gradient)?;
+        switched.iter().find_map(SwitchError::refused).map_or(Ok(gradient), |why| Err(RunError::Input(why)))
     }
 
     fn each(&self, see: impl FnMut(&Sample<f64>)) -> Result<(), RunError> {

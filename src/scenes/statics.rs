@@ -1,10 +1,10 @@
-use super::Prepared;
-use crate::assembly::VectorsAvq;
+use super::{DifferentiatedModes, Prepared};
+use crate::assembly::{Model, RestingModel, VectorsAvq};
 use crate::functionals::{Functional, Sample};
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan, StartRecord,
-    StepRecord, Vibration, complex_modes, follow_path, forces_turn, harmonic_response, march, march_adaptive,
-    march_dividing, resting_start, vibrations,
+    ArcLength, InitialState, Mode, Modes, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan,
+    StartRecord, StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
+    march_adaptive, march_dividing, resting_start, vibrations,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, SpatialVector, Vector3};
 
@@ -61,12 +61,14 @@ impl Prepared<'_> {
         Ok(last)
     }
 
-    /// Coordinates of the equilibrium at which the motion begins; those that the scene gives where it does not begin at one.
+    /// Coordinates of the equilibrium at which the motion begins, with the values of states of first order in the places of theirs; those that the
+    /// scene gives where it does not begin at one.
     ///
     /// # Errors
     /// An equilibrium that is not found.
     pub fn resting_start(&self) -> Result<Vec<f64>, RunError> {
-        resting_start(&self.problem(), &self.method, &self.plan)
+        let start = resting_start(&self.problem(), &self.method, &self.plan)?;
+        Ok(self.model().about_rest(false).coordinates(&start.q, &start.v))
     }
 
     /// Equilibria along their path, through limits of the load; the load factor is 0 at the start, whatever the method.
@@ -86,15 +88,18 @@ impl Prepared<'_> {
         Ok(self.modes_with_state(count)?.1)
     }
 
+    /// What vibrates about a state: its model in the frame of that, with parameters and start.
+    fn vibrating<'f>(&self, frame: &RestingModel, model: &'f Model, start: InitialState<f64>) -> Problem<'f, f64> {
+        Problem { model, p: frame.parameters(&self.mechanism.numbers.p), start }
+    }
+
     /// The same, with the coordinates about which they vibrate first.
     ///
     /// # Errors
     /// As for [`Prepared::modes`].
     pub fn modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
-        let (start, plan, load) = self.still_state()?;
-        let problem = Problem { start, ..self.problem() };
-        let modes = vibrations(&problem, &self.method, &plan, load, count)?;
-        Ok((problem.start.q, modes))
+        let found = self.modes_at_rest(count, false)?;
+        Ok((found.q, found.modes))
     }
 
     /// Lowest modes of small vibrations with dampers, states of first order and, about a steady turn, Coriolis and centrifugal forces in the frame
@@ -103,11 +108,21 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::modes`].
     pub fn complex_modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
-        let (start, plan, load) = self.still_state()?;
-        let frame = self.model().in_frame();
-        let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
-        let modes = complex_modes(&problem, &self.method, &plan, load, count)?;
-        Ok((problem.start.q, modes))
+        let found = self.modes_at_rest(count, true)?;
+        Ok((found.q, found.modes))
+    }
+
+    /// The modes of either, and whether it is proved that none is missing; their derivatives are by [`Prepared::modes_with_gradients`].
+    ///
+    /// # Errors
+    /// As for [`Prepared::modes`].
+    pub fn modes_at_rest(&self, count: usize, damped: bool) -> Result<DifferentiatedModes, RunError> {
+        let (frame, start, plan, load) = self.still_state()?;
+        let vibrating = if damped { frame.model.clone() } else { frame.model.with_states_held() };
+        let problem = self.vibrating(&frame, &vibrating, start);
+        let find = if damped { complex_modes } else { vibrations };
+        let Modes { list, proved } = find(&problem, &self.method, &plan, load, count)?;
+        Ok(DifferentiatedModes { q: problem.start.q, modes: list, gradients: Vec::new(), proved })
     }
 
     /// How what the functionals measure vibrates where a design variable d varies harmonically by a small d cos(omega t) about the equilibrium of
@@ -128,18 +143,19 @@ impl Prepared<'_> {
                 "\"{variable}\" is part of the steady turn itself: a response is that of vibrations about it"
             )));
         }
-        let (start, plan, load) = self.still_state()?;
+        let (frame, start, plan, load) = self.still_state()?;
         // a load that is zero turns with everything, and its change may not
         let more = SEEN * self.x[place].abs().max(1.0) / COMPLEX_STEP;
         let changed: Vec<f64> = varied.iter().map(|own| own.re + more * own.im).collect();
-        forces_turn(self.model(), &changed, &start.q)
+        let (mut q, mut v) = (start.q.clone(), start.v.clone());
+        frame.set_motion(&start.q, &mut q, &mut v);
+        forces_turn(self.model(), &changed, [&q, &v])
             .map_err(|error| RunError::Input(format!("with more of \"{variable}\" {error}")))?;
-        let frame = self.model().in_frame();
-        let problem = Problem { model: &frame.model, p: frame.parameters(&self.mechanism.numbers.p), start };
+        let problem = self.vibrating(&frame, &frame.model, start);
         let response = harmonic_response(&problem, &frame.parameters(&varied), &self.method, &plan, load, rates)?;
         let all = rates.iter().zip(&response.vibrations);
         Ok(all
-            .map(|(&omega, own)| self.measured_amplitudes((&response, &plan.dropped, load), &varied, (omega, own)))
+            .map(|(&omega, own)| self.measured_amplitudes(&frame, (&response, &plan.dropped, load), &varied, (omega, own)))
             .collect())
     }
 
@@ -160,6 +176,7 @@ impl Prepared<'_> {
     /// Complex amplitudes of what the functionals measure.
     fn measured_amplitudes(
         &self,
+        frame: &RestingModel,
         (response, dropped, t): (&Response, &[usize], f64),
         varied: &[Complex64],
         (omega, Vibration { x, mu }): (f64, &Vibration),
@@ -183,6 +200,7 @@ impl Prepared<'_> {
                 at.a[k] += coriolis[k] * 2.0 + centripetal[k];
                 at.v[k] += of_turn[k];
             }
+            frame.in_motion(&mut at);
             let mu = with(&response.mu, &mu[own], 1.0);
             let mut sample = Sample { t: t.into(), at, mu, dropped: dropped.to_vec(), ..Sample::empty() };
             sample.share(self.model(), p);
@@ -194,18 +212,23 @@ impl Prepared<'_> {
         self.functionals().iter().map(part).collect()
     }
 
-    /// The state about which things vibrate, with the equations that are left out there, and the load factor.
-    pub(super) fn still_state(&self) -> Result<(InitialState<f64>, StartPlan, f64), RunError> {
-        let mut start = self.problem().start;
+    /// The model of small motions, the state about which things vibrate, the equations that are left out there, and the load factor.
+    pub(super) fn still_state(&self) -> Result<(RestingModel, InitialState<f64>, StartPlan, f64), RunError> {
+        let (mut plan, mut load) = (self.plan.clone(), 0.0);
+        let mut start = resting_start(&self.problem(), &self.method, &plan)?;
         if self.method.table.is_static() {
-            let Equilibrium { load, q, dropped, .. } = self.equilibrium()?;
-            start.q = q;
-            return Ok((start, StartPlan { dropped, ..self.plan.clone() }, load));
+            let found = self.equilibrium()?;
+            (load, start.q, plan.dropped) = (found.load, found.q, found.dropped);
         }
-        if self.plan.equilibrium.is_some() {
-            start.q = self.resting_start()?;
+        let frame = self.model().about_rest(self.plan.equilibrium.is_some());
+        start.q = frame.coordinates(&start.q, &start.v);
+        self.model().state_dofs().for_each(|dof| start.v[dof] = 0.0);
+        if self.model().state_dofs().next().is_some() {
+            // undamped modes leave states where they are
+            let problem = self.vibrating(&frame, &frame.model, start.clone());
+            start.q = equilibrium_at(&problem, &self.method, &plan, load)?;
         }
-        Ok((start, self.plan.clone(), 0.0))
+        Ok((frame, start, plan, load))
     }
 
     /// The rate of the steady turn at which the motion begins [rad/s], if it begins with one.

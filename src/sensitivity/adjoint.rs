@@ -12,7 +12,8 @@ use crate::functionals::{
 };
 use crate::history::{History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
+    Carried, Combination, Counters, Method, Problem, RestingPlan, RunError, SolveRecord, StartRecord, StepRecord, Systems,
+    Table,
 };
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -145,8 +146,8 @@ impl<'m> Sweep<'m> {
                 carry(bases, &mut back);
             }
         }
-        if let (Some(record), Some(dropped)) = (&start.equilibrium, &rerun.plan.equilibrium) {
-            self.equilibrium(record, dropped, &mut back)?;
+        if let (Some(record), Some(plan)) = (&start.equilibrium, &rerun.plan.equilibrium) {
+            self.equilibrium(record, plan, &mut back)?;
         }
         let gradients = back
             .into_iter()
@@ -158,25 +159,31 @@ impl<'m> Sweep<'m> {
         Ok(AdjointRun { gradients, counters: self.counters })
     }
 
-    /// Back through the equilibrium at which a motion begins, without some equations of the model at rest.
-    fn equilibrium(&mut self, record: &SolveRecord<f64>, dropped: &[usize], back: &mut [Backward]) -> Result<(), RunError> {
-        let resting = self.problem.model.at_rest();
+    /// Back through the equilibrium at which a motion begins.
+    fn equilibrium(&mut self, record: &SolveRecord<f64>, plan: &RestingPlan, back: &mut [Backward]) -> Result<(), RunError> {
+        let resting = self.problem.model.at_rest(&plan.stays);
         let (model, p, active) = (&resting.model, resting.parameters(&self.problem.p), resting.parameters(self.active));
         let q = record.point().q;
         for Backward { carried, p: p_bar, .. } in &mut *back {
             let [q_bar, v_bar, ..] = &mut carried[..] else { continue };
             self.problem.model.spin_velocities_back((&q, &self.problem.p), [q_bar, v_bar, p_bar]);
         }
-        let system = Arc::new(System::new(model, self.method.system_options(dropped, false)));
+        let system = Arc::new(System::new(model, self.method.system_options(&plan.dropped, false)));
         let multipliers = system.multipliers();
         let mut solver = TransposedSolver::new(system, self.method, &active)?;
-        let bar = |back: &Backward| SolutionBar { x: back.carried[0].clone(), rate: Vec::new(), mu: vec![0.0; multipliers] };
+        let bar = |back: &Backward| {
+            let x = resting.coordinates(&back.carried[0], &back.carried[1]);
+            SolutionBar { x, rate: Vec::new(), mu: vec![0.0; multipliers] }
+        };
         let bars: Vec<SolutionBar> = back.iter().map(bar).collect();
         let mut own: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(model.parameters)).collect();
         let bases = solver.through(record, &p, &bars, &mut own, &mut self.counters)?;
         for ((back, own), base) in back.iter_mut().zip(own).zip(bases) {
-            add(&mut back.carried[0], 1.0, &base.q);
-            add(&mut back.carried[1], 1.0, &model.velocities_at_rest(&base.v));
+            let [q_bar, v_bar, ..] = &mut back.carried[..] else { continue };
+            let mut own_bar = resting.coordinates(q_bar, v_bar);
+            add(&mut own_bar, 1.0, &base.q);
+            add(&mut own_bar, 1.0, &resting.velocities(&base.v));
+            resting.set_motion(&own_bar, q_bar, v_bar);
             resting.add_gradient(&own.p, &mut back.p);
         }
         Ok(())

@@ -109,7 +109,7 @@ pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex64>>
 }
 
 impl<'m> Analysis<'m> {
-    fn problem<S>(&self, numbers: &ModelNumbers<S>) -> Problem<'m, S>
+    pub(super) fn problem<S>(&self, numbers: &ModelNumbers<S>) -> Problem<'m, S>
     where
         S: Clone,
     {
@@ -159,7 +159,7 @@ impl<'m> Analysis<'m> {
         refused.map_or(Ok(()), |why| Err(RunError::Input(why)))?;
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
         let are_given = self.control.is_none() && !divides;
-        let steps = self.grid.moved_to(&self.model.breakpoints(&numbers.p)).map_err(RunError::Input)?;
+        let steps = self.grid.moved_to(&self.breakpoints(&numbers)?.times()).map_err(RunError::Input)?;
         let signature = Signature::of(self);
         let run = self.fingerprint(&signature.laws, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;

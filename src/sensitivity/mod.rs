@@ -2,19 +2,24 @@
 
 mod adjoint;
 mod analysis;
+mod breakpoints;
 mod checks;
 mod mode_gradients;
 mod moving_steps;
 mod over_time;
 mod quotients;
+mod roundings;
 mod signature;
 mod solvers;
+mod switched;
 mod transition;
 mod transposed;
 
 pub use analysis::{Analysis, Forward, Gradient};
+pub(crate) use breakpoints::Breakpoints;
 pub use checks::{TaylorTest, largest_difference};
 pub(crate) use mode_gradients::{Still, ValueBars, value_rates};
 pub use over_time::GradientCourse;
 pub use quotients::Quotient;
+pub use switched::SwitchError;
 pub(crate) use transition::Transition;

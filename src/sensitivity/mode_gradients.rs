@@ -13,7 +13,7 @@
 //! goes back through the equilibrium.
 //!
 //! Where K is singular, as a body moves freely, (K + s M) goes back instead, again and again: what is left of the gradient in the end are rigid
-//! motions, which follow the start that the design gives.
+//! motions, and states without a rest of their own, which follow the start that the design gives.
 //!
 //! Source: Nelson, AIAA Journal 14 (1976); of modes of one value: Ojalvo, AIAA Journal 26 (1988), and Dailey, AIAA Journal 27 (1989).
 
@@ -26,15 +26,22 @@ use crate::integrators::{Amplitude, Counters, Method, ModeGroup, ModeVectors, Ru
 use crate::linalg::complex_eigenvalues;
 use crate::scalar::{COMPLEX_STEP, Complex64};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// Shift where something moves freely, as a share of the lowest omega^2 that is not zero ...
 const SHIFT: f64 = 1e-4;
-/// ... and how often it goes back.
-const PASSES: usize = 5;
+/// ... how often it goes back at most ...
+const MOST_PASSES: usize = 100;
+/// ... until a pass changes this share of the gradient, ...
+const SETTLED: f64 = 1e-15;
+/// ... or at least this one.
+const UNSETTLED: f64 = 1e-10;
 
 /// An equilibrium with its modes.
 pub(crate) struct Still<'a> {
-    pub vectors: &'a ModeVectors<'a>,
+    pub vectors: &'a ModeVectors,
+    /// The equations of the equilibrium: states of first order are among its unknowns, whether modes move them or not.
+    pub system: Arc<System<'a>>,
     pub p: &'a [f64],
     /// Parameters whose derivatives are asked for.
     pub active: &'a [bool],
@@ -43,8 +50,8 @@ pub(crate) struct Still<'a> {
     pub t: f64,
     /// With whatever depends on velocities.
     pub is_damped: bool,
-    /// Whether something moves freely.
-    pub has_rigid_motions: bool,
+    /// Whether something moves freely, or a state has no rest of its own.
+    pub is_free: bool,
 }
 
 /// A complex gradient, towards p and the coordinates of the start.
@@ -67,7 +74,7 @@ impl Still<'_> {
     /// # Errors
     /// An equilibrium that does not follow from its equations.
     pub fn gradients(&self) -> Result<Vec<Vec<ValueBars>>, RunError> {
-        let (system, groups) = (&self.vectors.system, &self.vectors.groups);
+        let groups = &self.vectors.groups;
         let mut products = Products::<Complex64>::new(self.active);
         let mut all: Vec<Bars> = Vec::new();
         for group in groups {
@@ -84,7 +91,7 @@ impl Still<'_> {
             bars.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionBar { x, rate: Vec::new(), mu }));
             back.extend(p.map(|p| Backward { p, ..Backward::of_parameters(0) }));
         }
-        self.through_equilibrium(system.clone(), &mut bars, &mut back)?;
+        self.through_equilibrium(&mut bars, &mut back)?;
         let mut ends = back.into_iter().zip(bars).map(|(back, bar)| (back.p, bar.x));
         let mut next = || {
             let [(p, q), (other_p, other_q)] = [(); 2].map(|()| ends.next().unwrap_or_default());
@@ -94,40 +101,53 @@ impl Still<'_> {
     }
 
     /// Takes gradients towards the solution of E = 0 to those towards parameters, and to what the coordinates of the start still are.
-    fn through_equilibrium(
-        &self,
-        system: std::sync::Arc<System>,
-        bars: &mut [SolutionBar],
-        back: &mut [Backward],
-    ) -> Result<(), RunError> {
-        let (model, groups) = (system.model, &self.vectors.groups);
+    fn through_equilibrium(&self, bars: &mut [SolutionBar], back: &mut [Backward]) -> Result<(), RunError> {
+        let (model, groups) = (self.system.model, &self.vectors.groups);
         let lowest = groups.iter().map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
-        let (shift, passes) = if self.has_rigid_motions { (SHIFT * lowest, PASSES) } else { (0.0, 1) };
+        let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
+        // states that integrate what moves have a place in C alone
+        let rate = if model.state_dofs().next().is_some() { shift / lowest.sqrt() } else { 0.0 };
         let zeros = || vec![0.0; model.dofs];
         let record = SolveRecord {
             t: self.t,
-            equations: Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position),
+            equations: Equations::stage(StageCoefficients::new(shift, rate, 1.0), Level::Position),
             base: VectorsAvq { a: zeros(), v: zeros(), q: self.vectors.q.clone() },
             unknowns: self.vectors.reactions.clone(),
         };
-        let mut solver = TransposedSolver::new(system, self.method, self.active)?;
-        for _ in 0..passes {
+        let mut solver = TransposedSolver::new(self.system.clone(), self.method, self.active)?;
+        let largest = |list: &[f64]| list.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let mut sizes: Vec<f64> = bars.iter().map(|bar| largest(&bar.x)).collect();
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_PASSES {
             let bases = solver.through(&record, self.p, bars, back, &mut Counters::default())?;
-            for (bar, base) in bars.iter_mut().zip(bases) {
+            let mut change = 0.0_f64;
+            for ((bar, base), size) in bars.iter_mut().zip(bases).zip(&mut sizes) {
                 bar.x.iter_mut().zip(&base.q).for_each(|(bar, base)| *bar += base);
                 bar.mu.fill(0.0);
+                let own = largest(&base.q);
+                *size = size.max(own);
+                change = change.max(if own == 0.0 { 0.0 } else { own / *size });
             }
+            if !self.is_free {
+                // nothing but round-off is left: the place does not depend on the one from which it was looked for
+                bars.iter_mut().for_each(|bar| bar.x.fill(0.0));
+                return Ok(());
+            }
+            if change <= SETTLED || (change <= UNSETTLED && change > 0.5 * before) {
+                return Ok(());
+            }
+            before = change;
         }
-        if passes == 1 {
-            // nothing but round-off is left: the place does not depend on the one from which it was looked for
-            bars.iter_mut().for_each(|bar| bar.x.fill(0.0));
-        }
-        Ok(())
+        Err(RunError::Input(
+            "derivatives of modes: what the equilibrium does to them does not settle: something moves freely or has no rest of its own beside what is \
+             much softer or slower than the modes that are asked for; ask for more modes"
+                .into(),
+        ))
     }
 
     /// The gradient of w^T B z towards (q, mu, p).
     fn bars(&self, products: &mut Products<Complex64>, (left, right): (&Amplitude, &Amplitude), lambda: Complex64) -> Bars {
-        let system = &*self.vectors.system;
+        let system = &*self.system;
         let dofs = system.model.dofs;
         let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
         let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
@@ -171,7 +191,7 @@ impl Still<'_> {
 
     /// dg/dt of all constraints for velocities, or for none.
     fn rates(&self, q: &[Complex64], v: Option<&[Complex64]>, p: &[Complex64]) -> Vec<Complex64> {
-        let system = &*self.vectors.system;
+        let system = &*self.system;
         let equations = Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity);
         let zeros = || vec![Complex64::ZERO; q.len()];
         let base = VectorsAvq { a: zeros(), v: v.map_or_else(zeros, <[_]>::to_vec), q: q.to_vec() };

@@ -1,15 +1,17 @@
 //! Steps whose ends move with the design: breakpoints that depend on a variable.
 
+use super::breakpoints::Breakpoints;
 use super::{Analysis, Forward};
-use crate::assembly::BreakpointMap;
-use crate::design::{DesignChain, ModelNumbers};
+use crate::design::{DesignChain, ModelNumbers, shortest};
 use crate::elements::RunScalar;
-use crate::integrators::{Clocks, RunError, moved_apart};
+use crate::integrators::{Clocks, RunError, TimeGrid, moved_apart};
+use crate::program::SwitchKind;
 use crate::scalar::{TANGENTS, Tangents};
+use std::collections::HashSet;
 
 /// What functionals change by where breakpoints move and parameters stay.
 pub(super) struct MovingSteps {
-    map: BreakpointMap,
+    map: Breakpoints,
     /// `rates[functional][breakpoint]`.
     rates: Vec<Vec<f64>>,
 }
@@ -25,6 +27,15 @@ impl MovingSteps {
 }
 
 impl Analysis<'_> {
+    /// Times at which steps end for given parameters.
+    ///
+    /// # Errors
+    /// A part with too many of them.
+    pub(super) fn breakpoints(&self, numbers: &ModelNumbers<f64>) -> Result<Breakpoints, RunError> {
+        let end = self.grid.times[self.grid.steps()];
+        Breakpoints::of(self.model, self.functionals, numbers, end).map_err(RunError::Input)
+    }
+
     /// How time goes between the breakpoints of a run for parameters with derivative parts.
     ///
     /// # Errors
@@ -33,7 +44,7 @@ impl Analysis<'_> {
         if forward.grid.breakpoints.is_empty() {
             return Ok(Vec::new());
         }
-        let parts = BreakpointMap::record(self.model, &forward.numbers.p).parts(p);
+        let parts = self.breakpoints(&forward.numbers)?.parts(p);
         forward.grid.clocks(&parts).map_err(RunError::Input)
     }
 
@@ -45,12 +56,11 @@ impl Analysis<'_> {
         chain: &DesignChain,
         active: &[bool],
     ) -> Result<Option<MovingSteps>, RunError> {
-        if forward.grid.breakpoints.is_empty() {
-            return Ok(None);
-        }
-        let map = BreakpointMap::record(self.model, &forward.numbers.p);
+        let map = self.breakpoints(&forward.numbers)?;
+        refuse_moved_ends(&map, &forward.grid, active)?;
+        let reads = |numbers: &[usize]| numbers.iter().any(|&number| map.all()[number].reads(active));
         let moving: Vec<(&usize, &Vec<usize>)> =
-            forward.grid.breakpoints.iter().filter(|(_, numbers)| map.reads(numbers, active)).collect();
+            forward.grid.breakpoints.iter().filter(|(_, numbers)| reads(numbers)).collect();
         if moving.is_empty() {
             return Ok(None);
         }
@@ -62,9 +72,10 @@ impl Analysis<'_> {
         let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect();
         let ModelNumbers { p, q, v } = &forward.numbers;
         let numbers = ModelNumbers { p: lift(p), q: lift(q), v: lift(v) };
-        let mut rates = vec![vec![0.0; map.count()]; self.functionals.len()];
+        let count = map.all().len();
+        let mut rates = vec![vec![0.0; count]; self.functionals.len()];
         for chunk in moving.chunks(TANGENTS) {
-            let mut parts = vec![Tangents::from(0.0); map.count()];
+            let mut parts = vec![Tangents::from(0.0); count];
             for (lane, (_, numbers)) in chunk.iter().enumerate() {
                 numbers.iter().for_each(|&number| parts[number].add_to_part(lane, 1.0));
             }
@@ -78,12 +89,29 @@ impl Analysis<'_> {
     }
 }
 
+/// That no variable moves a jump that lies at the start or at the end of a run.
+///
+/// # Errors
+/// Otherwise, in words: to one side the run has the jump, to the other it has not.
+fn refuse_moved_ends(map: &Breakpoints, grid: &TimeGrid, active: &[bool]) -> Result<(), RunError> {
+    let within: HashSet<usize> = grid.breakpoints.values().flatten().copied().collect();
+    let mut all = (0..).zip(map.all()).filter(|(number, _)| !within.contains(number));
+    let Some((_, own)) = all.find(|(_, own)| own.kind == Some(SwitchKind::Jump) && own.reads(active)) else { return Ok(()) };
+    let end = if own.at.t > 0.5 * grid.times[grid.steps()] { "end" } else { "start" };
+    Err(RunError::Input(format!(
+        "\"{}\" jumps at t = {} s, the {end} of the run, and a design variable moves the jump: to one side the run has it, to the other it \
+         has not, so that there is no derivative; let the run {end} elsewhere, or take another design",
+        own.part,
+        shortest(own.at.t)
+    )))
+}
+
 /// Whether two breakpoints have the same derivatives by the design.
-fn move_together(map: &BreakpointMap, chain: &DesignChain, pair: [usize; 2]) -> bool {
+fn move_together(map: &Breakpoints, chain: &DesignChain, pair: [usize; 2]) -> bool {
     let ModelNumbers { p, q, v } = chain.real();
     let gradient = |weights: [f64; 2]| {
         let mut bar = ModelNumbers { p: vec![0.0; p.len()], q: vec![0.0; q.len()], v: vec![0.0; v.len()] };
-        let mut all = vec![0.0; map.count()];
+        let mut all = vec![0.0; map.all().len()];
         pair.iter().zip(weights).for_each(|(&number, weight)| all[number] = weight);
         map.add_transposed(&all, &mut bar.p);
         chain.gradient(&bar).into_iter().fold(0.0, |size: f64, rate| size.max(rate.abs()))

@@ -121,9 +121,9 @@ fn seeded(
 
 /// Of what is not given: coordinates and velocities; of states of first order, which are velocities, not their integrals, on which nothing depends.
 fn changing_places(model: &Model) -> [Vec<usize>; 2] {
-    let free = || model.nodes.iter().enumerate().filter(|(_, node)| !node.fixed);
-    let moving = free().filter(|(place, _)| !model.states.iter().any(|state| state.0 == *place));
-    [moving.flat_map(|(_, node)| node.dofs.clone()).collect(), free().flat_map(|(_, node)| node.dofs.clone()).collect()]
+    let free = || model.nodes.iter().filter(|node| !node.fixed);
+    let moving = free().filter(|node| !node.kind.is_of_states());
+    [moving.flat_map(|node| node.dofs.clone()).collect(), free().flat_map(|node| node.dofs.clone()).collect()]
 }
 
 /// Keeps the states at the start and at the end of a run.

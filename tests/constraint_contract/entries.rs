@@ -46,7 +46,7 @@ fn coordinates(kinds: &[NodeKind], random: &mut Random) -> Vec<f64> {
     let mut q = Vec::new();
     for kind in kinds {
         match kind {
-            NodeKind::Coordinates(count) => q.extend(random.vector(*count)),
+            NodeKind::Coordinates(count) | NodeKind::States(count) => q.extend(random.vector(*count)),
             Natural => {
                 let turn = Quaternion::from_slice(&random_coordinates(&[Body], random, |_| 1.0)[3..]);
                 q.extend(random.vector(3));

@@ -53,13 +53,22 @@ fn for_all_samples(case: &Case, test: impl Fn(Sample)) {
     for_all(&case.name, |random| sample(case, random), test);
 }
 
+/// Times at which a case jumps or bends.
+fn breakpoints(case: &Case) -> Vec<f64> {
+    let (formula, state) = (case.constraint.formula(), vec![0.0; 2 * case.constraint.dof_count()]);
+    let Some(switches) = formula.switches(Reads::TimeAlone, true) else { return Vec::new() };
+    let inputs = [&state[..], &case.p, &[0.0]].concat();
+    let times = switches.times(&inputs, &[inputs.len() - 1], [-1.5, 1.5]).expect("few");
+    times.iter().map(|own| own.t).collect()
+}
+
 fn sample(case: &Case, random: &mut Random) -> Sample {
     let n = case.constraint.dof_count();
     let mut q = random_coordinates(&case.nodes, random, |random| random.uniform(0.5, 1.5));
     q.extend(random.vector(case.scalars));
     let mu = random.vector(case.constraint.equation_count());
     let (a, v) = (random.vector(n), random.vector(n));
-    let breakpoints = case.constraint.breakpoint_times(&case.p);
+    let breakpoints = breakpoints(case);
     // differences of time do not reach over a breakpoint
     let mut t = random.uniform(-1.0, 1.0);
     while breakpoints.iter().any(|breakpoint| (t - breakpoint).abs() < 2e-3) {
@@ -420,17 +429,6 @@ fn multipliers_are_the_forces_that_the_joints_say() {
             assert_close(&case.name, &[power], &[3.0 * 0.8], 1e-14);
             assert_close(&case.name, &force(&[-3.0]), &[0.0; 3], 1e-14);
         }
-    }
-}
-
-#[test]
-fn prescribed_motion_names_the_breakpoints_of_its_function() {
-    for (_, function, own) in drives() {
-        let rotation = PrescribedRotation { a: Body, b: Body, angle: function.clone() };
-        let translation = PrescribedTranslation { a: Body, b: Body, displacement: function.clone() };
-        let p = [&[0.0; 9][..], &own].concat();
-        assert_eq!(rotation.breakpoints(&p), function.breakpoints(&own));
-        assert_eq!(translation.breakpoints(&p), function.breakpoints(&own));
     }
 }
 

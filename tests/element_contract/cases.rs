@@ -191,7 +191,7 @@ fn somewhere(place: usize, kind: NodeKind) -> Vec<f64> {
         Body => [&position[..], &turn.0].concat(),
         Natural => [&position[..], &turn.columns().map(|axis| axis.components()).concat()].concat(),
         Slope => [position, turn.rotate(Vector3::new(1.1, 0.0, 0.0)).components()].concat(),
-        NodeKind::Coordinates(count) => vec![0.3 + shift; count],
+        NodeKind::Coordinates(count) | NodeKind::States(count) => vec![0.3 + shift; count],
     }
 }
 

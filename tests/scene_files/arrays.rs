@@ -234,3 +234,49 @@ fn definitions_are_repeated_by_loops() {
         assert!(told.contains(why), "{what} by {by}: {told}");
     }
 }
+
+/// Places of points along x, of a formula with braces in a loop.
+fn places(formula: &str, values: &str) -> Result<Vec<f64>, String> {
+    let text = format!(
+        "version = 1\nvariable.l = {{ initial = 0.5, bounds = [0, 1] }}\nvariable.k_2 = {{ initial = 3, bounds = [0, 9] }}\n\
+         settings = {{ end = 1, steps = 1 }}\n[[point]]\nname = \"p{{i}}\"\nfor = {{ i = {values} }}\nposition = [\"{formula}\", 0, 0]\nmass = 1\n"
+    );
+    let scene = FileScene::parse("braces.toml", &text)?;
+    let mechanism = scene.build_real(&[0.5, 3.0])?;
+    Ok(mechanism.numbers.q.chunks(3).map(|place| place[0]).collect())
+}
+
+#[test]
+fn what_stands_in_braces_is_a_value_in_formulas() {
+    let numbers = "[-1, 2]";
+    for (formula, values, expected) in [
+        ("{i}", numbers, [-1.0, 2.0]),
+        ("{i}^2", numbers, [1.0, 4.0]),
+        ("2 - {i}^2", numbers, [1.0, -2.0]),
+        ("-{i}^2", numbers, [-1.0, -4.0]),
+        ("2^{i}", numbers, [0.5, 4.0]),
+        ("l-{i}", numbers, [1.5, -1.5]),
+        ("1 / {i} / {2 * i}", numbers, [0.5, 0.125]),
+        ("3 * ({i} - {i + 1}) * {i}", numbers, [3.0, -6.0]),
+        ("[l, {i}, 0].y", numbers, [-1.0, 2.0]),
+        ("max({i}, l)", numbers, [0.5, 2.0]),
+        ("2 * {i}", "[\"1 + l\", \"-l\"]", [3.0, -1.0]),
+        ("{i}^2", "[\"1 + l\", \"-l\"]", [2.25, 0.25]),
+        ("{i}", "[\"1 + l\", \"-l\"]", [1.5, -0.5]),
+        ("{i}(l^2)", "[\"sqrt\", \"log\"]", [0.5, 0.25_f64.ln()]),
+        ("2 * {i}", "[\"l\", \"k_2\"]", [1.0, 6.0]),
+        ("k_{i} * k{j}", "[2], j = [\"_2\"]", [9.0, f64::NAN]),
+    ] {
+        let found = places(formula, values).unwrap_or_else(|why| panic!("{formula}: {why}"));
+        let expected = expected.iter().filter(|own| own.is_finite());
+        assert!(found.iter().eq(expected.clone()), "{formula} with {values}: {found:?} for {expected:?}");
+    }
+    for formula in ["2{i}", "{i}2", "1e{i}", "0.{i}", "{i}.5", "{i}{i}", "{i}e3"] {
+        let why = places(formula, "[3, 4]").expect_err(formula);
+        assert!(why.contains("{i} is 3 here and touches what stands beside it"), "{formula}: {why}");
+    }
+    for formula in ["k_{i - 3}", "l{i - 3}", "{i - 3}(l)"] {
+        let why = places(formula, "[2]").expect_err(formula);
+        assert!(why.contains("{i - 3} is -1 here"), "{formula}: {why}");
+    }
+}

@@ -138,3 +138,88 @@ fn whirls_have_the_sense_of_their_circles() {
         assert!((whirl - sense).abs() < 1e-6, "{omega}: {whirl}");
     }
 }
+
+/// Two bodies on a bushing that nothing holds; with more text.
+fn free_pair(damping: f64, more: &str) -> String {
+    format!(
+        "version = 1\nsettings = {{ end = 1, steps = 10 }}\n\
+         body = [{{ name = \"left\", mass = 1.3, inertia = [0.2, 0.3, 0.4] }}, \
+         {{ name = \"right\", position = [1, 0, 0], mass = 1.3, inertia = [0.2, 0.3, 0.4] }}]\n\
+         [[spring]]\nname = \"bushing\"\ntype = \"bushing\"\nbetween = [\"left\", \"right\"]\npoint = [0.5, 0, 0]\n\
+         stiffness = [100, 200, 300, 40, 50, 60]\ndamping = [{damping}, 0, 0, 0, 0, 0]\n{more}"
+    )
+}
+
+#[test]
+fn every_count_shows_the_first_of_all_modes() {
+    // a point on a damper alone: it rests anywhere, and comes to rest at c/m
+    let braked = "[[point]]\nname = \"p\"\nposition = [0, 2, 0]\nmass = 2\n\
+                  [[joint]]\nname = \"line\"\ntype = \"point_on_line\"\nbetween = [\"ground\", \"p\"]\naxis = [1, 0, 0]\n\
+                  [[spring]]\nname = \"brake\"\ntype = \"slide\"\nbetween = [\"ground\", \"p\"]\naxis = [1, 0, 0]\nstiffness = 0\ndamping = 6\n";
+    for (damping, more, rigid, others) in [(0.0, "", 6, 6), (9.0, "", 6, 6), (40.0, "", 6, 7), (9.0, braked, 7, 7)] {
+        let scene = scene(&free_pair(damping, more));
+        let prepared = Prepared::new(&scene).unwrap();
+        let all = prepared.modes_at_rest(40, true).unwrap();
+        assert!(all.proved && all.modes.len() == rigid + others, "{damping}: {:?}", all.modes);
+        for (place, mode) in all.modes.iter().enumerate() {
+            assert_eq!(mode.frequency == 0.0 && mode.growth == 0.0, place < rigid, "{damping}, {place}: {mode:?}");
+        }
+        // along the line: x'' + 2 c/m x' + 2 k/m x = 0
+        let pair = roots(real(damping / 1.3), real(200.0 / 1.3));
+        for root in if pair[0].im == 0.0 { &pair[..] } else { &pair[..1] } {
+            let near = |mode: &Mode| (Complex64::new(mode.growth, mode.frequency) - root).norm() < 1e-9 * root.norm();
+            assert!(all.modes.iter().any(near), "{damping}: {root}");
+        }
+        assert!(more.is_empty() || all.modes.iter().any(|mode| mode.frequency == 0.0 && (mode.growth + 3.0).abs() < 1e-9));
+        for count in 1..=rigid + others + 1 {
+            let found = prepared.modes_at_rest(count, true).unwrap().modes;
+            assert_eq!(found.len(), count.min(rigid + others), "{damping}: {count}");
+            for (own, expected) in found.iter().zip(&all.modes) {
+                let [own, expected] = [own, expected].map(|mode| Complex64::new(mode.growth, mode.frequency));
+                assert!((own - expected).norm() <= 1e-9 * expected.norm(), "{damping}, {count}: {own} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn modes_of_a_large_damped_model_are_all_there_at_every_count() {
+    let chain: String = (0..150)
+        .map(|k| {
+            let before = if k == 0 { "ground".to_string() } else { format!("p{}", k - 1) };
+            format!(
+                "[[point]]\nname = \"p{k}\"\nposition = [{k}, 0, 0]\nmass = 1\n\
+                 [[joint]]\nname = \"g{k}\"\ntype = \"point_on_line\"\nbetween = [\"ground\", \"p{k}\"]\naxis = [1, 0, 0]\n\
+                 [[spring]]\nname = \"s{k}\"\ntype = \"slide\"\nbetween = [\"{before}\", \"p{k}\"]\naxis = [1, 0, 0]\n\
+                 stiffness = {}\ndamping = {}\npoint = [{k}, 0, 0]\norigin = [{k}, 0, 0]\n",
+                if k == 0 { 0 } else { 100 },
+                if k == 0 { 0.0 } else { 0.01 }
+            )
+        })
+        .collect();
+    let scene = scene(&format!("version = 1\nsettings = {{ end = 1, steps = 10 }}\n{chain}"));
+    let prepared = Prepared::new(&scene).unwrap();
+    for count in [1, 2, 5] {
+        let found = prepared.modes_at_rest(count, true).unwrap();
+        assert!(!found.proved && found.modes.len() == count, "{count}: {:?}", found.modes.len());
+        for (k, mode) in found.modes.iter().enumerate() {
+            // free chain: 2 sqrt(k/m) sin(pi j / 2 n), the first at rest
+            let omega = 20.0 * (std::f64::consts::PI * k as f64 / 300.0).sin();
+            let size = mode.frequency.hypot(mode.growth);
+            assert!((size - omega).abs() <= 1e-8 * omega, "{count}, {k}: {size} {omega}");
+        }
+    }
+}
+
+#[test]
+fn a_start_that_is_no_equilibrium_is_told_as_that() {
+    let hinged = "[[body]]\nname = \"panel\"\nposition = [-0.5, 0, 0.4]\nmass = 4\ninertia = [1, 1, 1]\n\
+                  [[joint]]\nname = \"hinge\"\ntype = \"revolute\"\nbetween = [\"left\", \"panel\"]\npoint = [-0.5, 0, 0]\naxis = [0, 1, 0]\n\
+                  [[spring]]\nname = \"opens\"\ntype = \"torsion\"\nbetween = [\"left\", \"panel\"]\naxis = [0, 1, 0]\nstiffness = 0.3\nrest_angle = 1.7\n";
+    let scene = scene(&free_pair(1.0, hinged));
+    let prepared = Prepared::new(&scene).unwrap();
+    for damped in [false, true] {
+        let why = prepared.modes_at_rest(4, damped).unwrap_err().to_string();
+        assert!(why.contains("need an equilibrium") && !why.contains("redundant"), "{why}");
+    }
+}

@@ -91,7 +91,7 @@ fn given(value: &DeValue, path: &str, found: &mut BTreeSet<String>) {
 fn every_key_of_the_format_is_used_in_a_file_that_is_tested() {
     let schema = file::schema(&OwnParts::default());
     let (mut wanted, mut used) = (BTreeSet::new(), BTreeSet::new());
-    let named = ["variable", "material", "section", "laminate"];
+    let named = ["variable", "table", "material", "section", "laminate"];
     for (section, own) in schema["oneOf"][0]["properties"].as_object().unwrap() {
         let own = if named.contains(&section.as_str()) { &own["additionalProperties"] } else { own };
         allowed(&schema, own, section, &mut wanted);

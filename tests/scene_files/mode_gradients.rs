@@ -256,3 +256,146 @@ fn a_redundant_loop_agrees_with_quotients() {
         against_quotients(&scene(LOOP), (1, damped, false), 1e-6);
     }
 }
+
+#[test]
+fn slender_beams_have_the_frequencies_of_theory_and_their_derivatives() {
+    let text = |height: f64| {
+        format!(
+            r#"
+version = 1
+settings = {{ end = 1e-4, steps = 1 }}
+variable.h = {{ initial = {height}, bounds = [1e-7, 0.1], unit = "m" }}
+section.bar = {{ type = "rectangle", width = "1.5 * h", height = "h", material = "steel" }}
+material.steel = {{ density = 7800, young = 210e9, poisson = 0.3 }}
+beam = [{{ name = "bar", from = [0, 0, 0], to = [1, 0, 0], elements = 8, section = "bar", second_axis = [0, 0, 1], clamped = "start" }}]
+"#
+        )
+    };
+    // radius of gyration h / sqrt(12): down to 1e-5 of the length
+    for height in [0.02, 7e-4, 1e-4, 3e-5] {
+        for damped in [false, true] {
+            let own = gradients(&text(height), 2, damped);
+            let omega = 1.875_104_07_f64.powi(2) * (210e9 * height * height / 12.0 / 7800.0_f64).sqrt();
+            for (place, expected) in [omega, 1.5 * omega].into_iter().enumerate() {
+                let found = own.modes[place].frequency;
+                assert!((found / expected - 1.0).abs() < 3e-3, "{height} {damped}: {found} {expected}");
+                near(rate(&own, place, 0) * height, Complex64::new(0.0, found), 5e-3, &format!("{height} {damped}"));
+            }
+        }
+    }
+}
+
+/// Numbers from 0 to 1 (SplitMix64).
+struct Drawn(u64);
+
+impl Drawn {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn list(&mut self, count: usize, from: f64, to: f64) -> Vec<f64> {
+        (0..count).map(|_| from + (to - from) * self.number()).collect()
+    }
+}
+
+/// Up to three bodies on joints and bushings, free or held, damped or not.
+fn drawn(seed: u64) -> (String, bool) {
+    let mut own = Drawn(seed);
+    let [is_held, is_damped] = [(); 2].map(|()| own.number() < 0.5);
+    let mut text = "version = 1\nsettings = { end = 0.01, steps = 1 }\n".to_string();
+    text += "variable.mass = { initial = 2, bounds = [0.1, 10] }\nvariable.k = { initial = 700, bounds = [1, 1e4] }\n";
+    text += "variable.c = { initial = 1.5, bounds = [0, 1e3] }\n";
+    for body in 0..1 + (3.0 * own.number()) as usize + usize::from(!is_held) {
+        let mass = if body == 0 { "\"mass\"".to_string() } else { format!("{}", 1.0 + own.number()) };
+        let (at, inertia) = (own.list(3, -1.0, 1.0), own.list(3, 0.3, 0.5));
+        text += &format!("[[body]]\nname = \"{body}\"\nposition = {at:?}\nmass = {mass}\ninertia = {inertia:?}\n");
+        if body == 0 && !is_held {
+            continue;
+        }
+        let between = if body == 0 { "ground".into() } else { format!("{}", body - 1) };
+        let joint = match (6.0 * own.number()) as usize {
+            0 => "type = \"revolute\"\naxis = [0.6, 0, 0.8]\n",
+            1 => "type = \"spherical\"\n",
+            2 => "type = \"prismatic\"\naxis = [0, 0.6, 0.8]\n",
+            _ => "",
+        };
+        let (point, mut stiffness) = (own.list(3, -1.0, 1.0), own.list(3, 100.0, 3000.0));
+        stiffness.extend(own.list(3, 20.0, 300.0));
+        let mut damping = own.list(6, 0.0, 3.0);
+        damping.iter_mut().for_each(|own| *own *= f64::from(u8::from(is_damped)));
+        let point = if joint.contains("prismatic") { String::new() } else { format!("point = {point:?}\n") };
+        if !joint.is_empty() {
+            text += &format!("[[joint]]\nname = \"joint {body}\"\nbetween = [\"{between}\", \"{body}\"]\n{joint}{point}");
+        }
+        text += &format!(
+            "[[spring]]\nname = \"bushing {body}\"\ntype = \"bushing\"\nbetween = [\"{between}\", \"{body}\"]\n{point}\
+             stiffness = [\"k\", {:?}, {:?}, {:?}, {:?}, {:?}]\ndamping = [\"{}c\", {:?}, {:?}, {:?}, {:?}, {:?}]\n",
+            stiffness[1],
+            stiffness[2],
+            stiffness[3],
+            stiffness[4],
+            stiffness[5],
+            if is_damped { "" } else { "0 * " },
+            damping[1],
+            damping[2],
+            damping[3],
+            0.1 * damping[4],
+            0.1 * damping[5]
+        );
+    }
+    (text, is_damped)
+}
+
+#[test]
+fn drawn_mechanisms_agree_with_quotients() {
+    for seed in 0..30 {
+        let (text, is_damped) = drawn(1000 + seed);
+        let scene = scene(&text);
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let own = prepared(&scene, &x, false);
+        let found = own.modes_with_gradients(60, is_damped).unwrap_or_else(|why| panic!("{seed}: {why}\n{text}"));
+        assert!(found.proved, "{seed}");
+        let all: Vec<Complex64> = found.modes.iter().map(|mode| Complex64::new(mode.growth, mode.frequency)).collect();
+        for (variable, own_x) in x.iter().enumerate() {
+            // the value nearest to each
+            let quotient = |share: f64| -> Vec<Complex64> {
+                let at = |sign: f64| {
+                    let mut moved = x.clone();
+                    moved[variable] += sign * share * own_x;
+                    let near = values(&prepared(&scene, &moved, false), 60, is_damped);
+                    let nearest = |own: &Complex64| {
+                        near.iter().copied().min_by(|a, b| (a - own).norm().total_cmp(&(b - own).norm())).unwrap()
+                    };
+                    all.iter().map(nearest).collect::<Vec<_>>()
+                };
+                at(1.0).iter().zip(at(-1.0)).map(|(up, down)| (up - down) / (2.0 * share * own_x)).collect()
+            };
+            let (coarse, fine) = (quotient(4e-4), quotient(2e-4));
+            for (place, gradient) in found.gradients.iter().enumerate() {
+                let value = all[place];
+                let Some(gradient) = gradient else {
+                    assert!(value == Complex64::ZERO, "{seed}: mode {place}, {value}");
+                    continue;
+                };
+                // values that nearly meet move by more than a quotient sees
+                let apart = all.iter().enumerate().filter(|own| own.0 != place).map(|own| (own.1 - value).norm());
+                let apart = apart.fold(if value.im == 0.0 { f64::INFINITY } else { 2.0 * value.im }, f64::min);
+                if apart < 0.02 * value.norm() {
+                    continue;
+                }
+                let (own, expected) = (
+                    Complex64::new(gradient.growth[variable], gradient.frequency[variable]),
+                    (fine[place] * 4.0 - coarse[place]) / 3.0,
+                );
+                let size = expected.norm().max(value.norm() / own_x);
+                assert!(
+                    (own - expected).norm() < 1e-6 * size,
+                    "{seed}: mode {place}, {value} by {variable}: {own} {expected}\n{text}"
+                );
+            }
+        }
+    }
+}

@@ -95,7 +95,7 @@ fn a_mode_that_is_not_there_is_told() {
     let scene = FileScene::parse("modes.toml", &text).unwrap_or_else(|why| panic!("{why}"));
     let optimization = Optimization::of(&scene).unwrap();
     let failure = optimization.run(&Sqp, &optimization.initial(), &mut ()).expect_err("one mode").to_string();
-    assert!(failure.contains("\"omega\" is of mode 2; there are 1 that vibrate"), "{failure}");
+    assert!(failure.contains("\"omega\" is of mode 2; there are only 1"), "{failure}");
     for (wrong, message) in [
         (
             slider("").replace("name = \"growth\"", "name = \"omega\""),
@@ -105,5 +105,46 @@ fn a_mode_that_is_not_there_is_told() {
     ] {
         let why = FileScene::parse("modes.toml", &wrong).expect_err("refused").to_string();
         assert!(why.contains(message), "{why}");
+    }
+}
+
+/// A bar of m g l = 4.905 N m that stands on a hinge by a torsion spring, beside a point on a spring that vibrates at 30 rad/s.
+fn standing(limit: &str, more: &str) -> String {
+    format!(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = {{ end = 0.1, steps = 5 }}
+variable.k = {{ initial = 4, bounds = [1, 1000] }}
+body = [{{ name = "bar", position = [0, 0, 0.5], mass = 1, inertia = [0.1, 0.1, 0.1] }}]
+point = [{{ name = "point", position = [1, 0, 0], mass = 1 }}]
+joint = [
+    {{ name = "hinge", type = "revolute", between = ["ground", "bar"], point = [0, 0, 0], axis = [0, 1, 0] }},
+    {{ name = "line", type = "point_on_line", between = ["ground", "point"], axis = [0, 0, 1] }},
+]
+spring = [
+    {{ name = "turn", type = "torsion", between = ["ground", "bar"], axis = [0, 1, 0], stiffness = "k" }},
+    {{ name = "slide", type = "slide", between = ["ground", "point"], axis = [0, 0, 1], stiffness = 900, point = [1, 0, 0], origin = [1, 0, 0], rest_displacement = 0.0109 }},
+]
+functional = [{{ name = "price", type = "formula", nodes = {{ p = "point" }}, value = "k + 0 * p.position.x", over = "initial" }}]
+mode = [{{ name = "first", number = 1{more} }}]
+[optimization]
+minimize = "price"
+constraint = [{{ functional = "first", {limit} }}]
+"#
+    )
+}
+
+#[test]
+fn a_limit_on_the_first_frequency_is_not_met_by_the_second() {
+    // omega^2 = (k - m g l) / (I + m l^2), less than zero at the beginning
+    let (weight, inertia) = (4.905, 0.35);
+    for damped in ["", ", damped = true"] {
+        let (_, optimized) = optimized(&standing("at_least = 20", damped));
+        let best = optimized.history.best().unwrap();
+        assert!((best.design[0] - (weight + inertia * 400.0)).abs() < 1e-4, "{damped}: {}", best.design[0]);
+        let (_, optimized) = self::optimized(&standing("at_most = 1", &format!(", measure = \"growth\"{damped}")));
+        let best = optimized.history.best().unwrap();
+        assert!((best.design[0] - (weight - inertia)).abs() < 1e-5, "growth{damped}: {}", best.design[0]);
     }
 }

@@ -167,9 +167,15 @@ fn what_a_scenario_cannot_say_is_told() {
     for (from, to, part) in [
         ("define.push = 300", "define.pull = 3\nforce.lode.size = 3", "did you mean \"load\""),
         ("define.push = 300", "variable.width.initial = 0.02", "variable is the same in all scenarios"),
-        ("name = \"down\"", "name = \"aside\"", "two scenarios are named \"aside\""),
+        ("name = \"down\"", "name = \"aside\"", "scenario: two are named \"aside\""),
+        ("name = \"down\"", "name = \"Aside\"", "differ in capitals alone"),
+        ("name = \"down\"", "name = \"..\"", "begin with a dot"),
+        ("name = \"down\"", "name = \"\"", "it is empty"),
+        ("name = \"down\"", "name = \"scenarios.json\"", "the comparison of scenarios is written there"),
+        ("name = \"down\"", "name = \"nul\"", "belongs to a device"),
         ("name = \"down\"\n", "", "[[scenario]] needs the key name"),
-        ("name = \"down\"", "name = \"a/b\"", "cannot have"),
+        ("name = \"down\"", "name = \"a/b\"", "none of / \\"),
+        ("name = \"down\"", "name = \"a [b]\"", "cannot have [ ]"),
         ("settings.steps = 2", "settings.stepz = 2", "scenario \"aside\""),
         ("force.load = { direction", "force.load = { dir", "scenario \"aside\""),
         (

@@ -79,7 +79,7 @@ fn a_formula_of_time_is_exact_with_its_rates() {
 }
 
 #[test]
-fn a_formula_of_time_uses_any_names_and_states_its_breakpoints() {
+fn a_formula_of_time_uses_any_names_and_may_choose() {
     let stop = |value: &str| {
         MOTOR.replace("\"0.5 * acceleration * t^2\"", value).replace("end = 1.0, intervals = 200", "breakpoints = [0.5]")
     };
@@ -97,11 +97,12 @@ fn a_formula_of_time_uses_any_names_and_states_its_breakpoints() {
 }
 
 #[test]
-fn formulas_of_time_that_jump_unsaid_or_end_too_early_are_refused() {
+fn motions_that_jump_and_formulas_that_end_too_early_are_refused() {
     let formula = "value = \"0.5 * acceleration * t^2\", end = 1.0, intervals = 200";
     for (by, parts) in [
-        ("value = \"abs(t - 0.5)\"", ["the value chooses by abs, min, max or if_less", "breakpoints"]),
-        ("value = \"max(t, 0.5) - 0.5\", breakpoints = [0.5]", ["motor", "0.5 s"]),
+        ("value = \"abs(t - 0.5) - 0.5\"", ["motor", "0.5 s"]),
+        ("value = \"max(t, 0.5) - 0.5\", breakpoints = []", ["motor", "0.5 s"]),
+        ("value = \"atan(tan(3 * t))\"", ["motor", "0.523598775598"]),
         ("value = \"t^2\", end = 0.5", ["end lies within the run", "if_less"]),
         ("value = \"t^2\", start = 0.1", ["start lies within the run", "if_less"]),
         ("value = \"acceleration / t\"", ["at t = 0 s the value is not finite", ""]),

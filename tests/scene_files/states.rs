@@ -1,8 +1,10 @@
 //! States of first order: controllers, actuators, what lags behind.
 
 use super::runge_kutta;
+use costate::integrators::Mode;
 use costate::prelude::*;
-use costate::scenes::FileScene;
+use costate::scalar::Complex64;
+use costate::scenes::{AnyScene, FileScene};
 
 /// A mass on a rail that a controller with an integral and a lagging actuator brings to a target.
 const CONTROLLED: &str = r#"
@@ -149,7 +151,7 @@ struct Twin;
 struct Control;
 impl Element for Control {
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Point, NodeKind::Coordinates(2)]
+        vec![NodeKind::Point, NodeKind::States(2)]
     }
     fn parameters(&self) -> Vec<Parameter> {
         ["kp", "ki", "kd", "lag", "target"].map(|name| Parameter::new(name, "-")).to_vec()
@@ -164,7 +166,7 @@ impl Element for Control {
 struct Actuator;
 impl Element for Actuator {
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Point, NodeKind::Coordinates(2)]
+        vec![NodeKind::Point, NodeKind::States(2)]
     }
     fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], _p: &[S], _t: S, force: &mut [S]) {
         force[0] += v[4] - 3.0 - v[0] * 4.0;
@@ -218,15 +220,241 @@ fn it_is_what_a_program_makes_of_the_same_equations() {
     }
 }
 
+/// A spring that pulls the block back to where it starts, and a motion from equilibrium.
+const FROM_REST: &str = "[[spring]]\nname = \"back\"\ntype = \"line\"\nbetween = [\"ground\", \"block\"]\npoints = [[-1, 0, 0], [0, 0, 0]]\n\
+                         stiffness = 10\nrest_length = 1\n[settings]\nstart = \"equilibrium\"";
+
 #[test]
-fn a_motion_from_equilibrium_leaves_states_as_they_are_given() {
-    // the thrust of the start holds the block against the spring that pulls it back
-    let text = CONTROLLED
-        .replace("[settings]", "[[spring]]\nname = \"back\"\ntype = \"line\"\nbetween = [\"ground\", \"block\"]\npoints = [[-1, 0, 0], [0, 0, 0]]\nstiffness = 10\nrest_length = 1\n[settings]\nstart = \"equilibrium\"")
-        .replace("over = \"terminal\"", "over = \"initial\"");
+fn an_equilibrium_at_the_start_is_one_of_states_too() {
+    // the integral brings the block to its target, by a thrust against spring and constant load
+    let text = CONTROLLED.replace("[settings]", FROM_REST).replace("over = \"terminal\"", "over = \"initial\"");
     let (values, gradient) = run(&parsed(&text));
-    assert!((values[0] - 0.1).abs() < 1e-12 && (values[1] - 4.0).abs() < 1e-14, "{values:?}");
-    assert!((gradient[0][0] - 0.01).abs() < 1e-14, "{gradient:?}");
+    assert!((values[0] - 0.3).abs() < 1e-12 && (values[1] - 6.0).abs() < 1e-11, "{values:?}");
+    let exact = [[0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0, 10.0]];
+    assert!((0..2).all(|k| largest_difference(&exact[k], &gradient[k]) < 1e-12), "{gradient:?}");
+    // held, or with a rate that nothing at rest changes, they stay as they are given: the thrust of the start
+    let held = text.replace("[[functional]]", "[[hold]]\nnodes = [\"control\"]\n[[functional]]");
+    let by_rates = text.replace("target - block.position.x\" }", "block.velocity.x\" }").replace(
+        "(kp * (target - block.position.x) + ki * sum - kd * block.velocity.x - thrust) / lag",
+        "-kd * block.velocity.x",
+    );
+    for text in [held, by_rates] {
+        let (values, gradient) = run(&parsed(&text));
+        assert!((values[0] - 0.1).abs() < 1e-12 && (values[1] - 4.0).abs() < 1e-14, "{values:?}");
+        assert!((gradient[0][0] - 0.01).abs() < 1e-14, "{gradient:?}");
+    }
+    // what nothing reads is measured alone, and goes on from there
+    let counted = text.replace("initial = { sum = 0,", "initial = { sum = 0, counted = 7,").replace("rate = {", "rate = { counted = 1,");
+    assert!((run(&parsed(&counted)).0[1] - 6.0).abs() < 1e-11);
+    // what is read must rest
+    let clock = counted.replace("c.thrust - 3", "c.thrust - 3 - 0.1 * c.counted");
+    let scene = parsed(&clock);
+    let told = Prepared::new(&scene).and_then(|own| own.analysis().forward(&own.x).map(drop)).expect_err("a clock rests");
+    assert!(told.to_string().contains("never rests: its rate there is 1"), "{told}");
+}
+
+#[test]
+fn statics_find_states_with_places() {
+    let text = CONTROLLED
+        .replace("[settings]", FROM_REST)
+        .replace("start = \"equilibrium\"\nend = 1.5\nsteps = 600", "method = \"static\"\nsteps = 4")
+        .replace("over = \"integral\"", "over = \"terminal\"");
+    let (values, gradient) = run(&parsed(&text));
+    assert!((values[0] - 0.3).abs() < 1e-12 && (values[1] - 6.0).abs() < 1e-11 && values[2].abs() < 1e-12, "{values:?}");
+    assert!(largest_difference(&[0.0, 0.0, 0.0, 0.0, 10.0], &gradient[1]) < 1e-12, "{gradient:?}");
+}
+
+/// A mass m on a spring k with a damper c, and a state a' = (30 x' + push - a) / T that brakes it.
+fn braked(push: &str, more: &str) -> String {
+    format!(
+        r#"
+version = 1
+[variable]
+k = {{ initial = 100, bounds = [1, 1000], unit = "N/m" }}
+push = {{ initial = 3, bounds = [0, 10], unit = "N" }}
+[settings]
+end = 0.1
+steps = 10
+[[point]]
+name = "p"
+position = [0, 0, 0]
+mass = 2
+[[joint]]
+name = "rail"
+type = "point_on_line"
+between = ["ground", "p"]
+axis = [1, 0, 0]
+[[spring]]
+name = "s"
+type = "slide"
+between = ["ground", "p"]
+axis = [1, 0, 0]
+stiffness = "k"
+damping = 1
+[[state]]
+name = "a"
+type = "lag"
+nodes = {{ p = "p" }}
+input = "30 * p.velocity.x + {push}"
+time_constant = 0.05
+initial = "{push}"
+[[element]]
+name = "e"
+nodes = {{ p = "p", a = "a" }}
+force = {{ p = "[{push} - a.value, 0, 0]" }}
+[[functional]]
+name = "a"
+type = "formula"
+nodes = {{ a = "a" }}
+value = "a.value"
+unit = "N"
+over = "terminal"
+{more}"#
+    )
+}
+
+#[test]
+fn modes_beside_states_have_the_derivatives_of_the_roots() {
+    for push in ["0", "3", "push"] {
+        let scene = parsed(&braked(push, ""));
+        let prepared = Prepared::new(&scene).unwrap();
+        let own = prepared.modes_with_gradients(4, true).unwrap_or_else(|why| panic!("{push}: {why}"));
+        assert_eq!(own.modes.len(), 2, "{push}: of three roots one is real: {:?}", own.modes);
+        for (mode, gradient) in own.modes.iter().zip(&own.gradients) {
+            // (2 x^2 + x + k) (0.05 x + 1) + 30 x = 0
+            let x = Complex64::new(mode.growth, mode.frequency);
+            let left = (x * x * 2.0 + x + 100.0) * (x * 0.05 + 1.0) + x * 30.0;
+            assert!(left.norm() < 1e-9 * 100.0, "{push}: {x}: {left}");
+            let slope = (x * 4.0 + 1.0) * (x * 0.05 + 1.0) + (x * x * 2.0 + x + 100.0) * 0.05 + 30.0;
+            let (expected, gradient) = (-(x * 0.05 + 1.0) / slope, gradient.as_ref().unwrap());
+            let rates = [0, 1].map(|variable| Complex64::new(gradient.growth[variable], gradient.frequency[variable]));
+            assert!((rates[0] - expected).norm() < 1e-11 * expected.norm(), "{push}: {rates:?} {expected}");
+            assert!(rates[1].norm() < 1e-12, "{push}: {rates:?}");
+        }
+        // states stay where they are in a vibration without damping
+        let undamped = prepared.modes_with_gradients(4, false).unwrap();
+        let omega = 50_f64.sqrt();
+        assert_eq!(undamped.modes.len(), 1, "{push}");
+        assert!((undamped.modes[0].frequency - omega).abs() < 1e-12 * omega, "{push}: {:?}", undamped.modes);
+        let rate = undamped.gradients[0].as_ref().unwrap().frequency[0];
+        assert!((rate - 0.25 / omega).abs() < 1e-12, "{push}: {rate}");
+    }
+}
+
+#[test]
+fn modes_about_an_equilibrium_follow_its_states() {
+    // a pendulum between springs whose rest angle a state is: omega^2 depends on the angle, and the angle on the gain
+    let text = |statics: bool| {
+        let settings = if statics { "method = \"static\"\nsteps = 3" } else { "start = \"equilibrium\"\nend = 0.1\nsteps = 10" };
+        format!(
+            r#"
+version = 1
+gravity = [0, 0, -9.81]
+[variable]
+gain = {{ initial = 1.5, bounds = [0.1, 5] }}
+load = {{ initial = 4, bounds = [0, 10], unit = "N" }}
+[settings]
+{settings}
+[[point]]
+name = "bob"
+position = [0, 0, -1]
+mass = 2
+[[joint]]
+name = "rod"
+type = "link"
+between = ["ground", "bob"]
+points = [[0, 0, 0], [0, 0, -1]]
+[[spring]]
+name = "across"
+type = "slide"
+between = ["ground", "bob"]
+axis = [0, 1, 0]
+stiffness = 7
+[[state]]
+name = "wind"
+type = "lag"
+nodes = {{ bob = "bob" }}
+input = "gain * (load + bob.position.x - 3 * bob.velocity.x)"
+time_constant = 0.2
+[[element]]
+name = "wind"
+nodes = {{ bob = "bob", wind = "wind" }}
+force = {{ bob = "[wind.value, 0, 0]" }}
+[[functional]]
+name = "x"
+type = "position"
+on = "bob"
+direction = [1, 0, 0]
+over = "terminal"
+"#
+        )
+    };
+    for (statics, damped) in [(false, true), (false, false), (true, true), (true, false)] {
+        let scene = parsed(&text(statics));
+        let modes = |x: &[f64]| {
+            let settings = scene.settings();
+            let prepared = Prepared::with(&scene, x, Prepared::method_of(&settings).unwrap(), settings).unwrap();
+            prepared.modes_with_gradients(4, damped).unwrap_or_else(|why| panic!("{statics} {damped}: {why}"))
+        };
+        let x = [1.5, 4.0];
+        let own = modes(&x);
+        for variable in 0..2 {
+            let at = |share: f64| {
+                let mut moved = x;
+                moved[variable] *= 1.0 + share;
+                modes(&moved).modes
+            };
+            let near = [1e-3, -1e-3, 2e-3, -2e-3].map(at);
+            for (place, gradient) in own.gradients.iter().enumerate() {
+                let gradient = gradient.as_ref().unwrap();
+                for (rate, of) in [
+                    (gradient.growth[variable], (|mode: &Mode| mode.growth) as fn(&Mode) -> f64),
+                    (gradient.frequency[variable], |mode| mode.frequency),
+                ] {
+                    let [a, b, c, d] = near.each_ref().map(|modes| of(&modes[place]));
+                    let quotient = (8.0 * (a - b) - (c - d)) / (12e-3 * x[variable]);
+                    assert!((rate - quotient).abs() < 1e-8, "{statics} {damped} {place} {variable}: {rate} {quotient}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn responses_beside_states_are_those_of_the_transfer_function() {
+    for push in ["push", "(0.5 * push + 1.5)"] {
+        let scene = parsed(&braked(push, ""));
+        let prepared = Prepared::new(&scene).unwrap();
+        let share = if push == "push" { 1.0 } else { 0.5 };
+        for omega in [0.0, 1.0, 7.0, 40.0] {
+            // m x'' + c x' + k x = share - a, T a' + a = share + 30 x'
+            let s = Complex64::new(0.0, omega);
+            let (own, lag) = (s * s * 2.0 + s + 100.0, s * 0.05 + 1.0);
+            let x = (lag * share - share) / (own * lag + s * 30.0);
+            let expected = (s * 30.0 * x + share) / lag;
+            let [re, im] = prepared.frequency_response("push", &[omega]).unwrap_or_else(|why| panic!("{why}"))[0][0];
+            let found = Complex64::new(re, im);
+            assert!((found - expected).norm() < 1e-12, "{push} {omega}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn states_have_neither_power_nor_energy() {
+    let more = "[[functional]]\nname = \"work\"\ntype = \"power\"\nover = \"integral\"\n\
+                [[functional]]\nname = \"energy\"\ntype = \"energy\"\nover = \"terminal\"\n";
+    for method in ["variational", "generalized-alpha:0.8", "esdirk4", "bdf2"] {
+        // a state that acts on nothing: what is left is a damped mass
+        let text = braked("3", more)
+            .replace("[3 - a.value, 0, 0]", "[0 * a.value, 0, 0]")
+            .replace("position = [0, 0, 0]", "position = [0, 0, 0]\nvelocity = [1, 0, 0]")
+            .replace("end = 0.1\nsteps = 10", &format!("end = 1\nsteps = 800\nmethod = \"{method}\""));
+        let (values, _) = run(&parsed(&text));
+        let (delta, omega) = (0.25_f64, (50.0 - 0.0625_f64).sqrt());
+        let (x, v) = ((-delta).exp() * omega.sin() / omega, (-delta).exp() * (omega.cos() - delta / omega * omega.sin()));
+        let energy = v * v + 50.0 * x * x;
+        assert!((values[2] - energy).abs() < 1e-3 && (values[1] - (energy - 1.0)).abs() < 1e-3, "{method}: {values:?} {energy}");
+    }
 }
 
 #[test]
@@ -240,11 +468,10 @@ fn what_is_wrong_with_a_state_is_told() {
             "the start of thrust must be a number of the design alone",
         ),
         ("sum = 0", "sum = [0, 0, 0]", "the start of sum must be a number"),
-        ("initial = { sum", "initial = { kp", "\"kp\" is a name of this file, too"),
+        ("initial = { sum", "initial = { block", "\"block\" is a name here already"),
         ("initial = { sum", "initial = { sin", "\"sin\" means a function"),
         ("c.thrust - 3", "c.trust - 3", "c.sum, c.thrust"),
         ("force = { block", "force = { c", "\"c\" is a state: its own section says how it changes"),
-        ("sum = \"target - block.position.x\" }", "sum = \"abs(sin(t))\" }", "give breakpoints"),
         ("initial = { sum", "output = { sum = 1 }\ninitial = { sum", "\"sum\" is a value of this state"),
         ("initial = { sum", "output = { \"2\" = 1 }\ninitial = { sum", "\"2\" cannot be used in formulas"),
         ("initial = { sum", "output = { more = \"block.speed\" }\ninitial = { sum", "of which formulas know block.position"),

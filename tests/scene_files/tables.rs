@@ -63,6 +63,9 @@ fn tables_and_their_derivatives_are_those_of_their_formulas() {
     }
     assert_both(&[0.0, 2.0, 2.5], &[2.0, 5.0, 3.0], Interpolant::Steps, 7.0, [3.0, 0.0, 0.0]);
     assert_both(&[0.0, 2.0, 2.5], &[2.0, 5.0, 3.0], Interpolant::Lines, 7.0, [3.0, 0.0, 0.0]);
+    for (t, line) in [(-2.0, [-1.0, 1.5]), (1.0, [3.5, 1.5]), (7.0, [-15.0, -4.0])] {
+        assert_both(&[0.0, 2.0, 2.5], &[2.0, 5.0, 3.0], Interpolant::LinesOn, t, [line[0], line[1], 0.0]);
+    }
 }
 
 /// Numbers between 0 and 1 (Marsaglia's xorshift generator).
@@ -291,4 +294,83 @@ fn what_is_wrong_with_a_file_of_a_table_is_told() {
         let told = refusal(&pushed(size));
         assert!(told.contains(part), "{size}: {told}");
     }
+}
+
+/// A point at x with a functional of the table f there, whose keys are given; w is a design variable.
+fn named(table: &str, x: f64, value: &str) -> String {
+    format!(
+        "version = 1\nsettings = {{ end = 0.1, steps = 2 }}\n\
+         [variable]\nw = {{ initial = 2, bounds = [0, 9] }}\nx = {{ initial = {x}, bounds = [-99, 99] }}\n\
+         [define]\ndouble = \"2 * w\"\n\
+         [table.f]\n{table}\n\
+         [[point]]\nname = \"p\"\nposition = [\"x\", 0, 0]\nmass = 1\n\
+         [[functional]]\nname = \"f\"\ntype = \"formula\"\nnodes = {{ p = \"p\" }}\nvalue = \"{value}\"\nover = \"terminal\"\n"
+    )
+}
+
+/// Value and derivatives by w and x.
+fn of_named(text: &str) -> [f64; 3] {
+    let scene = FileScene::parse("tables.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).unwrap();
+    let adjoint = analysis.adjoint(&prepared.x, &forward).unwrap();
+    [forward.values[0], adjoint.rows[0][0], adjoint.rows[0][1]]
+}
+
+#[test]
+fn formulas_call_tables_by_their_names() {
+    // through (0, 0), (1, w), (3, 1) with w = 2: lines of slopes 2 and -1/2
+    for (keys, at, expected) in [
+        ("", 0.5, [1.0, 0.5, 2.0]),
+        ("", 2.0, [1.5, 0.5, -0.5]),
+        ("", -1.0, [0.0, 0.0, 0.0]),
+        ("", 9.0, [1.0, 0.0, 0.0]),
+        ("extrapolation = \"constant\"", 9.0, [1.0, 0.0, 0.0]),
+        ("extrapolation = \"linear\"", -1.0, [-2.0, -1.0, 2.0]),
+        ("extrapolation = \"linear\"", 9.0, [-2.0, -3.0, -0.5]),
+    ] {
+        // values of the design, and the same ones fixed
+        for (values, by_design) in [("[0, \"double / 2\", 1]", 1.0), ("[0, 2, 1]", 0.0)] {
+            let table = format!("points = [0, 1, 3]\nvalues = {values}\ninterpolation = \"lines\"\n{keys}");
+            let found = of_named(&named(&table, at, "f(p.position.x) + 0 * w"));
+            let expected = [expected[0], by_design * expected[1], expected[2]];
+            assert!(
+                found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-13),
+                "{keys} at {at}: {found:?} {expected:?}"
+            );
+        }
+    }
+    for (keys, beyond) in [("", [4.0, 0.0, 2.0]), ("extrapolation = \"constant\"", [2.0, 0.0, 0.0])] {
+        let table = format!("points = [0, 1]\nvalues = [0, 2]\n{keys}");
+        let found = of_named(&named(&table, 2.0, "f(p.position.x) + 0 * w"));
+        assert!(found.iter().zip(beyond).all(|(a, b)| (a - b).abs() < 1e-13), "{keys}: {found:?}");
+    }
+    // of anything, and within definitions
+    let table = "points = [0, 1, 3]\nvalues = [0, 2, 1]\ninterpolation = \"lines\"";
+    let text = named(table, 0.5, "2 * f(f(w / 4) + 0.5 * one) + 0 * p.position.x");
+    let text = text.replace("double =", "one = \"f(0.5)\"\ndouble =");
+    assert!((of_named(&text)[0] - 3.5).abs() < 1e-13, "{:?}", of_named(&text));
+}
+
+#[test]
+fn what_is_wrong_with_a_named_table_is_told() {
+    let sound = "points = [0, 1]\nvalues = [0, 2]";
+    for (table, value, part) in [
+        ("points = [0, 1]\nvalues = [0]", "f(w)", "there are 2 points, but 1 values"),
+        ("points = [1, 0]\nvalues = [0, 1]", "f(w)", "must increase"),
+        ("values = [1, 2]", "f(w)", "there are 0 points, but 2 values"),
+        ("points = [0, 1]\nvalues = [0, \"f(1)\"]", "f(w)", "leads back to itself"),
+        ("points = [0, 1]\nvalues = [0, 1]\ninterpolation = \"steps\"\nextrapolation = \"linear\"", "f(w)", "stay constant"),
+        ("points = [0, 1]\nvalues = [0, 1]\nextrapolation = \"none\"", "f(w)", "constant"),
+        (sound, "f", "is a table: f(x) is its value at x"),
+        (sound, "f(p.position)", "is a number, and this is a vector"),
+        (sound, "g(w)", "\"g\""),
+    ] {
+        let told = refusal(&named(table, 1.0, value));
+        assert!(told.contains(part), "{table}, {value}: {told}");
+        assert_eq!(told.lines().count(), 1, "{told}");
+    }
+    let told = refusal(&named(sound, 1.0, "f(w)").replace("double", "f"));
+    assert!(told.contains("is taken by"), "{told}");
 }

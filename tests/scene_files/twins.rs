@@ -60,7 +60,7 @@ struct TyreSlip;
 impl Element for TyreSlip {
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("relaxation", "m")];
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Point, NodeKind::Coordinates(1)]
+        vec![NodeKind::Point, NodeKind::States(1)]
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         r[3] += s.a[3] - (-s.v[1] - s.v[0] * s.v[3]) / p[0];
@@ -76,7 +76,7 @@ struct TyreGrip;
 impl Element for TyreGrip {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/rad"), Parameter::positive("grip", "N")];
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Point, NodeKind::Coordinates(1)]
+        vec![NodeKind::Point, NodeKind::States(1)]
     }
     fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S], _t: S, force: &mut [S]) {
         force[1] += side_force(v[3], [p[0], p[1]]);
@@ -179,7 +179,7 @@ struct Inflow(f64);
 impl Element for Inflow {
     const PARAMETERS: &'static [Parameter] = OF_STRIP;
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Body, NodeKind::Coordinates(1)]
+        vec![NodeKind::Body, NodeKind::States(1)]
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let [x, y, z, pitch, slope, _, chord] = p else { unreachable!() };
@@ -195,7 +195,7 @@ struct Strip;
 impl Element for Strip {
     const PARAMETERS: &'static [Parameter] = OF_STRIP;
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Body, NodeKind::Coordinates(1)]
+        vec![NodeKind::Body, NodeKind::States(1)]
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
         let [x, y, z, pitch, slope, drag, chord] = p else { unreachable!() };
@@ -295,7 +295,7 @@ struct Command;
 impl Element for Command {
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("rise", "s")];
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Coordinates(1)]
+        vec![NodeKind::States(1)]
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         r[0] += s.a[0] - (S::from(TARGET) - s.v[0]) / p[0];
@@ -307,7 +307,7 @@ struct Control;
 impl Element for Control {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("ki", "N m/(rad s)")];
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Coordinates(1); 3]
+        vec![NodeKind::Coordinates(1), NodeKind::States(1), NodeKind::States(1)]
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         r[2] += s.a[2] - p[0] * (s.v[1] - s.q[0]);
@@ -320,7 +320,7 @@ impl Element for Motor {
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("kp", "N m/rad"), Parameter::new("kd", "N m s/rad"), Parameter::positive("lag", "s")];
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Coordinates(1); 4]
+        [vec![NodeKind::Coordinates(1)], vec![NodeKind::States(1); 3]].concat()
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let rate = (S::from(TARGET) - s.v[1]) / S::from(0.3);
@@ -334,7 +334,7 @@ struct Torque;
 impl Element for Torque {
     const PARAMETERS: &'static [Parameter] = &[];
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Coordinates(1); 2]
+        vec![NodeKind::Coordinates(1), NodeKind::States(1)]
     }
     fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], _p: &[S], _t: S, force: &mut [S]) {
         force[0] += v[1];

@@ -275,3 +275,81 @@ fn breakpoints_that_pass_each_other_lay_steps_anew_and_those_that_coincide_have_
         assert!(why.contains("t = 0.4 s") && why.contains("coincide"), "{why}");
     }
 }
+
+/// A law of u = t - tau, the same as a formula of a file, and its integral from 0 on.
+type Law = (&'static str, fn(f64) -> f64, fn(f64) -> f64);
+
+/// What jumps or bends at a time that a variable moves, said in every way and place: nobody says when.
+const LAWS: [Law; 8] = [
+    ("if_less(U, 0, 1, 0)", |u| f64::from(u8::from(u < 0.0)), |u| u.min(0.0)),
+    ("max(U, 0)", |u| u.max(0.0), |u| 0.5 * u.max(0.0).powi(2)),
+    ("abs(U)", f64::abs, |u| 0.5 * u * u.abs()),
+    ("sqrt(U^2)", f64::abs, |u| 0.5 * u * u.abs()),
+    ("(U^2)^0.75", |u| u.abs().powf(1.5), |u| 0.4 * u.abs().powf(2.5).copysign(u)),
+    ("atan(1 / (U))", |u| (1.0 / u).atan(), |u| u * (1.0 / u).atan() + 0.5 * (u * u).ln_1p()),
+    (
+        "atan(tan(U + pi / 2))",
+        |u| (u + 0.5 * std::f64::consts::PI).tan().atan(),
+        |u| 0.5 * u * u - 0.5 * std::f64::consts::PI * u.abs(),
+    ),
+    // thinner than a step, which ends at both sides of it
+    ("if_less(abs(U), 0.001, 500, 0)", |u| if u.abs() < 1e-3 { 500.0 } else { 0.0 }, |u| 500.0 * u.clamp(-1e-3, 1e-3)),
+];
+
+#[test]
+fn jumps_and_bends_of_time_are_found_and_move_with_the_design() {
+    let places = [
+        "[[force]]\nname = \"f\"\non = \"p\"\ndirection = [1, 0, 0]\nsize = { type = \"formula\", value = \"LAW\" }\n",
+        "[[element]]\nname = \"f\"\nnodes = { p = \"p\" }\nforce = { p = \"[LAW, 0, 0]\" }\n",
+        "[[spring]]\nname = \"f\"\ntype = \"slide_law\"\nbetween = [\"ground\", \"p\"]\naxis = [1, 0, 0]\nforce = \"-(LAW)\"\n",
+        "[[state]]\nname = \"z\"\ntype = \"formula\"\ninitial = { z = 0 }\nrate = { z = \"LAW\" }\n",
+        "[[functional]]\nname = \"own\"\ntype = \"formula\"\nnodes = { p = \"p\" }\nvalue = \"0 * p.position.x + LAW\"\nover = \"integral\"\n",
+    ];
+    for (law, value, integral) in LAWS {
+        for (place, text) in places.iter().enumerate() {
+            let measured = match place {
+                3 => "type = \"formula\"\nnodes = { z = \"z\" }\nvalue = \"z.z\"\nover = \"terminal\"\n",
+                _ => "type = \"velocity\"\non = \"p\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n",
+            };
+            let scene = format!(
+                "version = 1\nvariable.tau = {{ initial = 0.437, bounds = [0, 1], unit = \"s\" }}\n\
+                 settings = {{ end = 1, steps = 100 }}\n[[point]]\nname = \"p\"\nposition = [0, 0, 0]\nmass = 1\n{}\
+                 [[functional]]\nname = \"speed\"\n{measured}",
+                text.replace("LAW", law).replace('U', "t - tau")
+            );
+            let what = format!("{law}, place {place}");
+            let scene = FileScene::parse("jumps.toml", &scene).unwrap_or_else(|why| panic!("{what}: {why}"));
+            let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{what}: {why}"));
+            let run = prepared.run().unwrap_or_else(|why| panic!("{what}: {why}"));
+            assert!(run.forward.crossings.is_empty(), "{what}: {:?}", run.forward.crossings);
+            let gradient = run.gradient().unwrap_or_else(|why| panic!("{what}: {why}"));
+            let complex = prepared.analysis().complex_step(&prepared.x, &run.forward).expect("runs");
+            let (first, last) = (-0.437, 1.0 - 0.437);
+            let exact = [integral(last) - integral(first), value(first) - value(last)];
+            let own = [run.forward.values[0], gradient.rows[0][0]];
+            // roots have no higher derivative at their zero
+            let limit = if law.contains('^') { 1e-6 } else { 1e-9 };
+            for (own, exact) in own.iter().zip(exact) {
+                assert!((own - exact).abs() < limit * exact.abs().max(1.0), "{what}: {own} for {exact}");
+            }
+            let apart = (complex.rows[0][0] - gradient.rows[0][0]).abs();
+            assert!(apart < 1e-12 * exact[1].abs().max(1.0), "{what}: complex step {apart:e} apart");
+        }
+    }
+}
+
+#[test]
+fn a_jump_at_the_start_or_end_of_a_run_that_a_variable_moves_has_no_derivative() {
+    for (tau, end) in [(0.0, "start"), (1.0, "end")] {
+        let text = format!(
+            "version = 1\nvariable.tau = {{ initial = {tau:?}, bounds = [0, 1], unit = \"s\" }}\nsettings = {{ end = 1, steps = 100 }}\n\
+             [[point]]\nname = \"p\"\nposition = [0, 0, 0]\nmass = 1\n[[force]]\nname = \"push\"\non = \"p\"\ndirection = [1, 0, 0]\n\
+             size = {{ type = \"formula\", value = \"if_less(t, tau, 1, 0)\" }}\n\
+             [[functional]]\nname = \"speed\"\ntype = \"velocity\"\non = \"p\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n"
+        );
+        let scene = FileScene::parse("push.toml", &text).expect("sound");
+        let prepared = Prepared::new(&scene).expect("sound");
+        let why = prepared.run().expect("runs").gradient().expect_err("no derivative").to_string();
+        assert!(why.contains("push") && why.contains(end), "{why}");
+    }
+}

@@ -20,9 +20,6 @@ impl TimeFormula for Corner {
     fn value<S: Scalar>(&self, t: S, _p: &[S]) -> S {
         (t - 0.5).abs()
     }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        vec![S::from(0.5)]
-    }
 }
 
 /// Whose curvature alone jumps at a breakpoint: (t - 0.5)^2 from there on.
@@ -31,9 +28,6 @@ impl TimeFormula for Start {
     fn value<S: Scalar>(&self, t: S, _p: &[S]) -> S {
         let late = (t - 0.5).max(S::zero());
         late * late
-    }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        vec![S::from(0.5)]
     }
 }
 
@@ -263,7 +257,7 @@ fn wrong_loads_and_functions_are_told_by_name() {
         ),
         (
             drive(Signal::own(Corner, &[]).expect("sound")),
-            "driver \"drive\" or its rate would jump at t = 0.5 s; give it a smooth ramp or a table",
+            "the motion that \"drive\" prescribes or its rate would jump at t = 0.5 s; give it a smooth ramp or a table",
         ),
     ];
     for (message, expected) in cases {
@@ -275,5 +269,5 @@ fn wrong_loads_and_functions_are_told_by_name() {
     m.rigid_body("body", body, 1.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     m.revolute("hinge", [ground, body], Vector3::zeros(), Vector3::z());
     m.prescribed_rotation("drive", [ground, body], Vector3::z(), Signal::own(Start, &[]).expect("sound"));
-    assert_eq!(m.finish().expect("sound").breakpoints(), [0.5]);
+    assert_eq!(m.finish().expect("sound").breakpoints(1.0).expect("few"), [0.5]);
 }

@@ -14,7 +14,7 @@ use costate::sensitivity::{Analysis, Forward};
 /// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
 struct Oscillator {
     jump: Option<f64>,
-    declared: bool,
+    ledge: Option<f64>,
     wall: f64,
 }
 
@@ -24,27 +24,26 @@ impl Element for Oscillator {
         vec![NodeKind::Coordinates(1)]
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        let load = self.jump.map_or(S::zero(), |jump| t.less(S::from(jump)).select(S::zero(), S::one()));
+        let from =
+            |switch: Option<f64>, on: S| switch.map_or(S::zero(), |at| on.less(S::from(at)).select(S::zero(), S::one()));
+        let load = from(self.jump, t) + from(self.ledge.map(|ledge| -ledge), -s.q[0]);
         let inside = S::from(self.wall).less(s.q[0].abs()).select(S::from(f64::NAN), S::one());
         r[0] += (s.a[0] + p[0] * s.q[0] - load) * inside;
-    }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.jump.filter(|_| self.declared).map(S::from).into_iter().collect()
     }
 }
 
 /// Start at rest at 1.
 struct Swinging {
     jump: Option<f64>,
-    /// The jump is a breakpoint that the element declares.
-    declared: bool,
+    /// Place below which the load jumps.
+    ledge: Option<f64>,
     wall: f64,
     stiffness: f64,
 }
 
 impl Default for Swinging {
     fn default() -> Self {
-        Swinging { jump: None, declared: true, wall: f64::INFINITY, stiffness: 4.0 }
+        Swinging { jump: None, ledge: None, wall: f64::INFINITY, stiffness: 4.0 }
     }
 }
 
@@ -60,7 +59,7 @@ impl Scene for Swinging {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let node = m.coordinates("swing", &[S::one()], &[S::zero()]);
-        m.element("swing", &[node], Oscillator { jump: self.jump, declared: self.declared, wall: self.wall }, x);
+        m.element("swing", &[node], Oscillator { jump: self.jump, ledge: self.ledge, wall: self.wall }, x);
         m.coordinate_functional("end", Over::Terminal, node, 0);
         m.coordinate_functional("integral", Over::Integral, node, 0);
         m.coordinate_functional("largest", Over::smooth_maximum(3.0), node, 0);
@@ -83,7 +82,7 @@ impl Scene for SharplySwinging {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let node = m.coordinates("swing", &[S::one()], &[S::zero()]);
-        m.element("swing", &[node], Oscillator { jump: Some(1.03), declared: true, wall: f64::INFINITY }, x);
+        m.element("swing", &[node], Oscillator { jump: Some(1.03), ledge: None, wall: f64::INFINITY }, x);
         for kind in Aggregate::KINDS {
             m.coordinate_functional(&format!("{kind:?}"), Aggregate::new(kind, 1e5).at(Times::Run), node, 0);
         }
@@ -323,7 +322,7 @@ fn steps_that_cannot_be_solved_are_halved_and_counted() {
 
 #[test]
 fn a_jump_that_no_step_resolves_ends_the_run_with_its_time() {
-    let scene = Swinging { jump: Some(0.77), declared: false, ..Swinging::default() };
+    let scene = Swinging { ledge: Some(0.03), ..Swinging::default() };
     // across the jump a step's error is about the step times 1 m/s2
     let fine = StepControl::new(1e-14);
     let prepared = prepared(&scene, "esdirk5", Settings::new(1e3, 1).choosing_steps(fine)).expect("sound");

@@ -161,7 +161,7 @@ fn start(model: &Model) -> Vec<f64> {
             NodeKind::Body => near(&[x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
             NodeKind::Natural => near(&[x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
             NodeKind::Slope => near(&[x, 0.0, 0.0, 1.0, 0.0, 0.0]),
-            NodeKind::Coordinates(count) => (0..count).map(number).collect(),
+            NodeKind::Coordinates(count) | NodeKind::States(count) => (0..count).map(number).collect(),
         });
     }
     q

@@ -183,7 +183,7 @@ fn cost(report: &mut Report) -> Result<(), String> {
 /// what decides up to how many points steps end at them.
 fn order_at_knots(report: &mut Report) -> Result<(), String> {
     eprintln!("[4/5] order at points");
-    let longest = costate::elements::MOST_BREAKPOINTS;
+    let longest = costate::scalar::MOST_BREAKPOINTS;
     for (name, count) in [("few points, at which steps end", 41), ("many points, at which none ends", longest + 37)] {
         let (times, values) = wave(count);
         let table = format!("{{ type = \"table\", times = [{}], values = [{}] }}", listed(&times), listed(&values));

@@ -2,8 +2,10 @@
 
 mod robot;
 mod scene_text;
+mod welded;
 
 use super::CommandLine;
+use super::check::{self, CheckOptions};
 use super::console::say;
 use super::failure::Failure;
 use crate::io::write_file;
@@ -28,7 +30,7 @@ pub struct ImportOptions {
 /// Largest description in bytes.
 const LARGEST: u64 = 100_000_000;
 
-/// Writes the scene file, reads it as `check` does, and says what it left out.
+/// Writes the scene file, says what it leaves out or changes, and checks it as `check` does.
 pub fn run(options: &ImportOptions, program: &CommandLine) -> Result<(), Failure> {
     let (file, shown) = (&options.file, options.file.display());
     let told = |why: String| Failure::input(format!("import {shown}: {why}"));
@@ -55,5 +57,6 @@ pub fn run(options: &ImportOptions, program: &CommandLine) -> Result<(), Failure
     notes.iter().for_each(|note| say(format_args!("note: {note}")));
     let (links, joints) = (robot.links.len(), robot.joints.len());
     say(format_args!("wrote {name}: {links} links, {joints} joints; simulate it with {} run {name}", program.name));
-    Ok(())
+    let checked = check::run(&CheckOptions { scene: name.clone(), json: false }, program);
+    checked.map_err(|why| Failure::input(format!("{name} was written, but it cannot start as it is: {}", why.message)))
 }

@@ -61,12 +61,21 @@ pub struct Joint {
     pub child: String,
     /// The frame of the child in that of the parent while the position of the joint is zero.
     pub pose: Pose,
-    /// In the frame of the child.
+    /// In the frame of the child, of length one; zero where none is given.
     pub axis: Vector3<f64>,
     pub damping: f64,
     pub friction: f64,
     pub has_limits: bool,
     pub mimic: Option<Mimic>,
+}
+
+impl Joint {
+    pub fn turns(&self) -> bool {
+        matches!(&*self.kind, "revolute" | "continuous")
+    }
+    pub fn slides(&self) -> bool {
+        self.kind == "prismatic"
+    }
 }
 
 pub struct Robot {
@@ -148,6 +157,7 @@ fn joint(node: Node) -> Result<Joint, String> {
         Ok(needed(own, "link")?.into())
     };
     let axis = child(node, "axis").map_or(Ok([1.0, 0.0, 0.0]), |own| numbers(own, "xyz", None))?;
+    let axis = Vector3::from_f64(axis);
     let dynamics = |key: &str| child(node, "dynamics").map_or(Ok(0.0), |own| number(own, key, Some(0.0)));
     let mimic = child(node, "mimic").map(|own| {
         Ok::<_, String>(Mimic {
@@ -162,7 +172,7 @@ fn joint(node: Node) -> Result<Joint, String> {
         parent: end("parent")?,
         child: end("child")?,
         pose: pose(node)?,
-        axis: Vector3::from_f64(axis),
+        axis: axis.try_normalize(0.0).unwrap_or(axis),
         damping: dynamics("damping")?,
         friction: dynamics("friction")?,
         has_limits: child(node, "limit").is_some_and(|own| own.has_attribute("lower") || own.has_attribute("upper")),
@@ -201,12 +211,9 @@ impl Robot {
                 return Err(format!("two {what} are named \"{twice}\""));
             }
         }
-        for Joint { name, parent, child, mimic, .. } in &self.joints {
+        for Joint { name, parent, child, .. } in &self.joints {
             if let Some(end) = [parent, child].into_iter().find(|end| !names.contains(&end.as_str())) {
                 return Err(format!("the joint \"{name}\" is on the link \"{end}\", which is not there"));
-            }
-            if let Some(other) = mimic.as_ref().filter(|own| !joints.contains(&own.joint.as_str())) {
-                return Err(format!("the joint \"{name}\" follows the joint \"{}\", which is not there", other.joint));
             }
         }
         match self.roots().len() {
@@ -214,7 +221,7 @@ impl Robot {
                 Err("a link is the child of two joints; a URDF is a tree".into())
             }
             0 => Err("every link is the child of a joint; a URDF is a tree with a root".into()),
-            1 if self.in_order().len() == self.links.len() => Ok(()),
+            1 if self.bodies().iter().map(|body| body.links.len()).sum::<usize>() == self.links.len() => Ok(()),
             1 => Err("joints make a ring; a URDF is a tree".into()),
             count => {
                 let names: Vec<&str> = self.roots().iter().map(|link| &*link.name).collect();
@@ -224,24 +231,70 @@ impl Robot {
     }
 
     /// Links that are the child of no joint.
-    fn roots(&self) -> Vec<&Link> {
+    pub fn roots(&self) -> Vec<&Link> {
         self.links.iter().filter(|link| self.joints.iter().all(|joint| joint.child != link.name)).collect()
     }
 
-    /// Links with their frames in the world while all joints are at zero, and the joints that carry them, parents first.
-    pub fn in_order(&self) -> Vec<(&Link, Pose, Option<&Joint>)> {
-        let mut all: Vec<(&Link, Pose, Option<&Joint>)> =
-            self.roots().into_iter().map(|link| (link, Pose::identity(), None)).collect();
+    /// The joint that another follows and how, or why it can follow none.
+    pub fn leader<'r>(&'r self, own: &'r Joint) -> Option<Result<(&'r Joint, &'r Mimic), &'static str>> {
+        let followed = |own: &'r Joint| {
+            let mimic = own.mimic.as_ref()?;
+            Some((self.joints.iter().find(|other| other.name == mimic.joint), mimic))
+        };
+        let (leader, mimic) = followed(own)?;
+        let Some(leader) = leader else { return Some(Err("which is not there")) };
+        if ![own, leader].iter().all(|joint| joint.turns() || joint.slides()) {
+            return Some(Err("and one of the two neither turns nor slides"));
+        }
+        let chain = std::iter::successors(Some(leader), |next| followed(next)?.0).take(self.joints.len());
+        let is_ring = chain.into_iter().any(|next| next.name == own.name);
+        Some(if is_ring { Err("which follows it in turn") } else { Ok((leader, mimic)) })
+    }
+
+    /// Whether a joint, those that it follows and those that follow it move nothing that has inertia, so that no equation says how.
+    pub fn moves_nothing(&self, own: &Joint) -> bool {
+        let mut together = vec![own];
         let mut next = 0;
-        while next < all.len() {
-            let (link, pose, _) = all[next];
-            for joint in self.joints.iter().filter(|joint| joint.parent == link.name) {
-                let child = self.links.iter().find(|own| own.name == joint.child);
-                all.extend(child.map(|child| (child, pose.then(joint.pose), Some(joint))));
+        while next < together.len() {
+            if self.has_inertia(&together[next].child) {
+                return false;
+            }
+            for other in &self.joints {
+                let follows =
+                    |one: &Joint, two: &Joint| matches!(self.leader(one), Some(Ok((own, _))) if own.name == two.name);
+                let is_new = together.iter().all(|known| known.name != other.name);
+                if is_new && (follows(other, together[next]) || follows(together[next], other)) {
+                    together.push(other);
+                }
             }
             next += 1;
         }
-        all
+        true
+    }
+
+    /// Whether a link or what it carries has mass or a tensor.
+    fn has_inertia(&self, name: &str) -> bool {
+        let is_heavy = |own: &Inertial| own.mass > 0.0 || own.mass == 0.0 && own.tensor != [0.0; 6];
+        self.links.iter().any(|link| link.name == name && link.inertial.as_ref().is_some_and(is_heavy))
+            || self.joints.iter().any(|joint| joint.parent == name && self.has_inertia(&joint.child))
+    }
+
+    /// Where a joint stands at the start \[rad, m\]: at zero, or where it follows one that does.
+    fn position_at_start(&self, own: &Joint) -> f64 {
+        match self.leader(own) {
+            Some(Ok((leader, mimic))) => mimic.multiplier * self.position_at_start(leader) + mimic.offset,
+            _ => 0.0,
+        }
+    }
+
+    /// The frame that a joint moves in that where it is at zero, at the start.
+    pub fn displacement_at_start(&self, own: &Joint) -> Pose {
+        let position = self.position_at_start(own);
+        let (place, turn) = match own.slides() {
+            true => (own.axis * position, Quaternion::identity()),
+            false => (Vector3::zeros(), Quaternion::about(own.axis, position)),
+        };
+        Pose { place, turn }
     }
 }
 
@@ -276,18 +329,5 @@ mod tests {
         }
         assert!(Robot::parse("<sdf/>").err().unwrap().contains("<robot>"));
         assert!(Robot::parse("hello").err().unwrap().contains("no XML"));
-    }
-
-    #[test]
-    fn frames_follow_each_other() {
-        let text = r#"<robot name="r"><link name="a"/><link name="b"/>
-            <joint name="j" type="fixed"><parent link="a"/><child link="b"/><origin xyz="1 2 3" rpy="0.3 0 1.5707963267948966"/></joint></robot>"#;
-        let robot = Robot::parse(text).unwrap();
-        let (_, pose, _) = robot.in_order()[1];
-        assert!((pose.place - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-15);
-        // first about x, then about z
-        let [x, y] = [Vector3::x(), Vector3::y()].map(|own| pose.turn.rotate(own));
-        assert!((x - Vector3::y()).norm() < 1e-15, "{x}");
-        assert!((y - Vector3::new(-0.3_f64.cos(), 0.0, 0.3_f64.sin())).norm() < 1e-15, "{y}");
     }
 }

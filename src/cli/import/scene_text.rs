@@ -1,9 +1,15 @@
 //! Robots as texts of scene files.
 
-use super::robot::{Inertial, Joint, Link, Looks, Pose, Robot};
+use super::robot::{Joint, Looks, Pose, Robot};
+use super::welded::{BodyInertia, WeldedBody};
 use crate::design::shortest;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
+use crate::scenes::file::is_free_name;
+use crate::scenes::folder_name;
 use std::path::{Path, PathBuf};
+
+/// Names that formulas of joints and elements here give their nodes.
+const NODES: [&str; 4] = ["a", "b", "leader", "follower"];
 
 /// A text in quotation marks.
 fn quoted(text: &str) -> String {
@@ -27,16 +33,6 @@ fn orientation(before: &str, turn: Quaternion<f64>) -> String {
         return String::new();
     }
     format!("{before}orientation = {{ type = \"euler_parameters\", values = {} }}", list(&values))
-}
-
-/// R J R^T of a tensor (xx, yy, zz, xy, xz, yz).
-fn turned([xx, yy, zz, xy, xz, yz]: [f64; 6], turn: Quaternion<f64>) -> [f64; 6] {
-    let axes = turn.columns();
-    let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let entry = |i: usize, j: usize| -> f64 {
-        (0..3).map(|k| (0..3).map(|l| axes[k][i] * rows[k][l] * axes[l][j]).sum::<f64>()).sum()
-    };
-    [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]].map(|[i, j]| entry(i, j))
 }
 
 /// Where meshes are looked for, and from where scene files name them.
@@ -97,29 +93,210 @@ fn solid(looks: &Looks, pose: Pose, folders: &Folders) -> Result<String, String>
     }
 }
 
-/// The body of a link that stands somewhere.
-fn body(link: &Link, pose: Pose, folders: &Folders, notes: &mut Vec<String>) -> String {
-    let name = quoted(&link.name);
-    let mut text = format!("\n[[body]]\nname = {name}\nposition = {}{}\n", vector(pose.place), orientation("\n", pose.turn));
-    match &link.inertial {
-        Some(Inertial { mass, pose, tensor }) if *mass > 0.0 => {
-            let (centre, inertia) = (vector(pose.place), list(&turned(*tensor, pose.turn)));
-            text += &format!("mass = {}\nmass_centre = {centre}\ninertia = {inertia}\n", shortest(*mass));
+/// A name that is not taken, by as many underscores as it takes.
+fn free_name(wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let mut name = wanted.to_string();
+    while is_taken(&name) {
+        name.push('_');
+    }
+    name
+}
+
+/// What a scene file leaves out or changes, with the parts of the robot of which it is said.
+#[derive(Default)]
+struct Notes(Vec<(String, Vec<String>)>);
+
+impl Notes {
+    fn add(&mut self, what: impl Into<String>, name: &str) {
+        let (what, name) = (what.into(), quoted(name));
+        match self.0.iter_mut().find(|own| own.0 == what) {
+            Some((_, names)) => names.push(name),
+            None => self.0.push((what, vec![name])),
         }
-        Some(_) => notes.push(format!("the link {name} has no positive mass, and the body none")),
-        None => {}
     }
-    let mut solids = Vec::new();
-    for (own, looks) in &link.visuals {
-        match solid(looks, pose.then(*own), folders) {
-            Ok(own) => solids.push(own),
-            Err(why) => notes.push(format!("a shape of the link {name} is left out: {why}")),
+}
+
+/// Writes a robot.
+struct Writer<'r> {
+    robot: &'r Robot,
+    folders: Folders,
+    bodies: Vec<WeldedBody<'r>>,
+    /// Names of the bodies.
+    names: Vec<String>,
+    notes: Notes,
+}
+
+impl Writer<'_> {
+    /// The name of the body of a link, in quotation marks.
+    fn body_of(&self, link: &str) -> String {
+        let place = self.bodies.iter().position(|body| body.links.iter().any(|own| own.0.name == link));
+        quoted(place.map_or(link, |place| &self.names[place]))
+    }
+
+    /// A body.
+    fn body(&mut self, place: usize) -> String {
+        let WeldedBody { pose, links, .. } = &self.bodies[place];
+        let name = quoted(&self.names[place]);
+        let mut text =
+            format!("\n[[body]]\nname = {name}\nposition = {}{}\n", vector(pose.place), orientation("\n", pose.turn));
+        let (inertia, given) = self.bodies[place].admissible_inertia();
+        if let Some(BodyInertia { mass, centre, tensor }) = inertia {
+            let (centre, tensor) = (vector(centre), list(&tensor));
+            text += &format!("mass = {}\nmass_centre = {centre}\ninertia = {tensor}\n", shortest(mass));
+            if let Some((links, given)) = given {
+                let of = links.iter().map(|link| quoted(link)).collect::<Vec<_>>().join(", ");
+                let what = format!(
+                    "no body can have the inertia of {of}: the nearest is taken, {tensor} kg m2 for {}, of the body",
+                    list(&given.tensor)
+                );
+                self.notes.add(what, &self.names[place]);
+            }
+        }
+        let mut solids = Vec::new();
+        for (link, inner) in links {
+            if link.inertial.as_ref().is_some_and(|own| own.mass < 0.0) {
+                self.notes.add("a negative mass is left out, with its inertia, of links", &link.name);
+            }
+            for (own, looks) in &link.visuals {
+                match solid(looks, pose.then(*inner).then(*own), &self.folders) {
+                    Ok(own) => solids.push(own),
+                    Err(why) => self.notes.add(format!("{why}; a shape is left out of links"), &link.name),
+                }
+            }
+        }
+        if !solids.is_empty() {
+            text += &format!("solids = [\n    {},\n]\n", solids.join(",\n    "));
+        }
+        text
+    }
+
+    /// Places of links that are welded to others, by names that formulas can use.
+    fn frames(&self) -> String {
+        let mut names: Vec<String> = NODES.map(String::from).into();
+        let mut text = String::new();
+        for (body, name) in self.bodies.iter().zip(&self.names) {
+            for (link, inner) in &body.links[1..] {
+                let letter = |own: char| if own.is_ascii_alphanumeric() { own } else { '_' };
+                let word: String = link.name.chars().map(letter).collect();
+                let begun = if word.starts_with(|own: char| own.is_ascii_alphabetic()) { word } else { format!("_{word}") };
+                let frame = free_name(&begun, |own| !is_free_name(own) || names.iter().any(|other| other == own));
+                let of = if frame == link.name { String::new() } else { format!("{}, ", quoted(&link.name)) };
+                text += &format!("{frame} = {} # {of}on {}\n", vector(body.pose.then(*inner).place), quoted(name));
+                names.push(frame);
+            }
+        }
+        match text.is_empty() {
+            true => text,
+            false => format!(
+                "\n# where links stand that are welded to others: the one called camera on the body \"head\" is on = \"head\", point = \"camera\"\n\
+                 [define]\n{text}"
+            ),
         }
     }
-    if !solids.is_empty() {
-        text += &format!("solids = [\n    {},\n]\n", solids.join(",\n    "));
+
+    /// Nodes of a formula, and the formula, of how far a joint has moved since the start.
+    fn moved(&self, own: &Joint, pose: Pose, node: &str) -> (String, String) {
+        if own.turns() {
+            return (format!("{node} = {}", angle_name(&own.name)), format!("{node}.value"));
+        }
+        let end = |end: &str, link: &str| {
+            format!("{node}_{end} = {{ on = {}, point = {} }}", self.body_of(link), vector(pose.place))
+        };
+        let axis = own.axis.components().into_iter().zip(["x_axis", "y_axis", "z_axis"]).filter(|(share, _)| *share != 0.0);
+        let along: Vec<String> = axis.map(|(share, name)| format!("{} * {node}_b.{name}", shortest(share))).collect();
+        let nodes = format!("{}, {}", end("a", &own.parent), end("b", &own.child));
+        (nodes, format!("dot({node}_b.position - {node}_a.position, {})", along.join(" + ")))
     }
-    text
+
+    /// The pose of the body that a joint carries.
+    fn carried(&self, own: &Joint) -> Pose {
+        let body = self.bodies.iter().find(|body| body.carrier.is_some_and(|joint| joint.name == own.name));
+        body.map_or(Pose::identity(), |body| body.pose)
+    }
+
+    /// What holds a body on the one that carries it.
+    fn joint(&mut self, own: &Joint) -> String {
+        let (pose, robot) = (self.carried(own), self.robot);
+        let Joint { name, kind, parent, child, axis, damping, .. } = own;
+        let quoted_name = quoted(name);
+        let between = format!("between = [{}, {}]\n", self.body_of(parent), self.body_of(child));
+        let (point, direction) = (vector(pose.place), vector(pose.turn.rotate(*axis)));
+        if own.friction > 0.0 {
+            self.notes.add("dry friction is left out of joints", name);
+        }
+        if own.has_limits {
+            self.notes.add("limits are left out, nothing stops the joints", name);
+        }
+        let held = match kind.as_str() {
+            _ if own.turns() => format!("type = \"revolute\"\n{between}point = {point}\naxis = {direction}\n"),
+            "prismatic" => format!("type = \"prismatic\"\n{between}point = {point}\naxis = {direction}\n"),
+            "planar" => format!("type = \"planar\"\n{between}point = {point}\nnormal = {direction}\n"),
+            "floating" => String::new(),
+            other => {
+                self.notes.add(format!("links move freely, as the type {} is not known, of joints", quoted(other)), name);
+                String::new()
+            }
+        };
+        let mut text = String::new();
+        if !held.is_empty() {
+            text += &format!("\n[[joint]]\nname = {quoted_name}\n{held}");
+        }
+        if own.turns() && self.is_measured(own) {
+            text += &format!("\n[[joint_angle]]\nname = {}\n{between}axis = {direction}\n", angle_name(name));
+        }
+        let damper = quoted(&format!("{name} damping"));
+        if *damping > 0.0 && own.turns() {
+            // of two that a hinge holds, the angular velocity of one against the other is about its axis
+            let rate =
+                |of: &str, by: &str| format!("\"{} * ({by}.angular_velocity - {of}.angular_velocity)\"", shortest(*damping));
+            let nodes = format!("{{ a = {}, b = {} }}", self.body_of(parent), self.body_of(child));
+            let moment = format!("{{ a = {}, b = {} }}", rate("a", "b"), rate("b", "a"));
+            text += &format!("\n[[element]]\nname = {damper}\nnodes = {nodes}\nmoment = {moment}\n");
+        } else if *damping > 0.0 && own.slides() {
+            let slide = format!("{between}origin = {point}\npoint = {point}\naxis = {direction}\n");
+            let rates = format!("stiffness = 0\ndamping = {}\n", shortest(*damping));
+            text += &format!("\n[[spring]]\nname = {damper}\ntype = \"slide\"\n{slide}{rates}");
+        } else if *damping > 0.0 {
+            self.notes.add("damping is left out of joints that neither turn nor slide", name);
+        }
+        let follows = matches!(robot.leader(own), Some(Ok(_)));
+        if (own.turns() || own.slides()) && !follows && robot.moves_nothing(own) {
+            let motion = match own.turns() {
+                true => format!("type = \"rotation\"\n{between}axis = {direction}\nangle = 0\n"),
+                false => format!(
+                    "type = \"translation\"\n{between}origin = {point}\npoint = {point}\naxis = {direction}\ndisplacement = 0\n"
+                ),
+            };
+            text += &format!("\n[[driver]]\nname = {}\n{motion}", quoted(&format!("{name} held")));
+            self.notes
+                .add("drivers hold joints that move nothing with inertia, so that no equation says how they move", name);
+        }
+        match robot.leader(own) {
+            None => {}
+            Some(Err(why)) => {
+                let followed = own.mimic.as_ref().map_or("", |mimic| &mimic.joint);
+                self.notes.add(format!("joints are left free that should follow {}, {why}", quoted(followed)), name);
+            }
+            Some(Ok((leader, mimic))) => {
+                let of_leader = self.moved(leader, self.carried(leader), "leader");
+                let of_follower = self.moved(own, pose, "follower");
+                let nodes = format!("nodes = {{ {}, {} }}", of_leader.0, of_follower.0);
+                let equation = format!("{} - {} * {}", of_follower.1, shortest(mimic.multiplier), of_leader.1);
+                let following = quoted(&format!("{name} follows {}", leader.name));
+                text += &format!(
+                    "\n[[joint]]\nname = {following}\ntype = \"formula\"\n{nodes}\nequations = [{}]\n",
+                    quoted(&equation)
+                );
+            }
+        }
+        text
+    }
+
+    /// Whether something follows the angle of a joint, or it follows something.
+    fn is_measured(&self, own: &Joint) -> bool {
+        let pairs = self.robot.joints.iter().filter_map(|joint| Some((joint, self.robot.leader(joint)?.ok()?.0)));
+        pairs.into_iter().any(|(follower, leader)| [follower, leader].iter().any(|joint| joint.name == own.name))
+    }
 }
 
 /// Name of the joint angle of a joint.
@@ -127,69 +304,7 @@ fn angle_name(joint: &str) -> String {
     quoted(&format!("{joint} angle"))
 }
 
-/// What holds a child that stands somewhere on its parent; axes are given in the frame of the child.
-fn joint(own: &Joint, pose: Pose, robot: &Robot, notes: &mut Vec<String>) -> String {
-    let Joint { name, kind, parent, child, axis, damping, friction, has_limits, mimic, .. } = own;
-    let (name, quoted_name) = (name.as_str(), quoted(name));
-    let turns = |kind: &str| matches!(kind, "revolute" | "continuous");
-    let between = format!("between = [{}, {}]\n", quoted(parent), quoted(child));
-    let (point, axis) = (vector(pose.place), vector(pose.turn.rotate(*axis)));
-    let of_type = match kind.as_str() {
-        kind if turns(kind) => "revolute",
-        "prismatic" | "planar" | "fixed" => kind,
-        "floating" => return String::new(),
-        other => {
-            notes.push(format!("the joint {quoted_name} is of type \"{other}\", which is not known: its link moves freely"));
-            return String::new();
-        }
-    };
-    let along = match of_type {
-        "fixed" => String::new(),
-        "planar" => format!("normal = {axis}\n"),
-        _ => format!("axis = {axis}\n"),
-    };
-    let mut text = format!("\n[[joint]]\nname = {quoted_name}\ntype = \"{of_type}\"\n{between}point = {point}\n{along}");
-    if of_type == "revolute" {
-        text += &format!("\n[[joint_angle]]\nname = {}\n{between}axis = {axis}\n", angle_name(name));
-    }
-    if *damping > 0.0 {
-        let spring = format!("\n[[spring]]\nname = {}\n", quoted(&format!("{name} damping")));
-        let rates = format!("stiffness = 0\ndamping = {}\n", shortest(*damping));
-        text += &match of_type {
-            "revolute" => format!("{spring}type = \"angle\"\non = {}\n{rates}", angle_name(name)),
-            "prismatic" => {
-                format!("{spring}type = \"slide\"\n{between}origin = {point}\npoint = {point}\naxis = {axis}\n{rates}")
-            }
-            _ => String::new(),
-        };
-    }
-    if *friction > 0.0 {
-        notes.push(format!("the dry friction of the joint {quoted_name} is left out"));
-    }
-    if *has_limits {
-        notes.push(format!("the limits of the joint {quoted_name} are left out: nothing stops it"));
-    }
-    let leader = mimic.as_ref().and_then(|own| Some((own, robot.joints.iter().find(|joint| joint.name == own.joint)?)));
-    if let Some((own, leader)) = leader {
-        if of_type != "revolute" || !turns(&leader.kind) || own.offset != 0.0 {
-            notes.push(format!(
-                "the joint {quoted_name} follows \"{}\", which is said only of two that turn, without an offset: it is left free",
-                leader.name
-            ));
-        } else {
-            let nodes = format!("nodes = {{ leader = {}, follower = {} }}", angle_name(&leader.name), angle_name(name));
-            let equation = format!("follower.value - {} * leader.value", shortest(own.multiplier));
-            let following = quoted(&format!("{name} follows {}", leader.name));
-            text += &format!(
-                "\n[[joint]]\nname = {following}\ntype = \"formula\"\n{nodes}\nequations = [{}]\n",
-                quoted(&equation)
-            );
-        }
-    }
-    text
-}
-
-/// The text of a scene, and what it leaves out.
+/// The text of a scene, and what it leaves out or changes.
 ///
 /// # Errors
 /// A path that cannot be found.
@@ -199,24 +314,38 @@ pub fn write(robot: &Robot, file: &Path, target: &Path, free: bool) -> Result<(S
         own.canonicalize().map_err(|error| format!("{}: {error}", own.display()))
     };
     let folders = Folders { of_robot: folder(file)?, of_scene: folder(target)? };
-    let mut notes = Vec::new();
+    let bodies = robot.bodies();
+    let is_link = |name: &str| robot.links.iter().any(|link| link.name == name);
+    let name = |body: &WeldedBody| match &*body.links[0].0.name {
+        "ground" => free_name("ground_link", is_link),
+        own => own.to_string(),
+    };
+    let names = bodies.iter().map(name).collect();
+    let mut writer = Writer { robot, folders, bodies, names, notes: Notes::default() };
     let source = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().replace(['\n', '\r'], " "));
     let mut text = format!(
-        "# From {source}: it stands as if all joints were at zero. A motor is a [[driver]] of type rotation or translation between the links of a\n\
-         # joint, or a [[torque]]; what is measured is a [[functional]].\n\
-         version = 1\nname = {}\ngravity = [0, 0, -9.81]\n\n[settings]\nend = 1\nsteps = 200\n",
-        quoted(&robot.name.replace(['/', '\\'], "-"))
+        "# From {source}: it stands as if all joints were at zero, and those that follow others where these take them. A motor is a [[driver]] of\n\
+         # type rotation or translation between the bodies of a joint, or a [[torque]]; what is measured is a [[functional]].\n\
+         version = 1\nname = {}\ngravity = [0, 0, -9.81]\n{}\n[settings]\nend = 1\nsteps = 200\n",
+        quoted(&folder_name(&robot.name)),
+        writer.frames()
     );
-    for (link, pose, carrier) in robot.in_order() {
-        text += &body(link, pose, &folders, &mut notes);
+    for place in 0..writer.bodies.len() {
+        text += &writer.body(place);
+        let (name, carrier) = (&writer.names[place], writer.bodies[place].carrier);
+        if name != &writer.bodies[place].links[0].0.name {
+            writer.notes.add("a link is called \"ground\", which names what never moves; its body is", &name.clone());
+        }
         match carrier {
-            Some(own) => text += &joint(own, pose, robot, &mut notes),
+            Some(own) => text += &writer.joint(own),
             None if free => {}
             None => {
-                let between = format!("between = [\"ground\", {}]", quoted(&link.name));
-                text += &format!("\n[[joint]]\nname = \"stand\"\ntype = \"fixed\"\n{between}\n");
+                let stand = free_name("stand", |name| robot.joints.iter().any(|joint| joint.name == name));
+                let between = format!("between = [\"ground\", {}]", quoted(&writer.names[place]));
+                text += &format!("\n[[joint]]\nname = {}\ntype = \"fixed\"\n{between}\n", quoted(&stand));
             }
         }
     }
-    Ok((text, notes))
+    let notes = writer.notes.0.into_iter().map(|(what, names)| format!("{what}: {}", names.join(", ")));
+    Ok((text, notes.collect()))
 }

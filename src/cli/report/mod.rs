@@ -58,6 +58,19 @@ fn command() -> String {
     program.chain(words).map(quoted).collect::<Vec<_>>().join(" ")
 }
 
+/// JSON that a script element may hold whatever stands in it: these characters occur in texts alone, where they are written
+/// by their numbers. (A `<!--` with a `<script` behind it would keep `</script>` from ending the element.)
+fn in_script(value: &Value) -> String {
+    let mut text = String::new();
+    for letter in value.to_string().chars() {
+        match letter {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => text += &format!("\\u{:04x}", u32::from(letter)),
+            _ => text.push(letter),
+        }
+    }
+    text
+}
+
 impl Page {
     /// A page about a scene: `what` a command did to it.
     pub fn new(scene: &dyn AnyScene, what: &str) -> Self {
@@ -155,8 +168,7 @@ impl Page {
         self.object.insert("notes".into(), json!(self.notes));
         let mut viewer = String::new();
         GzDecoder::new(VIEWER).read_to_string(&mut viewer).expect("the viewer is a part of the program");
-        // no text may end the element that it stands in
-        let data = Value::from(self.object).to_string().replace("</", "<\\/");
+        let data = in_script(&Value::from(self.object));
         let parts = [
             ("{{STYLE}}", STYLE),
             ("{{CHART_STYLE}}", CHART_STYLE),
@@ -187,7 +199,8 @@ mod tests {
 
     #[test]
     fn the_page_is_whole_and_texts_cannot_end_its_script() {
-        let mut page = Page::by_command(&Pendulum, "</script><b>{{SCRIPT}}");
+        let text = "</script><b>{{SCRIPT}}<!--<script>--> ]]> & \u{2028}\u{2029} ` ' \" \\";
+        let mut page = Page::by_command(&Pendulum, text);
         let points = (0..5000).map(|i| (f64::from(i), 1.0)).collect();
         let series = vec![Series { name: "x".into(), points, style: Style::Line }];
         page.charts("histories", &[Chart { series, ..Chart::default() }]);
@@ -199,7 +212,8 @@ mod tests {
         assert_eq!(html.matches("</script>").count(), PAGE.matches("</script>").count());
         let data = html.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
         let object: Value = serde_json::from_str(data).unwrap();
-        assert_eq!(object["what"], "</script><b>{{SCRIPT}}");
+        assert_eq!(object["what"], text);
+        assert!(!data.contains(['<', '>', '&', '\u{2028}', '\u{2029}']), "{data}");
         assert_eq!(object["files"], json!(["meshes/a b.vtu"]));
         assert!(object["command"].as_str().is_some_and(|words| words.starts_with("costate-")), "{}", object["command"]);
         assert!(object["notes"][0].as_str().unwrap().contains("one of 3 of 5000 kept points"));

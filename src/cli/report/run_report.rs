@@ -1,7 +1,6 @@
 //! The page of a run that a program made.
 
 use super::{GradientRows, Page, Shown};
-use crate::cli::history_charts::charts;
 use crate::cli::measured_modes::MeasuredModes;
 use crate::cli::measured_moments::MeasuredMoments;
 use crate::cli::part_sensitivities::PartSensitivities;
@@ -36,14 +35,14 @@ impl RunReport<'_> {
         let mut measured = MeasuredMoments::new(prepared);
         prepared.analysis().for_each_sample(forward, |sample| measured.add(sample))?;
         let energy = measured.energy;
-        let joints: Vec<&str> = measured.columns.loaded_joints().collect();
-        let moments = measured.finish();
+        let (moments, charts) = measured.finish();
         let shown = Shown {
+            start: None,
             forward,
             energy,
             balance: None,
             moments: &moments,
-            charts: &charts(prepared, &moments, &joints),
+            charts: &charts,
             warnings: [&self.warnings[..], &energy_in_words(energy)].concat(),
             stopped: self.stopped.as_deref(),
         };

@@ -5,10 +5,11 @@ use crate::cli::console::{brief, json_number, long_number, relative_effect};
 use crate::cli::energy_balance::EnergyBalance;
 use crate::cli::measured_moments::EnergyCourse;
 use crate::cli::motions::motion;
+use crate::cli::projected_start::ProjectedStart;
 use crate::cli::snapshot::Snapshot;
 use crate::cli::stability::{Statement, statement};
 use crate::design::DesignVariable;
-use crate::functionals::{Extreme, Extremes};
+use crate::functionals::{Extreme, Extremes, Functional};
 use crate::integrators::{NewtonTolerance, StepError};
 use crate::io::{Chart, number};
 use crate::scenes::Prepared;
@@ -31,6 +32,8 @@ pub struct GradientRows<'g> {
 pub struct Shown<'s> {
     /// Its steps and functionals.
     pub forward: &'s Forward,
+    /// What a projection of the start changed.
+    pub start: Option<&'s ProjectedStart>,
     /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
     /// Its balance, where it should not.
@@ -53,6 +56,9 @@ impl Page {
         self.functionals(prepared, simulation);
         self.motion(prepared, simulation.moments);
         self.charts("Histories", simulation.charts);
+        if let Some(rows) = simulation.start.map(ProjectedStart::rows).filter(|rows| !rows.is_empty()) {
+            self.table("What the projection of the start changed", &["part", "", "given", "used", "unit"], rows);
+        }
         self
     }
 
@@ -116,23 +122,21 @@ impl Page {
         if simulation.stopped.is_some() || prepared.functionals().is_empty() {
             return;
         }
-        let row = |(functional, &value): (&crate::functionals::Functional, &f64)| {
-            vec![json!(functional.name), json!(long_number(value).trim()), json!(functional.value_unit())]
+        let row = |((functional, &value), extremes): ((&Functional, &f64), &Option<Extremes>)| {
+            let mut row = vec![json!(functional.name), json!(long_number(value).trim()), json!(functional.value_unit())];
+            if let Some(Extremes { smallest, largest }) = extremes {
+                for Extreme { value, t, element } in [largest, smallest] {
+                    row.extend([json_number(*value), json_number(*t), json!(element)]);
+                }
+                row.push(json!(functional.unit));
+            }
+            row
         };
-        let rows = prepared.functionals().iter().zip(&simulation.forward.values).map(row).collect();
-        self.table("Functionals", &["functional", "value", "unit"], rows);
-        let of_aggregate = |(functional, extremes): (&crate::functionals::Functional, &Option<Extremes>)| {
-            let Extremes { smallest, largest } = extremes.as_ref()?;
-            let cells = |Extreme { value, t, element }: &Extreme| [json_number(*value), json_number(*t), json!(element)];
-            let own = [&[json!(functional.name)][..], &cells(largest), &cells(smallest), &[json!(functional.unit)]];
-            Some(own.concat())
-        };
-        let extremes: Vec<_> =
-            prepared.functionals().iter().zip(&simulation.forward.extremes).filter_map(of_aggregate).collect();
-        if !extremes.is_empty() {
-            let names = ["aggregate", "largest", "at [s]", "in", "smallest", "at [s]", "in", "unit"];
-            self.table("Largest and smallest values", &names, extremes);
-        }
+        let Forward { values, extremes, .. } = simulation.forward;
+        let rows = prepared.functionals().iter().zip(values).zip(extremes).map(row).collect();
+        let names = ["functional", "value", "unit", "true largest", "at [s]", "in", "true smallest", "at [s]", "in", "unit"];
+        let has_aggregates = extremes.iter().any(Option::is_some);
+        self.table("Functionals", if has_aggregates { &names } else { &names[..3] }, rows);
     }
 
     /// Design variables, where there is no gradient that shows them.

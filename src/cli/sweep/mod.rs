@@ -7,20 +7,20 @@ mod summary;
 mod variation;
 
 use super::CommandLine;
-use super::console::{count, say, say_json};
+use super::console::{count, say, say_files, say_json};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
 use super::options::SceneOptions;
 use super::results::check_folder;
-use super::simulation::{crossings_in_words, steps_in_words, warnings, with_hint};
+use super::simulation::{steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
 use crate::exchange::{is_first, of_first_at_work, see_work, world};
 use crate::history::{Keep, Watch};
 use crate::integrators::{Method, StepRecord};
 use crate::io::{Progress, write_file};
 use crate::optimize::runs_at_once::run_at_once;
-use crate::scenes::{AnyScene, Prepared, Settings, check_modes};
+use crate::scenes::{AnyScene, Prepared, Settings, check_modes, fingerprint};
 use clap::Args;
 use rows::{Outcome, Outcomes, Rows, row};
 use std::path::Path;
@@ -53,8 +53,8 @@ pub struct SweepOptions {
     /// d FUNCTIONAL / d VARIABLE
     #[arg(long)]
     gradient: bool,
-    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept; one design is run again to see
-    /// that they are of this sweep
+    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept, where they follow from what is
+    /// simulated here; one design is run again to see that they are of this machine
     #[arg(long)]
     resume: bool,
 }
@@ -122,7 +122,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     let json = summary.json(&files);
     write_file(&files[files.len() - 1], format!("{json:#}\n").as_bytes())?;
     summary.say();
-    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_files(&files);
     say_json(options.scene.json, &json);
     summary.verdict()
 }
@@ -226,6 +226,7 @@ impl<'s> Sweep<'s> {
             let x = self.variation.design(&self.base.x, place);
             let mut prepared = Prepared::with(self.scene, &x, self.method.clone(), self.settings.clone())
                 .map_err(|error| self.options.scene.located(self.scene, error))?;
+            prepared.keep_steps_of(&self.base.grid);
             // there are as many runs at once as threads
             prepared.keep = if self.options.gradient { Keep::shared_by(self.threads) } else { Keep::Nothing };
             let names = prepared.functionals().iter().map(|own| &own.name);
@@ -246,7 +247,8 @@ impl<'s> Sweep<'s> {
                     let of_modes = modes.rows.iter().flatten().cloned();
                     let rows = prepared.analysis().adjoint(&prepared.x, &forward)?.rows.into_iter().chain(of_modes);
                     let own = |row: Vec<f64>| self.variation.axes.iter().map(move |axis| row[axis.place]);
-                    let told = [warnings(&prepared, &forward), crossings_in_words(&forward.crossings)].concat();
+                    let told = [warnings(&prepared, &forward), forward.crossings.iter().map(ToString::to_string).collect()]
+                        .concat();
                     Ok((values.into_iter().chain(rows.flat_map(own)).collect(), told))
                 }
                 _ => Ok((values, warnings(&prepared, &forward))),
@@ -256,20 +258,46 @@ impl<'s> Sweep<'s> {
         if guard.requested() {
             return None;
         }
+        let fingerprint = self.fingerprint(place);
         Some(match run {
-            Ok((values, warnings)) => Outcome { values, failed: false, message: warnings.join("; ") },
+            Ok((values, warnings)) => Outcome { values, fingerprint, failed: false, message: warnings.join("; ") },
             Err(Failure { message, .. }) => {
                 let numbers = self.column_names().len() - self.variation.axes.len();
-                Outcome { values: vec![f64::NAN; numbers], failed: true, message }
+                Outcome { values: vec![f64::NAN; numbers], fingerprint, failed: true, message }
             }
         })
     }
 
-    /// Runs a design of the file again, if there is one: the same scene, method and machine give the same bits.
+    /// What the row of a design follows from.
+    fn fingerprint(&self, place: usize) -> f64 {
+        let x = self.variation.design(&self.base.x, place);
+        fingerprint(self.scene, &x, (&self.method, &self.settings), |_| true, self.options.gradient)
+    }
+
+    /// Whether the rows of the file follow from what this sweep simulates; runs the first of these designs again: the same
+    /// laws and numbers on the same machine give the same bits.
     fn check_kept(&self, outcomes: &[Option<Outcome>], path: &Path, guard: &Guard) -> Result<(), Failure> {
-        let Some((place, there)) = outcomes.iter().enumerate().find_map(|(place, own)| Some((place, own.as_ref()?))) else {
-            return Ok(());
+        let refused = |what: String| {
+            let anew = "without --resume it is kept under another name";
+            Failure::input(format!("--resume {}: {what}; {anew}", path.display()))
         };
+        let kept: Vec<(usize, &Outcome)> =
+            outcomes.iter().enumerate().filter_map(|(place, own)| Some((place, own.as_ref()?))).collect();
+        let Some(&(place, there)) = kept.first() else { return Ok(()) };
+        let other = Mutex::new(None);
+        run_at_once(kept.len(), self.threads, |number| {
+            let (place, there) = kept[number];
+            let here = self.fingerprint(place);
+            if here != there.fingerprint && !(here.is_nan() && there.fingerprint.is_nan()) {
+                let mut other = other.lock().unwrap_or_else(PoisonError::into_inner);
+                *other = Some(other.map_or(place, |known: usize| known.min(place)));
+            }
+        });
+        if let Some(place) = other.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            let what = "follows from other laws, numbers, methods or settings than it would here: the file is of another scene, \
+                        method or version";
+            return Err(refused(format!("design {} {what}", place + 1)));
+        }
         let Some(here) = self.outcome(place, guard) else {
             return Err(Failure { code: INTERRUPTED, message: "interrupted".into() });
         };
@@ -277,10 +305,8 @@ impl<'s> Sweep<'s> {
         if there == here {
             return Ok(());
         }
-        Err(Failure::input(format!(
-            "--resume {}: design {} gave {}, but here it gives {}: the file is of another scene, method or machine; without \
-             --resume it is kept under another name",
-            path.display(),
+        Err(refused(format!(
+            "design {} gave {}, but here it gives {}: the file is of another machine",
             place + 1,
             there.trim_end(),
             here.trim_end()

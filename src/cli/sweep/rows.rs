@@ -16,13 +16,15 @@ use std::path::{Path, PathBuf};
 pub struct Outcome {
     /// Values of the functionals, and their derivatives if these are asked for; NaN where the design failed.
     pub values: Vec<f64>,
+    /// A whole number for what these follow from: laws, numbers, method, settings; NaN for a design that cannot be built.
+    pub fingerprint: f64,
     /// It could not be simulated.
     pub failed: bool,
     /// Why, or warnings about the run.
     pub message: String,
 }
 
-sent_by_fields!(Outcome { values, failed, message });
+sent_by_fields!(Outcome { values, fingerprint, failed, message });
 
 /// What came of each design, where it is finished.
 pub type Outcomes = Vec<Option<Outcome>>;
@@ -38,15 +40,15 @@ pub struct Rows {
 
 const STATES: [&str; 2] = ["done", "failed"];
 
-/// The first line: number, variables, functionals and derivatives by their names, state, message.
+/// The first line: number, variables, functionals and derivatives by their names, fingerprint, state, message.
 fn header(numbers: &[String]) -> String {
     let names: Vec<String> = numbers.iter().map(|name| quoted(name)).collect();
-    format!("number,{},status,message\n", names.join(","))
+    format!("number,{},fingerprint,status,message\n", names.join(","))
 }
 
 /// The row of a design, numbered from 1 on, with its values of the variables that vary.
-pub fn row(number: usize, point: &[f64], Outcome { values, failed, message }: &Outcome) -> String {
-    let numbers: String = point.iter().chain(values).map(|value| format!("{value:.16e},")).collect();
+pub fn row(number: usize, point: &[f64], Outcome { values, fingerprint, failed, message }: &Outcome) -> String {
+    let numbers: String = point.iter().chain(values).chain([fingerprint]).map(|value| format!("{value:.16e},")).collect();
     format!("{number},{numbers}{},{}\n", STATES[usize::from(*failed)], quoted(&message.replace(['\n', '\r'], " ")))
 }
 
@@ -131,11 +133,11 @@ impl Rows {
 /// A file that cannot be written.
 #[cfg(feature = "arrow")]
 pub fn write_columns(path: &Path, names: &[String], outcomes: &Outcomes, variation: &Variation) -> Result<(), IoError> {
-    let names = [&["number".to_string()], names, &["failed".to_string()]].concat();
+    let names = [&["number".to_string()], names, &["fingerprint".to_string(), "failed".to_string()]].concat();
     let mut file = crate::io::ArrowFile::create(path, &names)?;
     for (place, (outcome, point)) in outcomes.iter().zip(&variation.points).enumerate() {
-        if let Some(Outcome { values, failed, .. }) = outcome {
-            file.row(&[&[(place + 1) as f64], &point[..], values, &[f64::from(*failed)]].concat())?;
+        if let Some(Outcome { values, fingerprint, failed, .. }) = outcome {
+            file.row(&[&[(place + 1) as f64], &point[..], values, &[*fingerprint, f64::from(*failed)]].concat())?;
         }
     }
     file.finish()
@@ -172,6 +174,7 @@ fn read(line: &str, columns: usize, variation: &Variation) -> Result<(usize, Out
     let numbers: Vec<f64> = numbers[1..].iter().map(|word| word.parse()).collect::<Result<_, _>>().map_err(|_| no_row())?;
     let failed = STATES.iter().position(|state| *state == words[0]).ok_or_else(no_row)? == 1;
     let (design, values) = numbers.split_at(variation.axes.len());
+    let (&fingerprint, values) = values.split_last().ok_or_else(no_row)?;
     let place = number.wrapping_sub(1);
     let point = variation.points.get(place).ok_or_else(|| {
         format!("there is a design {number}, but this sweep has {}: it is of another variation", variation.points.len())
@@ -179,7 +182,7 @@ fn read(line: &str, columns: usize, variation: &Variation) -> Result<(usize, Out
     if point != design {
         return Err(format!("design {number} is {design:?}, but {point:?} in this sweep: it is of another variation"));
     }
-    Ok((place, Outcome { values: values.to_vec(), failed, message: words[1].clone() }))
+    Ok((place, Outcome { values: values.to_vec(), fingerprint, failed, message: words[1].clone() }))
 }
 
 #[cfg(test)]
@@ -189,9 +192,10 @@ mod tests {
     #[test]
     fn a_row_is_read_as_it_was_written() {
         let variation = Variation { axes: Vec::new(), points: vec![Vec::new(); 3], words: String::new() };
-        let outcome = Outcome { values: vec![0.1, 1.0 / 3.0], failed: true, message: "a, \"b\"\nc".into() };
-        let (place, read) = read(row(3, &[], &outcome).trim_end(), 5, &variation).expect("a row");
+        let (values, message) = (vec![0.1, 1.0 / 3.0], "a, \"b\"\nc".into());
+        let outcome = Outcome { values, fingerprint: 9007199254740991.0, failed: true, message };
+        let (place, read) = read(row(3, &[], &outcome).trim_end(), 6, &variation).expect("a row");
         assert_eq!((place, &read.message[..], read.failed), (2, "a, \"b\" c", true));
-        assert_eq!(read.values, outcome.values);
+        assert_eq!((read.values, read.fingerprint), (outcome.values, 9007199254740991.0));
     }
 }

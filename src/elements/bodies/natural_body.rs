@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 /// where P is the second moment of mass about the origin of the frame, m c the first, and e_1..e_3 are the axes; R = M a. For c = 0 and
 /// principal axes M is diagonal with m and (J2 + J3 - J1)/2, (J1 + J3 - J2)/2, (J1 + J2 - J3)/2.
 ///
-/// * `mass`  m \[kg\], greater than 0
+/// * `mass`  m \[kg\], 0 or greater
 /// * `centre x, y, z`  c, mass centre in the body frame \[m\]
 /// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
 ///

@@ -8,7 +8,7 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 ///
 /// R_r = m a_c,   R_e = B^T m a_c + 2 G(e)^T J domega/dt + 4 G(de/dt)^T J omega
 ///
-/// * `mass`  m \[kg\], greater than 0
+/// * `mass`  m \[kg\], 0 or greater: what only turns, as the rotor of a motor, may have inertia without mass
 /// * `centre x, y, z`  c, mass centre in the body frame \[m\]
 /// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
 ///
@@ -17,7 +17,7 @@ pub struct RigidBody;
 
 /// Mass, mass centre and inertia: the parameters of every rigid body.
 pub(super) fn inertia_parameters() -> Vec<Parameter> {
-    let mass = Parameter::positive("mass", "kg").as_size();
+    let mass = Parameter::non_negative("mass", "kg").as_size();
     let moments = ["inertia xx", "inertia yy", "inertia zz"].map(|name| Parameter::non_negative(name, "kg m2"));
     let products = ["inertia xy", "inertia xz", "inertia yz"].map(|name| Parameter::new(name, "kg m2"));
     [mass].into_iter().chain(Parameter::vectors(&["centre"], "m")).chain(moments).chain(products).collect()

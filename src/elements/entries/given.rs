@@ -315,19 +315,6 @@ impl<S: Scalar> Given<S> {
         }
     }
 
-    /// The function of time of a motion, which has two derivatives, with its numbers.
-    pub fn motion(&mut self, key: &'static str) -> (TimeFunction, Vec<S>) {
-        let (function, numbers) = self.function(key);
-        let values: Vec<f64> = numbers.iter().map(|own| own.value()).collect();
-        if let Some(switch) = function.rate_jump(&values).filter(|_| function.parameters("").len() == values.len()) {
-            let name = &self.owner;
-            let text =
-                format!("driver \"{name}\" or its rate would jump at t = {switch} s; give it a smooth ramp or a table");
-            self.wrong(text);
-        }
-        (function, numbers)
-    }
-
     /// World points on two nodes in their frames.
     pub fn local_points(&self, nodes: [usize; 2], [a, b]: [Vector3<S>; 2]) -> Vec<S> {
         [self.node(nodes[0]).local_point(a), self.node(nodes[1]).local_point(b)].map(|own| own.components()).concat()

@@ -106,6 +106,8 @@ pub enum Type {
     NamedNodes(&'static Forms),
     /// Names for formulas of what is known of nodes, which the other formulas of the entry may use.
     Definitions,
+    /// Tables by the names by which the other formulas of the entry call them.
+    NamedTables(&'static Forms),
     /// A formula of what is known of these nodes, a number; unit.
     OfNodes(&'static str),
     /// Several of them; unit.

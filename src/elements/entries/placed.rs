@@ -18,7 +18,7 @@ impl<S: Scalar> Placed<'_, S> {
     /// Place of its frame \[m\]; that of the world where it has none.
     pub fn position(self) -> Vector3<S> {
         match self.kind {
-            NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Coordinates(_) | NodeKind::States(_) => Vector3::zeros(),
             _ => Vector3::first_three(self.q),
         }
     }

@@ -59,9 +59,6 @@ impl Field for DistributedLoadField {
             force[i] += direction[i] * size;
         }
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.size.breakpoints(&p[GEOMETRY..self.numbers()])
-    }
 }
 
 impl Entry for DistributedLoad {

@@ -58,9 +58,6 @@ impl<F: Face> Field for ShellPressureField<F> {
             *force += load;
         }
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.size.breakpoints(&p[self.areas()..])
-    }
 }
 
 /// The pressure on a face of any kind, which its number of nodes tells.

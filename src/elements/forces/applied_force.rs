@@ -33,9 +33,6 @@ impl Element for AppliedForce {
         }
         self.on.add_force(q, Vector3::first_three(&p[3..]), direction * self.size.value(t, &p[6..]), force);
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.size.breakpoints(&p[6..])
-    }
 }
 
 impl Entry for AppliedForce {

@@ -31,9 +31,6 @@ impl Element for AppliedTorque {
         };
         self.on.add_moment(q, axis * self.size.value(t, &p[3..]), force);
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.size.breakpoints(&p[3..])
-    }
 }
 
 impl Entry for AppliedTorque {

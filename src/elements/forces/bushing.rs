@@ -4,7 +4,7 @@ use crate::elements::entries::{
     AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, ORIENTATION, POINT, Range, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::{gap, points};
-use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Element, Frame, NodeKind, Output, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
@@ -84,6 +84,15 @@ impl Element for Bushing {
     ];
 
     as_soft_joint!();
+
+    fn outputs(&self) -> Vec<Output> {
+        let along = [("displacement", "m"), ("rate", "m/s"), ("force", "N")];
+        let about = [("turn", "rad"), ("turning rate", "rad/s"), ("moment", "N m")];
+        let of_axis = |(named, axis): ([(&str, &'static str); 3], &str)| {
+            named.map(|(name, unit)| Output::new(format!("{name}_{axis}"), unit))
+        };
+        [along, about].into_iter().flat_map(|named| ["x", "y", "z"].map(|axis| (named, axis))).flat_map(of_axis).collect()
+    }
 
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.soft().0.parameters()).collect()

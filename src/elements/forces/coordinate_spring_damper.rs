@@ -1,5 +1,6 @@
+use super::spring_law::ANGLE;
 use crate::elements::entries::{Entry, Example, ExampleValue, Given, INDEX, Key, Range, Type, may, need};
-use crate::elements::{Element, NodeKind, Parameter};
+use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scalar::Scalar;
 
 /// A spring and damper on one coordinate of a node: F = k (q - q0) + c dq/dt.
@@ -26,13 +27,21 @@ impl Element for CoordinateSpringDamper {
     fn nodes(&self) -> Vec<NodeKind> {
         vec![self.of]
     }
-    #[inline(always)]
-    fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        let stretch = q[self.index] - p[2];
+    fn strain_count(&self) -> usize {
+        1
+    }
+    fn strains<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, e: &mut [S]) {
+        e[0] = q[self.index];
+    }
+    fn outputs(&self) -> Vec<Output> {
+        Output::of_strain(ANGLE)
+    }
+    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        let stretch = e[0] - p[2];
         p[0] * stretch * stretch * 0.5
     }
-    fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S], _t: S, force: &mut [S]) {
-        force[self.index] -= p[1] * v[self.index];
+    fn damping<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
+        s[0] = p[1] * rate[0];
     }
 }
 

@@ -1,8 +1,9 @@
+use super::spring_law::LENGTH;
 use crate::elements::entries::{
     BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, need,
 };
 use crate::elements::joints::{gap, points};
-use crate::elements::{Element, NodeKind, Parameter};
+use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A damper along the line between two points: tension c dl/dt \[N\], l = |x_b - x_a|.
@@ -38,6 +39,9 @@ impl Element for LineDamper {
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         e[0] = between([self.a, self.b], q, p).length();
+    }
+    fn outputs(&self) -> Vec<Output> {
+        Output::of_strain(LENGTH)
     }
     fn damping<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
         s[0] = p[0] * rate[0];

@@ -1,8 +1,9 @@
+use super::spring_law::LENGTH;
 use crate::elements::entries::{
     BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::{gap, points};
-use crate::elements::{Element, NodeKind, Parameter};
+use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A spring along the line between two points: V = k (l - l0)^2 / 2 \[J\], l = |x_b - x_a|.
@@ -30,6 +31,9 @@ impl Element for LineSpring {
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         e[0] = gap([self.a, self.b], q, &p[2..]).length();
+    }
+    fn outputs(&self) -> Vec<Output> {
+        Output::of_strain(LENGTH)
     }
     fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
         let stretch = e[0] - p[1];

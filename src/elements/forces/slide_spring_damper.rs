@@ -4,7 +4,7 @@ use crate::elements::entries::{
     ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::{components, gap, points, vectors};
-use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Element, Frame, NodeKind, Output, Parameter};
 use crate::scalar::Scalar;
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt \[N\], s = n_a . (x_b - x_a).
@@ -51,6 +51,10 @@ impl SlideSpringDamper {
 
 impl Element for SlideSpringDamper {
     as_soft_joint!();
+
+    fn outputs(&self) -> Vec<Output> {
+        Output::of_strain([("displacement from rest", "m"), ("rate", "m/s"), ("force", "N")])
+    }
 
     fn parameters(&self) -> Vec<Parameter> {
         let own = [Parameter::non_negative("stiffness", "N/m").as_size(), Parameter::non_negative("damping", "N s/m")];

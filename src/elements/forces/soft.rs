@@ -1,5 +1,5 @@
 use crate::elements::Admissible::NonNegative;
-use crate::elements::{Constraint, Element, NodeKind, Parameter};
+use crate::elements::{Constraint, Element, NodeKind, Output, Parameter};
 use crate::scalar::Scalar;
 
 /// A soft version of any joint g(q, p, t): springs and dampers in place of its equations, R = A^T (k g + c dg/dt) with A = dg/dq.
@@ -59,7 +59,8 @@ impl<J: Constraint> Element for Soft<J> {
             *s = c * rate;
         }
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.breakpoints(&p[2 * self.0.equations()..])
+    fn outputs(&self) -> Vec<Output> {
+        let of = |row| ["g", "dg/dt", "mu"].map(|name| Output::new(format!("{name}{row}"), ""));
+        (1..=self.0.equations()).flat_map(of).collect()
     }
 }

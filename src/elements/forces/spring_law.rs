@@ -3,8 +3,12 @@ use crate::elements::entries::{
     Range, TWO_BODIES, Type, may,
 };
 use crate::elements::joints::{angle, components, gap, points, vectors};
-use crate::elements::{Characteristic, Element, Frame, NodeKind, Parameter};
+use crate::elements::{Characteristic, Element, Frame, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, angle_about};
+
+/// What histories tell of a spring or damper along a line, and of one about an axis.
+pub(super) const LENGTH: [(&str, &str); 3] = [("length", "m"), ("rate", "m/s"), ("force", "N")];
+pub(super) const ANGLE: [(&str, &str); 3] = [("angle", "rad"), ("rate", "rad/s"), ("moment", "N m")];
 
 /// The number s of which a law is, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +110,13 @@ impl Element for SpringLaw {
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         e[0] = self.of.value(q, p);
+    }
+    fn outputs(&self) -> Vec<Output> {
+        Output::of_strain(match self.of {
+            Stretch::Line(_) => [("elongation", "m"), ("rate", "m/s"), ("force", "N")],
+            Stretch::Slide(_) => [("displacement", "m"), ("rate", "m/s"), ("force", "N")],
+            Stretch::Angle(_) | Stretch::Coordinate(..) => ANGLE,
+        })
     }
     fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
         let [_, first] = self.places();

@@ -1,8 +1,9 @@
+use super::spring_law::ANGLE;
 use crate::elements::entries::{
     ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::angle;
-use crate::elements::{Element, Frame, NodeKind, Parameter};
+use crate::elements::{Element, Frame, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, angle_about};
 
 /// A torsion spring and damper about an axis between two bodies: M = k (theta - theta0) + c dtheta/dt [N m].
@@ -37,6 +38,9 @@ impl Element for TorsionSpringDamper {
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
         e[0] = angle_about(a.direction(&p[3..]), a.direction(&p[6..]), b.direction(&p[9..]));
+    }
+    fn outputs(&self) -> Vec<Output> {
+        Output::of_strain(ANGLE)
     }
     fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
         let twist = e[0] - p[2];

@@ -1,6 +1,6 @@
 use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, between, damper_parameters, held};
 use crate::elements::entries::{Entry, Example, Given, Key};
-use crate::elements::{Element, NodeKind, Parameter};
+use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) \[N\].
@@ -28,6 +28,13 @@ impl Element for VectorDamper {
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         e.copy_from_slice(&between([self.a, self.b], q, p).components());
+    }
+    fn outputs(&self) -> Vec<Output> {
+        let along = |axis| {
+            [("distance", "m"), ("rate", "m/s"), ("force", "N")]
+                .map(|(name, unit)| Output::new(format!("{name}_{axis}"), unit))
+        };
+        ["x", "y", "z"].into_iter().flat_map(along).collect()
     }
     fn damping<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
         for (s, &rate) in s.iter_mut().zip(rate) {

@@ -28,7 +28,7 @@ impl Freedom {
     /// Those that a node has; none where its coordinates have no place in space.
     pub fn of(kind: NodeKind) -> &'static [Freedom] {
         match kind {
-            NodeKind::Coordinates(_) => &[],
+            NodeKind::Coordinates(_) | NodeKind::States(_) => &[],
             _ if kind.has_axes() => &Freedom::ALL,
             _ => &Freedom::ALL[..3],
         }
@@ -54,7 +54,7 @@ impl Constraint for HeldNode {
     }
     fn equations(&self) -> usize {
         match self.kind {
-            NodeKind::Coordinates(count) => count,
+            NodeKind::Coordinates(count) | NodeKind::States(count) => count,
             _ => self.held.len(),
         }
     }

@@ -38,9 +38,6 @@ impl Constraint for PrescribedRotation {
     fn is_driver(&self) -> bool {
         true
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.angle.breakpoints(&p[9..])
-    }
 }
 
 impl Entry for PrescribedRotation {
@@ -51,7 +48,7 @@ impl Entry for PrescribedRotation {
     const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("angle", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let (angle, numbers) = given.motion("angle");
+        let (angle, numbers) = given.function("angle");
         let [a, b] = given.bodies();
         let axis = given.unit("axis");
         (PrescribedRotation { a, b, angle }, [given.angle_frame(axis), numbers].concat())

@@ -38,9 +38,6 @@ impl Constraint for PrescribedTranslation {
     fn is_driver(&self) -> bool {
         true
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.displacement.breakpoints(&p[9..])
-    }
 }
 
 impl Entry for PrescribedTranslation {
@@ -65,7 +62,7 @@ impl Entry for PrescribedTranslation {
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let (displacement, numbers) = given.motion("displacement");
+        let (displacement, numbers) = given.function("displacement");
         let [a, b] = given.body_and_guided();
         let places = [given.point("origin", 0), given.point("point", 1)];
         let axis = given.unit("axis");

@@ -9,6 +9,15 @@ use crate::scalar::COMPLEX_STEP;
 /// Relative correction of derivative parts that may be round-off.
 pub(super) const PARTS_LIMIT: f64 = 1e-9;
 
+/// What to try where a step has no solution.
+const IN_TIME: &str = "try a smaller step, steps chosen by their error, or for stiff forces the method sdirk4";
+const STATIC: &str = "try a smaller step; what only its own tension holds, as a straight cable, finds its equilibrium by start = \"equilibrium\" \
+                      with a method of motion";
+/// What an unknown without stiffness means.
+pub const NOT_HELD: &str = "nothing holds it in equilibrium: give it a support, a joint or a spring; what only its own tension holds, as a straight \
+                            cable or chain, finds its equilibrium by start = \"equilibrium\" with a method of motion; at a limit of the load take smaller \
+                            steps, or follow the path by its arc length";
+
 /// Why one system was not solved; the caller knows where in the run it was.
 pub struct Failure {
     pub(super) how: FailureKind,
@@ -52,8 +61,7 @@ impl<S: RunScalar> Newton<'_, S> {
                 let hint = if unknown.starts_with("joint") {
                     "its reaction is not determined: the joint is redundant or the mechanism is in a singular pose"
                 } else if equations.is_static() {
-                    "nothing holds it in equilibrium: give it a support, a joint or a spring; at a limit of the load take smaller \
-                     steps, or follow the path by its arc length"
+                    NOT_HELD
                 } else {
                     "it has no inertia, or nothing holds it: give it a mass or a constraint"
                 };
@@ -75,6 +83,7 @@ impl<S: RunScalar> Newton<'_, S> {
             limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
             row,
             residual,
+            hint: if equations.is_static() { STATIC } else { IN_TIME },
         }
     }
 

@@ -1,6 +1,7 @@
 //! A picture as a list of shapes, drawn once for the screen (PNG) and once for print (SVG).
 
 use crate::io::file::{Aside, IoError};
+use crate::io::xml::xml_text;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -218,7 +219,7 @@ impl Shape {
                     Align::Right => "end",
                 };
                 let turn = if *upward { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-                let text = text.replace('&', "&amp;").replace('<', "&lt;");
+                let text = xml_text(text);
                 format!(
                     "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{colour}\"{turn}>\
                      {text}</text>\n"

@@ -102,7 +102,6 @@ class Element(Part):
     * ``force(v, q, p, t)``: the generalized non-conservative force, a number for each coordinate
     * ``strains(q, p, t)`` with ``stored(e, p)`` [J], ``damping(e, rate, p, t)``, ``dissipation(e, rate, p)`` [W]
     * ``mass(p)`` [kg]
-    * ``breakpoints(p)``: times at which a load jumps [s]; steps end there
     """
 
     _kind = "element"
@@ -123,7 +122,6 @@ def _of_element(part: object, recorder: _Recorder) -> dict[str, Any]:
         "force": ([v, q, p, t], n),
         "mass": ([p], 1),
         "strains": ([q, p, t], None),
-        "breakpoints": ([p], None),
     }
     formulas = recorder.recorded(part, known)
     strains = len(formulas["strains"]["results"]) if "strains" in formulas else 0
@@ -149,7 +147,7 @@ class Field(Element):
     * ``kinetic(point, v, h, p)``, ``potential(point, h, p)``, ``strain_energy(point, h, p)`` [J]
     * ``force(point, v, h, p, t)``: conjugate to h
     * ``strains(point, h, p)`` with ``stored(point, e, p)`` [J], ``damping(point, e, rate, p)``
-    * ``mass(p)`` [kg] and ``breakpoints(p)`` as of an element
+    * ``mass(p)`` [kg] as of an element
     """
 
     #: Interpolated numbers of each point: which coordinate of each node, and a weight for each node.
@@ -214,7 +212,7 @@ class _AtPoints:
             "damping": self._damping,
         }
         own = getattr(self._field, name)
-        if name in ("mass", "breakpoints"):
+        if name == "mass":
             return own
         if name not in made:
             raise AttributeError(name)
@@ -299,8 +297,7 @@ class _AtPoints:
 
 
 class Constraint(Part):
-    """A joint: ``g(q, p, t)`` gives the equations g = 0, scaled so that they are lengths or angles; ``breakpoints(p)``
-    the times [s] at which the motion that it prescribes is not smooth."""
+    """A joint: ``g(q, p, t)`` gives the equations g = 0, scaled so that they are lengths or angles."""
 
     _kind = "constraint"
 
@@ -310,7 +307,7 @@ class Constraint(Part):
 
     def _formulas(self, recorder: _Recorder) -> dict[str, Any]:
         _, _, q, p, t = recorder.state_and_more()
-        formulas = recorder.recorded(self, {"g": ([q, p, t], None), "breakpoints": ([p], None)})
+        formulas = recorder.recorded(self, {"g": ([q, p, t], None)})
         return {"formulas": formulas, "equations": len(formulas["g"]["results"])}
 
 

@@ -1,6 +1,6 @@
 //! What a run says against itself.
 
-use costate::integrators::{Crossing, StepError, SwitchKind, Verdict};
+use costate::integrators::{StepError, Verdict};
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
 
@@ -33,17 +33,6 @@ pub fn doubts(prepared: &Prepared, forward: &Forward) -> Vec<String> {
         Some((Verdict::Unstable, None)) => all.push("the equilibrium is unstable".into()),
         _ => {}
     }
-    all.extend(forward.crossings.iter().map(crossing));
+    all.extend(forward.crossings.iter().map(ToString::to_string));
     all
-}
-
-fn crossing(Crossing { part, kind, step, t, .. }: &Crossing) -> String {
-    let (what, follows) = match kind {
-        SwitchKind::Jump => ("jumps", "gradients of what is measured behind it are wrong, and so are their complex steps"),
-        SwitchKind::Kink => (
-            "has a kink",
-            "gradients of what is measured behind it are right to first order of the step only; take smaller steps",
-        ),
-    };
-    format!("step {step} (t = {t} s): the formula of \"{part}\" {what} there: {follows}")
 }

@@ -117,8 +117,9 @@ fn node_kind(word: &str) -> Result<NodeKind, String> {
         "natural" => Ok(NodeKind::Natural),
         "cable" => Ok(NodeKind::Slope),
         "coordinate" => Ok(NodeKind::Coordinates(1)),
+        "state" => Ok(NodeKind::States(1)),
         _ => {
-            Err(format!("there are no nodes \"{word}\"; take \"point\", \"body\", \"natural\", \"cable\" or \"coordinate\""))
+            Err(format!("there are no nodes \"{word}\"; take \"point\", \"body\", \"natural\", \"cable\", \"coordinate\" or \"state\""))
         }
     }
 }
@@ -157,7 +158,6 @@ impl Description {
                 (Kind::Element, "damping") => (2 * strains + m + 1, strains),
                 (Kind::Element, "dissipation") => (2 * strains + m, 1),
                 (Kind::Element, "mass") => (m, 1),
-                (Kind::Element | Kind::Constraint, "breakpoints") => (m, tape.count()),
                 (Kind::Constraint, "g") => (n + m + 1, self.equations),
                 (Kind::Quantity, "value") => (3 * n + m + 1, 1),
                 _ => return Err(format!("\"{}\" has no formula {name}", self.name)),
@@ -262,9 +262,6 @@ impl Element for Law {
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         self.0.number("mass", &[p])
     }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.replay("breakpoints", &[p]).unwrap_or_default()
-    }
 }
 
 impl Constraint for Law {
@@ -281,9 +278,6 @@ impl Constraint for Law {
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         self.0.write("g", &[q, p, &[t]], g);
-    }
-    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        self.0.replay("breakpoints", &[p]).unwrap_or_default()
     }
 }
 

@@ -185,8 +185,13 @@ impl Run {
             self.whole()?;
             let (prepared, forward) = (run.prepared, &run.forward);
             let asked: Vec<bool> = (0..forward.values.len()).map(|k| wanted.contains(&k)).collect();
-            let all = prepared.analysis().adjoint_of(&prepared.x, forward, &asked)?.rows;
-            Ok(wanted.iter().map(|&k| all[k].clone()).collect::<Vec<_>>())
+            let gradient = prepared.analysis().adjoint_of(&prepared.x, forward, &asked)?;
+            let wrong = prepared.analysis().switch_errors(forward, &gradient)?;
+            let is_wanted = |own: &&SwitchError| wanted.iter().any(|&k| prepared.functionals()[k].name == own.functional);
+            if let Some(why) = wrong.iter().filter(is_wanted).find_map(SwitchError::refused) {
+                return Err(RunError::Input(why).into());
+            }
+            Ok(wanted.iter().map(|&k| gradient.rows[k].clone()).collect::<Vec<_>>())
         })?;
         matrix(py, &rows, self.run().prepared.x.len())
     }

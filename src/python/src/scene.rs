@@ -83,14 +83,10 @@ fn modes(prepared: &Prepared, count: usize, about: About, gradients: bool) -> Re
     let found = match (about, gradients) {
         (About::Periodic, _) => {
             let PeriodicModes { q, modes, .. } = prepared.periodic_modes(count)?;
-            DifferentiatedModes { q, modes, gradients: Vec::new() }
+            DifferentiatedModes { q, modes, gradients: Vec::new(), proved: true }
         }
         (_, true) => prepared.modes_with_gradients(count, is_complex)?,
-        _ => {
-            let find = if is_complex { Prepared::complex_modes_with_state } else { Prepared::modes_with_state };
-            let (q, modes) = find(prepared, count)?;
-            DifferentiatedModes { q, modes, gradients: Vec::new() }
-        }
+        _ => prepared.modes_at_rest(count, is_complex)?,
     };
     let mut derivatives = found.gradients.into_iter();
     let mut one = |mode: &Mode| {

@@ -376,9 +376,6 @@ class Push(costate.Element):
     def force(self, v, q, p, t):
         return [costate.where(costate.less(t, p.start), 0.0, p.size)]
 
-    def breakpoints(self, p):
-        return [p.start]
-
 
 def test_steps_end_where_a_load_begins():
     class Free(costate.Element):

@@ -35,7 +35,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let held = if directions.is_empty() { has } else { directions }.to_vec();
-        let start = self.numbers.q[self.model.nodes[node.0].dofs.clone()].to_vec();
+        let given = if kind.is_of_states() { &self.numbers.v } else { &self.numbers.q };
+        let start = given[self.model.nodes[node.0].dofs.clone()].to_vec();
         self.numbers.p.extend_from_slice(&start);
         self.model.add_hold(&format!("hold of {name}"), &[node], HeldNode { kind, held }.into());
     }

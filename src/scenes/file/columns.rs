@@ -18,7 +18,7 @@ pub(super) enum Column {
 impl Reader {
     /// Puts the numbers of a file in its place, and says what is missing where there is none.
     pub(super) fn with_columns(&mut self, mut fields: Fields) -> Fields {
-        if !matches!(fields.form, "table" | "lines") {
+        if !matches!(fields.form, "table" | "lines" | "") {
             return fields;
         }
         let own_place = |key: &str| fields.values.iter().find(|own| own.0 == key).map(|own| own.1);

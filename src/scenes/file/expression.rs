@@ -1,9 +1,10 @@
 //! Formulas in texts: numbers and vectors of named numbers and vectors.
 
-use crate::elements::Table;
-use crate::scalar::{Interpolant, Scalar, SpatialVector, Vector3};
+use super::tables::NamedTable;
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::PI;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A number or a vector of three.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +61,8 @@ pub(super) struct Scope {
     definitions: Vec<(String, Expression)>,
     /// Design variables of several numbers, with their places among the names.
     arrays: Vec<(String, Range<usize>)>,
+    /// Tables by their names, with the formulas of values that change with the design.
+    tables: Vec<(String, Arc<NamedTable>, Arc<[Expression]>)>,
     /// Names that stand in braces for the number or word of a repeated entry.
     pub loops: Vec<String>,
 }
@@ -90,13 +93,24 @@ impl Scope {
         (0..count).for_each(|number| self.add_variable(&format!("{name}[{number}]")));
         self.arrays.push((name.into(), first..first + count));
     }
-    /// Places of its numbers among the names.
+    /// Places of its numbers among the names, unless a name of an entry hides it.
     pub fn array(&self, name: &str) -> Option<Range<usize>> {
-        self.arrays.iter().find(|own| own.0 == name).map(|own| own.1.clone())
+        let is_hidden = || self.find(name).is_some() || self.definition(name).is_some();
+        self.arrays.iter().find(|own| own.0 == name && !is_hidden()).map(|own| own.1.clone())
     }
     /// Whether a name means something already.
     pub fn knows(&self, name: &str) -> bool {
-        self.find(name).is_some() || self.array(name).is_some() || self.definition(name).is_some()
+        self.find(name).is_some()
+            || self.array(name).is_some()
+            || self.definition(name).is_some()
+            || self.table(name).is_some()
+    }
+    /// Whether an entry has given a name a meaning already, which hides that of the file.
+    pub fn knows_beside(&self, file: &Scope, name: &str) -> bool {
+        let is_own = |place: usize| place >= file.names.len();
+        self.find(name).is_some_and(|own| is_own(own.0))
+            || self.definition(name).is_some()
+            || self.of_node(name).next().is_some()
     }
     /// What is known of a node: a number or vector that changes with the motion.
     pub fn add_of_node(&mut self, name: String, is_vector: bool) {
@@ -130,6 +144,18 @@ impl Scope {
     /// What stands for a name.
     pub fn definition(&self, name: &str) -> Option<&Expression> {
         self.definitions.iter().find(|own| own.0 == name).map(|own| &own.1)
+    }
+    /// A table that formulas call.
+    pub fn add_table(&mut self, name: &str, table: NamedTable, values: Vec<Expression>) {
+        self.tables.push((name.into(), Arc::new(table), values.into()));
+    }
+    /// The table with a name, and the formulas of its values.
+    pub fn table(&self, name: &str) -> Option<(Arc<NamedTable>, Arc<[Expression]>)> {
+        self.tables.iter().find(|own| own.0 == name).map(|own| (Arc::clone(&own.1), Arc::clone(&own.2)))
+    }
+    /// Names of tables.
+    pub fn table_names(&self) -> impl Iterator<Item = String> {
+        self.tables.iter().map(|own| own.0.clone())
     }
     /// The same names, and others behind them on which a formula depends.
     pub fn with(&self, names: &[&str]) -> Scope {
@@ -165,6 +191,8 @@ pub(super) enum Function {
     Exp,
     Log,
     Abs,
+    Floor,
+    Mod,
     Atan2,
     Min,
     Max,
@@ -176,7 +204,7 @@ pub(super) enum Function {
 }
 
 /// Names of functions, arguments that are vectors, and whether the value is one.
-pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
+pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 23] = [
     ("sqrt", Function::Sqrt, &[false], false),
     ("sin", Function::Sin, &[false], false),
     ("cos", Function::Cos, &[false], false),
@@ -190,6 +218,8 @@ pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
     ("exp", Function::Exp, &[false], false),
     ("log", Function::Log, &[false], false),
     ("abs", Function::Abs, &[false], false),
+    ("floor", Function::Floor, &[false], false),
+    ("mod", Function::Mod, &[false, false], false),
     ("atan2", Function::Atan2, &[false, false], false),
     ("min", Function::Min, &[false, false], false),
     ("max", Function::Max, &[false, false], false),
@@ -212,6 +242,12 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
         _ if CONSTANTS.iter().any(|own| own.0 == name) => Some("a constant in formulas"),
         _ => FUNCTIONS.iter().any(|own| own.0 == name).then_some("a function in formulas"),
     }
+}
+
+/// True for a name that a file can give what its formulas use.
+#[cfg(feature = "cli")]
+pub(crate) fn is_free_name(text: &str) -> bool {
+    is_name(text) && meaning(text).is_none()
 }
 
 /// True for what can stand in a formula as a name.
@@ -254,8 +290,8 @@ pub(super) enum Operation {
     Call(Function),
     /// Of three numbers.
     Vector,
-    /// Of so many numbers and the place between them.
-    Spline(usize),
+    /// Of its values, where they change with the design, and the number behind them.
+    Table(Arc<NamedTable>),
     Component(usize),
 }
 
@@ -313,17 +349,6 @@ impl Expression {
         Expression { operations: self.operations.iter().map(renamed).collect(), is_vector: self.is_vector }
     }
 
-    /// Whether a comparison chooses in it, so that it may jump or have a kink.
-    pub fn chooses(&self) -> bool {
-        use Function::{Abs, IfLess, Max, Min};
-        self.operations.iter().any(|own| matches!(own, Operation::Call(Abs | IfLess | Max | Min)))
-    }
-
-    /// Whether it uses a name and chooses.
-    pub fn chooses_by(&self, name: usize) -> bool {
-        self.uses(name) && self.chooses()
-    }
-
     /// Its value, if no design variable changes it.
     pub fn constant(&self, scope: &Scope) -> Option<Quantity<f64>> {
         constant(&self.operations, scope)
@@ -345,12 +370,6 @@ pub(super) fn constant(operations: &[Operation], scope: &Scope) -> Option<Quanti
     operations.iter().all(is_fixed).then(|| evaluate(operations, &values))
 }
 
-/// The natural cubic spline through values at equal distances, the first at 0 and the last at 1.
-fn spline<S: Scalar>(values: &[S], share: S) -> S {
-    let knots: Vec<f64> = (0..values.len()).map(|k| k as f64 / (values.len() - 1) as f64).collect();
-    Table::new(&knots, Interpolant::Smooth).map_or(S::from(f64::NAN), |table| table.value(share, &table.numbers(values)))
-}
-
 /// The operations as read: their types have been checked, so that other combinations do not occur.
 fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quantity<S> {
     use Quantity::{Number, Vector};
@@ -370,11 +389,11 @@ fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quant
                 Vector(own) => Number(own[*index]),
                 own => own,
             },
-            Operation::Spline(count) => {
-                let share = number(pop());
-                let mut values: Vec<S> = (0..*count).map(|_| number(pop())).collect();
+            Operation::Table(table) => {
+                let x = number(pop());
+                let mut values: Vec<S> = (0..table.values()).map(|_| number(pop())).collect();
                 values.reverse();
-                Number(spline(&values, share))
+                Number(table.value(x, &values))
             }
             Operation::Vector => {
                 let [z, y, x] = std::array::from_fn(|_| number(pop()));
@@ -427,6 +446,8 @@ fn call<S: Scalar>(function: Function, first: Quantity<S>, second: Option<Quanti
         (Function::Unit, Vector(a), _) => Vector(a.unit()),
         (Function::Norm, Vector(a), _) => Number(a.length()),
         (Function::Atan2, Number(a), Some(Number(b))) => Number(a.atan2(b)),
+        // a - b floor(a / b): from 0 up to b, whatever the sign of a
+        (Function::Mod, Number(a), Some(Number(b))) => Number(a - b * (a / b).floor()),
         (Function::Min, Number(a), Some(Number(b))) => Number(a.min(b)),
         (Function::Max, Number(a), Some(Number(b))) => Number(a.max(b)),
         (_, own, _) => {
@@ -445,6 +466,7 @@ fn call<S: Scalar>(function: Function, first: Quantity<S>, second: Option<Quanti
                 Function::Exp => x.exp(),
                 Function::Log => x.ln(),
                 Function::Abs => x.abs(),
+                Function::Floor => x.floor(),
                 _ => S::from(f64::NAN),
             })
         }
@@ -496,6 +518,8 @@ mod tests {
             ("norm(cross(v, unit(v)))", 0.0),
             ("(a * v + v * b).z", (v * a + v * b).z),
             ("max(a, b) - min(a, b)", b - a),
+            ("floor(-a) + floor(2 * b)", 1.0),
+            ("mod(-a, b) + mod(5 * a, -b)", (b - a) + (3.5 - 3.0 * b)),
             ("if_less(a, b, a * 2, sqrt(-a)) + if_less(b, a, log(-b), 1)", 2.0 * a + 1.0),
         ] {
             assert!((value(text)[0] - expected).abs() <= 1e-15, "{text}: {:?} {expected}", value(text));

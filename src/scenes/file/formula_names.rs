@@ -43,7 +43,7 @@ impl Reader {
         }
         let before = self.scope.clone();
         self.brought = self.add_names(&before, item, raw, &mut vec![item]);
-        self.take_definitions(raw);
+        self.take_definitions(&before, raw);
         Some(before)
     }
 
@@ -119,8 +119,8 @@ impl Reader {
                     continue;
                 }
                 self.check_name(&state, at);
-                if self.scope.knows(&state) {
-                    self.wrong(at, format!("\"{state}\" is a name of this file, too: take another one"));
+                if self.scope.knows_beside(file, &state) {
+                    self.wrong(at, format!("\"{state}\" is a name here already: take another one"));
                 }
                 self.scope.add_variable(&state);
             }
@@ -157,19 +157,20 @@ impl Reader {
         path.push(state);
         self.add_names(file, state, &raw, path);
         path.pop();
-        self.take_definitions(&raw);
+        self.take_definitions(file, &raw);
         let outputs = self.outputs_of(&raw);
         self.mistakes.truncate(before);
         (outputs, std::mem::replace(&mut self.scope, outer))
     }
 
-    /// Adds the names that an entry gives to formulas of its nodes.
-    fn take_definitions(&mut self, raw: &Raw) {
+    /// Adds to the scope of the file the names that an entry gives to formulas of its nodes.
+    fn take_definitions(&mut self, file: &Scope, raw: &Raw) {
+        self.take_own_tables(raw);
         let Some(given) = raw.get("define") else { return };
         let wanted = "with formulas, as in { speed = \"norm(tip.velocity)\" }";
         self.named(given, "define", wanted, |reader, own| {
             reader.check_name(&own.key, own.at);
-            if reader.scope.knows(&own.key) || reader.scope.of_node(&own.key).next().is_some() {
+            if reader.scope.knows_beside(file, &own.key) {
                 reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
             }
             let formula = reader.number_or_vector(&own.value, &format!("define: {}", own.key))?;

@@ -11,19 +11,17 @@ pub(super) struct FormulaOf {
     formula: Expression,
     /// Which of the names are vectors.
     is_vector: Vec<bool>,
-    /// Times at which steps end \[s\].
-    breakpoints: Vec<f64>,
 }
 
 impl FormulaOf {
     /// The function of a formula whose last names are the arguments, and its parameters.
-    pub fn of<S: Scalar>(formula: &Expression, names: &[Quantity<S>], breakpoints: Vec<f64>) -> (Self, Vec<S>) {
+    pub fn of<S: Scalar>(formula: &Expression, names: &[Quantity<S>]) -> (Self, Vec<S>) {
         let used: Vec<usize> = (0..names.len()).filter(|name| formula.uses(*name)).collect();
         let place =
             |name: usize| used.binary_search(&name).unwrap_or_else(|_| used.len() + name.saturating_sub(names.len()));
         let is_vector = used.iter().map(|&name| matches!(names[name], Quantity::Vector(_))).collect();
         let parameters = used.iter().flat_map(|&name| names[name].components()).collect();
-        (FormulaOf { formula: formula.renamed(place), is_vector, breakpoints }, parameters)
+        (FormulaOf { formula: formula.renamed(place), is_vector }, parameters)
     }
 
     /// Number of its parameters.
@@ -68,9 +66,6 @@ impl TimeFormula for FormulaOf {
     }
     fn value<S: Scalar>(&self, t: S, p: &[S]) -> S {
         self.number(&[t], p)
-    }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.breakpoints.iter().map(|&time| S::from(time)).collect()
     }
 }
 

@@ -4,12 +4,13 @@ use super::expression::{Expression, Quantity};
 use super::fields::{Fields, NamedNode, Value};
 use super::formula_of::FormulaOf;
 use super::keys::one_form;
-use super::known::{Builder, Found, Known, fixed_list};
+use super::known::{Builder, Found, Known};
 use super::mistake::Mistake;
+use super::tables::TABLE;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type::{Fixeds, Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
-use crate::elements::{Frame, NodeKind, Parameter};
+use crate::elements::{Frame, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -25,11 +26,21 @@ pub(super) const DEFINITIONS: Key = may(
     Type::Definitions,
     "names for formulas that the other formulas here use, later ones those before them; none",
 );
+pub(super) const OWN_TABLES: Key =
+    may("table", Type::NamedTables(&TABLE), "tables that the formulas here call by their names, as those of [table]; none");
 pub(super) const BREAKPOINTS: Key = may(
     "breakpoints",
     Fixeds(0, "s"),
-    "times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none",
+    "from the times when jumps and bends of formulas of t were not found from these: not needed, any",
 );
+
+/// What histories tell of a formula: its number, or the components of its vector.
+pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec<Output> {
+    match is_vector {
+        false => vec![Output::new(name.to_string(), unit)],
+        true => ["x", "y", "z"].map(|axis| Output::new(format!("{name}_{axis}"), unit)).into(),
+    }
+}
 
 /// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
 type OfNode = (&'static str, bool, bool);
@@ -60,8 +71,6 @@ pub(super) fn of_section(section: &str) -> &'static [OfNode] {
 #[derive(Clone, Copy)]
 pub(super) struct KnownNode {
     pub kind: NodeKind,
-    /// Its rates are states.
-    pub is_state: bool,
     /// Place, velocity and force are those of a point of it.
     pub has_point: bool,
 }
@@ -70,7 +79,7 @@ impl KnownNode {
     /// Words of what formulas know of it, and whether that is a rate.
     fn known(self) -> Vec<(&'static str, bool)> {
         let of_node = match self.kind {
-            NodeKind::Coordinates(count) if self.is_state => return vec![("state", true); count],
+            NodeKind::States(count) => return vec![("state", true); count],
             NodeKind::Body | NodeKind::Natural => OF_BODY,
             NodeKind::Point | NodeKind::Slope => OF_POINT,
             NodeKind::Coordinates(_) => OF_COORDINATE,
@@ -83,7 +92,6 @@ impl KnownNode {
 pub(super) struct Formulas {
     pub nodes: Vec<KnownNode>,
     pub all: Vec<FormulaOf>,
-    breakpoints: Vec<f64>,
 }
 
 impl Formulas {
@@ -107,13 +115,14 @@ impl Formulas {
     /// What formulas know of all nodes, and the time behind it.
     pub fn arguments<S: Scalar>(&self, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<Quantity<S>> {
         let mut all = Vec::new();
-        for (node, &KnownNode { kind, is_state, .. }) in self.nodes.iter().enumerate() {
+        for (node, &KnownNode { kind, .. }) in self.nodes.iter().enumerate() {
             let (v, q) = (&v[self.place(node)], &q[self.place(node)]);
-            if let NodeKind::Coordinates(_) = kind {
-                match is_state {
-                    true => all.extend(v.iter().map(|&state| Quantity::Number(state))),
-                    false => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
-                }
+            match kind {
+                NodeKind::States(_) => all.extend(v.iter().map(|&state| Quantity::Number(state))),
+                NodeKind::Coordinates(_) => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
+                _ => {}
+            }
+            if kind.in_space().is_none() {
                 continue;
             }
             let point = self.point(node, p);
@@ -142,13 +151,14 @@ impl Formulas {
             Quantity::Vector(_) => S::from(f64::NAN),
         }
     }
+    /// The numbers of all formulas, one behind the other.
+    pub fn numbers<'a, S: Scalar>(&'a self, arguments: &'a [Quantity<S>], p: &'a [S]) -> impl Iterator<Item = S> + 'a {
+        (0..self.all.len()).flat_map(|which| self.value(which, arguments, p).components())
+    }
     /// Places of the coordinates of a node.
     pub fn place(&self, node: usize) -> Range<usize> {
         let first: usize = self.nodes[..node].iter().map(|node| node.kind.dofs()).sum();
         first..first + self.nodes[node].kind.dofs()
-    }
-    pub fn breakpoints<S: Scalar>(&self) -> Vec<S> {
-        self.breakpoints.iter().map(|&time| S::from(time)).collect()
     }
 }
 
@@ -158,8 +168,6 @@ pub(super) struct Reading<'f, S> {
     pub names: Vec<&'f str>,
     pub nodes: Vec<NodeId>,
     pub formulas: Formulas,
-    /// Breakpoints are given, and be it none.
-    tells_breakpoints: bool,
     /// Parameters of points and formulas.
     pub p: Vec<S>,
 }
@@ -170,16 +178,15 @@ impl<'f, S: Scalar> Reading<'f, S> {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
-        let _names_of_formulas = fields.get("define");
-        let formulas = Formulas { nodes: Vec::new(), all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
-        let tells_breakpoints = fields.get("breakpoints").is_some();
-        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, tells_breakpoints, p: Vec::new() };
+        let _names_of_formulas = ["define", "table", "breakpoints"].map(|key| fields.get(key));
+        let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
+        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {
             let [node] = known.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
             };
             let kind = m.model.find_node(node).map(|own| own.kind);
-            own.add(name, node, kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?, m);
+            own.add(name, node, kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?);
             if let Some(point) = point {
                 own.add_point(*at, point, m)?;
             }
@@ -187,10 +194,10 @@ impl<'f, S: Scalar> Reading<'f, S> {
         Ok(own)
     }
 
-    pub fn add(&mut self, name: &'f str, node: NodeId, kind: NodeKind, m: &Builder<S>) {
+    pub fn add(&mut self, name: &'f str, node: NodeId, kind: NodeKind) {
         self.names.push(name);
         self.nodes.push(node);
-        self.formulas.nodes.push(KnownNode { kind, is_state: m.model.states.contains(&node), has_point: false });
+        self.formulas.nodes.push(KnownNode { kind, has_point: false });
     }
 
     /// Takes a point of the last node.
@@ -225,14 +232,15 @@ impl<'f, S: Scalar> Reading<'f, S> {
         if !time && formula.uses(place) {
             return Err(Mistake::new(at, "this cannot depend on the time t; a force can"));
         }
-        if time && formula.chooses_by(place) && !self.tells_breakpoints {
-            let text = "this chooses by abs, min, max or if_less and depends on t; give breakpoints, the times at which it jumps or bends, or [] if there are none";
-            return Err(Mistake::new(at, text));
-        }
-        let (own, numbers) = FormulaOf::of(formula, &self.known.names, Vec::new());
+        Ok(self.add_formula(formula))
+    }
+
+    /// Takes a formula of anything, and returns its number.
+    pub fn add_formula(&mut self, formula: &Expression) -> usize {
+        let (own, numbers) = FormulaOf::of(formula, &self.known.names);
         self.formulas.all.push(own);
         self.p.extend(numbers);
-        Ok(self.formulas.all.len() - 1)
+        self.formulas.all.len() - 1
     }
 
     /// Takes the formula of a key, if it is given.

@@ -3,8 +3,10 @@
 use super::expression::{
     CONSTANTS, Expression, FUNCTIONS, Operation, Quantity, SPLINE, Scope, SyntaxError, constant, continues_name, starts_name,
 };
+use super::tables::NamedTable;
 use crate::scenes::unknown;
 use std::ops::Range;
+use std::sync::Arc;
 
 const OPERATORS: &str = "formulas know + - * / ^ ( ), functions such as sqrt(x), and vectors [x, y, z]";
 
@@ -282,13 +284,19 @@ impl<'r> FormulaText<'r> {
         self.at += name.len();
         self.expect(',')?;
         self.skip_blanks();
-        let (at, count) = (self.at, places.len());
+        let table = NamedTable::spline(places.len()).map_err(|why| (at, why))?;
         self.operations.extend(places.map(Operation::Name));
+        self.at_of(SPLINE, Arc::new(table))
+    }
+
+    /// The number at which a table is taken whose values stand before it, and the bracket behind.
+    fn at_of(&mut self, name: &str, table: Arc<NamedTable>) -> Result<bool, SyntaxError> {
+        let at = self.at;
         if self.deeper(Self::sum)? {
-            return Err((at, format!("the place of {SPLINE} is a number, and this is a vector")));
+            return Err((at, format!("the place of {name} is a number, and this is a vector")));
         }
         self.expect(')')?;
-        self.operations.push(Operation::Spline(count));
+        self.operations.push(Operation::Table(table));
         Ok(false)
     }
 
@@ -325,13 +333,21 @@ impl<'r> FormulaText<'r> {
         if let Some(own) = self.scope.definition(name) {
             return self.defined(at, own);
         }
+        if let Some((table, values)) = self.scope.table(name) {
+            if self.next_of("(").is_none() {
+                return Err((at, format!("\"{name}\" is a table: {name}(x) is its value at x")));
+            }
+            values.iter().try_for_each(|own| self.defined(at, own).map(drop))?;
+            self.skip_blanks();
+            return self.at_of(name, table);
+        }
         if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
             self.arguments(name, arguments)?;
             self.operations.push(Operation::Call(*function));
             return Ok(*is_vector);
         }
         if self.next_of("(").is_some() {
-            let known: Vec<String> = FUNCTIONS.iter().map(|own| own.0.into()).collect();
+            let known: Vec<String> = FUNCTIONS.iter().map(|own| own.0.into()).chain(self.scope.table_names()).collect();
             return Err((at, unknown("function", name, &known)));
         }
         if let Some((_, value)) = CONSTANTS.iter().find(|own| own.0 == name) {

@@ -430,12 +430,8 @@ impl<S: Scalar> Known<'_, S> {
     /// A formula of time.
     fn formula_of_time(&self, own: &Fields) -> Found<Signal<S>> {
         let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
-        if formula.chooses() && own.get("breakpoints").is_none() {
-            let text = "the value chooses by abs, min, max or if_less; give breakpoints, the times at which it or one of its first two \
-                        derivatives by t jumps, or [] if there are none";
-            return Err(Mistake::new(at, text));
-        }
-        let (function, parameters) = FormulaOf::of(formula, &self.names, fixed_list(own, "breakpoints"));
+        own.get("breakpoints");
+        let (function, parameters) = FormulaOf::of(formula, &self.names);
         if !function.value(S::zero(), &parameters).value().is_finite() {
             return Err(Mistake::new(at, "at t = 0 s the value is not finite"));
         }
@@ -469,7 +465,7 @@ impl<S: Scalar> Known<'_, S> {
     pub fn law(&self, fields: &Fields, key: &str) -> Found<(Characteristic, Vec<S>)> {
         match fields.get(key) {
             Some((at, Value::Formula(formula, _))) => {
-                let (law, numbers) = FormulaOf::of(formula, &self.names, Vec::new());
+                let (law, numbers) = FormulaOf::of(formula, &self.names);
                 Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
             }
             Some((_, Value::Fields(own))) => {
@@ -518,7 +514,7 @@ impl<S: Scalar> Known<'_, S> {
 }
 
 /// The way between the points of a table.
-fn way(own: &Fields) -> Interpolant {
+pub(super) fn way(own: &Fields) -> Interpolant {
     match text(own, "interpolation") {
         Some("smooth") => Interpolant::Smooth,
         Some("lines") => Interpolant::Lines,

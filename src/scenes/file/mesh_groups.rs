@@ -112,10 +112,10 @@ impl Reader {
         let Entry { key: name, value, .. } = entry;
         let selected = match &value.value {
             RawValue::List(numbers) => candidates.numbered(numbers),
-            RawValue::Text(text, place) => match Condition::parse(text) {
+            RawValue::Text(text, origin) => match origin.formula(text).and_then(Condition::parse) {
                 Ok(condition) => candidates.where_holds(&condition, text),
                 Err((inside, why)) => {
-                    let at = place.map_or(value.at, |at| at + inside);
+                    let at = origin.place().map_or(value.at, |at| at + inside);
                     return self.refuse(at, format!("\"{name}\" of {key}, \"{text}\": {why}"));
                 }
             },
@@ -129,9 +129,9 @@ impl Reader {
 pub(super) fn fixed_point(raw: &Raw) -> [f64; 3] {
     let fixed = |raw: &Raw| match &raw.value {
         RawValue::Number { value, .. } => vec![*value],
-        RawValue::Text(text, _) => {
+        RawValue::Text(..) => {
             let scope = Scope::default();
-            let value = Expression::parse(text, &scope).ok().and_then(|own| own.constant(&scope));
+            let value = raw.formula().and_then(|own| Expression::parse(own, &scope).ok()?.constant(&scope));
             value.map_or_else(Vec::new, |own| own.components())
         }
         _ => Vec::new(),

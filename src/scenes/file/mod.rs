@@ -6,6 +6,7 @@ mod build_parts;
 mod columns;
 mod condition;
 mod describing;
+mod elsewhere;
 mod expression;
 mod extended;
 mod fields;
@@ -35,8 +36,11 @@ mod sections;
 mod state_entries;
 mod state_laws;
 mod stl;
+mod tables;
 mod values;
 
+#[cfg(feature = "cli")]
+pub(crate) use expression::is_free_name;
 pub use own_parts::OwnParts;
 pub use reference::reference;
 pub use scene::FileScene;

@@ -1,6 +1,6 @@
 //! The tree of a TOML text with the place of everything in it, and entries that stand for many.
 
-use super::expression::{Expression, Quantity, Scope, meaning};
+use super::expression::{Expression, Quantity, Scope, SyntaxError, continues_name, meaning, starts_name};
 use super::mistake::Mistake;
 use crate::scenes::unknown;
 use toml::de::{DeTable, DeValue};
@@ -15,8 +15,7 @@ pub(super) struct Raw {
 /// A TOML value; the entries of a table stand in the order of the file.
 #[derive(Clone, Debug)]
 pub(super) enum RawValue {
-    /// With the place of its first character, if characters of the text and the file are the same.
-    Text(String, Option<usize>),
+    Text(String, Origin),
     /// As written: whole or not.
     Number {
         value: f64,
@@ -26,6 +25,38 @@ pub(super) enum RawValue {
     Date,
     List(Vec<Raw>),
     Table(Vec<Entry>),
+}
+
+/// How a text came to be.
+#[derive(Clone, Debug)]
+pub(super) enum Origin {
+    /// As it stands in the file, from this place on.
+    Written(usize),
+    /// The same, with characters that the file writes otherwise.
+    Escaped,
+    /// Braces were filled: how it reads as a formula, where a value stays a value, or why it is none.
+    Filled(Result<String, String>),
+}
+
+impl Origin {
+    /// The place of the first character, if characters of the text and the file are the same.
+    pub fn place(&self) -> Option<usize> {
+        match self {
+            Origin::Written(at) => Some(*at),
+            _ => None,
+        }
+    }
+
+    /// What a text of this origin says as a formula.
+    ///
+    /// # Errors
+    /// Braces that make no formula.
+    pub fn formula<'t>(&'t self, text: &'t str) -> Result<&'t str, SyntaxError> {
+        match self {
+            Origin::Filled(filled) => filled.as_deref().map_err(|why| (0, why.clone())),
+            _ => Ok(text),
+        }
+    }
 }
 
 /// A key with its value.
@@ -50,7 +81,7 @@ impl Raw {
     pub fn moved(mut self, by: usize) -> Raw {
         self.at += by;
         match &mut self.value {
-            RawValue::Text(_, Some(place)) => *place += by,
+            RawValue::Text(_, Origin::Written(place)) => *place += by,
             RawValue::List(list) => *list = std::mem::take(list).into_iter().map(|own| own.moved(by)).collect(),
             RawValue::Table(entries) => {
                 let own = std::mem::take(entries).into_iter();
@@ -117,6 +148,14 @@ impl Raw {
         }
     }
 
+    /// A text that is a formula.
+    pub fn formula(&self) -> Option<&str> {
+        match &self.value {
+            RawValue::Text(text, origin) => origin.formula(text).ok(),
+            _ => None,
+        }
+    }
+
     pub fn whole(&self) -> Option<i64> {
         match self.value {
             RawValue::Number { value, whole: true } => Some(value as i64),
@@ -143,7 +182,7 @@ fn raw(text: &str, value: &DeValue, at: usize) -> Raw {
     let value = match value {
         DeValue::String(own) => {
             let is_plain = text.get(at + 1..).is_some_and(|rest| rest.starts_with(&**own));
-            RawValue::Text(own.to_string(), is_plain.then_some(at + 1))
+            RawValue::Text(own.to_string(), if is_plain { Origin::Written(at + 1) } else { Origin::Escaped })
         }
         DeValue::Integer(own) if own.radix() == 10 => number(&own.as_str().replace('_', ""), true),
         DeValue::Integer(own) => {
@@ -192,7 +231,7 @@ impl Wholes {
 
     /// A whole number, or a formula that gives one.
     pub fn value(&self, raw: &Raw) -> Option<i64> {
-        raw.whole().or_else(|| whole_number(raw.text()?, &self.scope(&[])).ok())
+        raw.whole().or_else(|| whole_number(raw.formula()?, &self.scope(&[])).ok())
     }
 
     /// What braces know: these, and the names of loops, which stand in front of them.
@@ -238,15 +277,7 @@ fn steps_of(own: &Entry, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
             _ => wrong(is()),
         };
     }
-    match listed(&own.value).as_deref() {
-        // what was a range once is no other model without a word
-        Some(&[Step::Whole(a), Step::Whole(b)]) if b > a.saturating_add(1) => wrong(format!(
-            "for: [{a}, {b}] may be two values or all from {a} to {b}: write {{ from = {a}, to = {b} }} for all of them, or \
-             {{ values = [{a}, {b}] }} for these two"
-        )),
-        Some(steps) => Ok(steps.to_vec()),
-        None => wrong(is()),
-    }
+    listed(&own.value).map_or_else(|| wrong(is()), Ok)
 }
 
 /// Whole numbers or texts of a list that is not empty.
@@ -272,7 +303,7 @@ pub(super) fn loop_names(raw: &Raw) -> Vec<String> {
 
 /// The entries that an entry with a key `for` stands for, or itself.
 ///
-/// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.
+/// In all its texts `{i}`, `{i+1}` and the like are filled with their values.
 pub(super) fn repeated_entries(entry: &Raw, wholes: &Wholes) -> Result<Vec<Raw>, Mistake> {
     repeated(entry, &[], wholes)
 }
@@ -329,7 +360,8 @@ pub(super) fn repeated_named(entry: &Entry, wholes: &Wholes) -> Result<Vec<Entry
 fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
     let value = match &raw.value {
         RawValue::Text(text, _) if text.contains('{') => {
-            RawValue::Text(replaced_text(text, turn, wholes).map_err(|what| Mistake::new(raw.at, what))?, None)
+            let Filled { name, formula } = filled(text, turn, wholes).map_err(|what| Mistake::new(raw.at, what))?;
+            RawValue::Text(name, Origin::Filled(formula))
         }
         RawValue::List(list) => {
             let all: Vec<Vec<Raw>> = list.iter().map(|own| repeated(own, turn, wholes)).collect::<Result<_, _>>()?;
@@ -337,7 +369,7 @@ fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
         }
         RawValue::Table(entries) => {
             let own = entries.iter().map(|entry| {
-                let key = replaced_text(&entry.key, turn, wholes).map_err(|what| Mistake::new(entry.at, what))?;
+                let key = filled(&entry.key, turn, wholes).map_err(|what| Mistake::new(entry.at, what))?.name;
                 Ok(Entry { key, at: entry.at, value: replaced(&entry.value, turn, wholes)? })
             });
             RawValue::Table(own.collect::<Result<_, _>>()?)
@@ -347,24 +379,54 @@ fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
     Ok(Raw { at: raw.at, value })
 }
 
-fn replaced_text(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<String, String> {
+/// A text whose braces were filled.
+struct Filled {
+    /// As a name: the values as they are written.
+    name: String,
+    /// As a formula: the values as values, in brackets where they are not a name or a number by themselves; why it is none
+    /// where one touches a number, or has a sign and continues a name.
+    formula: Result<String, String>,
+}
+
+fn filled(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<Filled, String> {
     let scope = wholes.scope(turn);
-    let (mut result, mut rest) = (String::new(), text);
+    let (mut name, mut formula, mut refused, mut rest) = (String::new(), String::new(), None, text);
     while let Some((before, after)) = rest.split_once('{') {
         let Some((inside, behind)) = after.split_once('}') else {
             return Err(format!("\"{text}\" has a brace {{ without its }}"));
         };
-        result.push_str(before);
         let word = turn.iter().find_map(|(name, step)| match step {
             Step::Word(word) if name == inside.trim() => Some(word.clone()),
             _ => None,
         });
         let value = || whole_number(inside, &scope).map(|value| value.to_string());
-        result.push_str(&word.map_or_else(value, Ok).map_err(|what| format!("in \"{text}\": {what}"))?);
+        let own = word.map_or_else(value, Ok).map_err(|what| format!("in \"{text}\": {what}"))?;
+        name.push_str(before);
+        formula.push_str(before);
+        let belongs = |letter: char| continues_name(letter) || letter == '.';
+        let is_all = text.len() == inside.len() + 2;
+        let touches = name.ends_with(belongs) || behind.starts_with(|next| belongs(next) || "{(".contains(next));
+        let is_word = own.chars().all(belongs);
+        let token = name.trim_end_matches(belongs).len();
+        let continues_a_name = is_word && name[token..].chars().chain(own.chars()).next().is_some_and(starts_name);
+        match touches {
+            true if !continues_a_name => {
+                refused.get_or_insert_with(|| {
+                    format!(
+                        "{{{inside}}} is {own} here and touches what stands beside it: in a formula it is a value, or continues a name by \
+                         letters and digits; write what is to be done with it, as in 2 * {{{inside}}}"
+                    )
+                });
+            }
+            false if !(is_word || is_all) => formula.push_str(&format!("({own})")),
+            _ => formula.push_str(&own),
+        }
+        name.push_str(&own);
         rest = behind;
     }
-    result.push_str(rest);
-    Ok(result)
+    name.push_str(rest);
+    formula.push_str(rest);
+    Ok(Filled { name, formula: refused.map_or(Ok(formula), Err) })
 }
 
 /// Puts a key into a table: tables into tables key by key, tables into lists by the names of their entries, entries of lists into those of

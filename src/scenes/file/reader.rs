@@ -1,5 +1,6 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
+use super::elsewhere::unknown_or_elsewhere;
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::fields::{Each, Fields, Item};
 use super::keys::{MANY, WITH_NODES};
@@ -9,10 +10,10 @@ use super::own_parts::{OwnParts, all_forms};
 use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
+use super::tables::TABLES;
 use crate::elements::entries::{Form, Forms, named};
 use crate::elements::forces::LOADS;
 use crate::scenes::MeshData;
-use crate::scenes::unknown;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -131,6 +132,7 @@ impl Reader {
         known.extend(SECTIONS.iter().map(|section| section.name.into()));
         let mut top = Vec::new();
         let mut definitions: &[Entry] = &[];
+        let mut tables: &[Entry] = &[];
         let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
         for entry in entries {
             if top_keys.iter().any(|key| key.name == entry.key) {
@@ -139,18 +141,21 @@ impl Reader {
                 let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
                 definitions = own.unwrap_or_default();
             } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
-                if section.shape == Shape::Once {
+                if section.name == TABLES.name {
+                    let own = entry.value.entries().or_else(|| self.not(&entry.value, "[table.NAME]", "tables with names"));
+                    tables = own.unwrap_or_default();
+                } else if section.shape == Shape::Once {
                     singles.push((section, &entry.value));
                 } else {
                     self.declare(section, entry);
                 }
             } else {
-                self.wrong(entry.at, unknown("key", &entry.key, &known));
+                self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
             }
         }
         self.meshes();
         let variables = self.variables();
-        let definitions = self.define(definitions);
+        let definitions = self.define(definitions, tables);
         let top = self.fields(&Raw { at: root.at, value: RawValue::Table(top) }, &TOP, "the file");
         let single: Vec<(&'static str, Fields)> = singles
             .into_iter()
@@ -219,6 +224,11 @@ impl Reader {
         };
         for (name, raw) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);
+            if name.contains(char::is_control) {
+                let text =
+                    "has a line break or another control character, which tables and pictures cannot show; leave it out";
+                self.wrong(at, format!("the name {name:?} {text}"));
+            }
             let space = name_space(section.name);
             if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
                 if name == "ground" && space == "member" {
@@ -299,9 +309,16 @@ impl Reader {
         all.into_iter().filter_map(value).collect()
     }
 
-    /// Definitions in an order in which each depends on earlier ones only.
-    fn define(&mut self, entries: &[Entry]) -> Vec<(usize, String, Expression)> {
-        let entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
+    /// Definitions and tables in an order in which each depends on earlier ones only.
+    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Expression)> {
+        let mut entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
+        let first_table = entries.len();
+        for own in tables {
+            match repeated_named(own, &self.wholes) {
+                Ok(own) => entries.extend(own),
+                Err(mistake) => self.mistakes.push(mistake),
+            }
+        }
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
             let by = match self.by_name.contains_key(&(entry.key.clone(), "variable")) {
@@ -316,7 +333,7 @@ impl Reader {
             .iter()
             .map(|entry| {
                 let mut names = Vec::new();
-                collect_names(&entry.value, &mut names);
+                collect_names(entry.value.get("values").unwrap_or(&entry.value), &mut names);
                 names.iter().filter_map(|name| places.get(&**name).copied()).collect()
             })
             .collect();
@@ -329,6 +346,10 @@ impl Reader {
         }
         let mut definitions = Vec::new();
         for place in order {
+            if place >= first_table {
+                self.take_table(&entries[place]);
+                continue;
+            }
             let Entry { key, value, .. } = &entries[place];
             let what = format!("{key} of [define]");
             let formula = match &value.value {
@@ -361,7 +382,7 @@ impl Reader {
                     known.insert(0, "type".into());
                 }
                 let of = if forms.have_types() { format!("{owner} of type {}", form.name) } else { owner.to_string() };
-                let text = unknown("key", &entry.key, &known);
+                let text = unknown_or_elsewhere("key", &entry.key, &known);
                 self.wrong(entry.at, format!("{of}: {text}"));
                 continue;
             };
@@ -383,7 +404,7 @@ impl Reader {
         };
         let name = given.text().or_else(|| self.not(given, &format!("type of {owner}"), "a text"))?;
         let form = known.iter().find(|form| form.name == name).copied();
-        form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown("type", name, &names()))))
+        form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown_or_elsewhere("type", name, &names()))))
     }
 }
 

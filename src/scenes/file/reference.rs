@@ -57,6 +57,7 @@ fn table_name(key: &Key) -> String {
         Type::Law(..) | Type::Energy(..) => "a table of s".into(),
         Type::Over(..) => "an aggregate".into(),
         Type::NamedNodes(_) => "a point of a node".into(),
+        Type::NamedTables(_) => "a table of an entry".into(),
         _ => key.name.into(),
     }
 }
@@ -69,6 +70,7 @@ fn table_of(takes: &Type) -> Option<&'static Forms> {
         | Type::Law(_, forms)
         | Type::Energy(_, forms)
         | Type::NamedNodes(forms)
+        | Type::NamedTables(forms)
         | Type::Over(_, forms) => Some(*forms),
         _ => None,
     }
@@ -152,6 +154,7 @@ fn words(key: &Key) -> String {
         Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),
         Type::NamedNodes(_) => "table of names with nodes or points of them".into(),
         Type::Definitions => "table of names with formulas of the nodes".into(),
+        Type::NamedTables(_) => "tables by their names".into(),
         Type::OfNodes(unit) => with("formula of the nodes", unit, Range::Any),
         Type::SeriesOfNodes(unit) => with("formulas of the nodes", unit, Range::Any),
         Type::NamedFormulas(unit) => with("table of names with formulas", unit, Range::Any),

@@ -3,6 +3,7 @@
 use super::extended::EXTENDS;
 use super::mistake::Mistake;
 use super::raw::{Entry, Raw, RawValue, put};
+use crate::scenes::check_folders;
 
 /// The section of scenarios.
 pub(super) const SCENARIO: &str = "scenario";
@@ -24,10 +25,13 @@ pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<M
     let mut mistakes = Vec::new();
     for own in list {
         match scenario(root, &own) {
-            Ok((name, _)) if scenarios.iter().any(|other| other.0 == name) => {
-                mistakes.push(Mistake::new(own.at, format!("two scenarios are named \"{name}\"")));
+            Ok(made) => {
+                scenarios.push(made);
+                if let Err((_, why)) = check_folders(scenarios.iter().map(|own| &*own.0)) {
+                    mistakes.push(Mistake::new(own.at, format!("scenario: {why}")));
+                    scenarios.pop();
+                }
             }
-            Ok(made) => scenarios.push(made),
             Err(mistake) => mistakes.push(mistake),
         }
     }
@@ -46,10 +50,12 @@ pub(super) fn without_problem(root: &Raw) -> Raw {
 /// The name of a scenario and the file that it makes of the one without scenarios.
 fn scenario(root: &Raw, own: &Raw) -> Result<(String, Raw), Mistake> {
     let entries = own.entries().ok_or_else(|| Mistake::new(own.at, "a scenario is a table"))?;
-    let name = own.get("name").and_then(Raw::text).filter(|name| !name.is_empty());
+    let name = own.get("name").and_then(Raw::text);
     let name = name.ok_or_else(|| Mistake::new(own.at, "[[scenario]] needs the key name, a text"))?;
-    if name.contains(['/', '\\', '[', ']']) {
-        return Err(Mistake::new(own.at, format!("the name \"{name}\" of a scenario cannot have / \\ [ ] in it")));
+    if name.contains(['[', ']']) {
+        let text =
+            format!("the name {name:?} of a scenario cannot have [ ] in it, between which it stands behind functionals");
+        return Err(Mistake::new(own.at, text));
     }
     let mut whole = without_problem(root);
     for entry in entries.iter().filter(|entry| entry.key != "name") {

@@ -16,11 +16,11 @@ use crate::integrators::{
 use crate::linalg::Backend;
 use crate::program::Recorded;
 use crate::scalar::{Scalar, Vector3};
-use crate::scenes::unknown;
 use crate::scenes::{
     AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
     Scenario, Sense, Settings, built,
 };
+use crate::scenes::{check_folders, unknown};
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::path::Path;
@@ -130,6 +130,7 @@ impl FileScene {
         let mut scene = Self::of_root(source, &root, (folder, parts), &functionals)?;
         for (mut own, name) in made {
             own.name = format!("{}, {name}", scene.name);
+            check_folders([&*own.name]).map_err(|(_, why)| format!("{file}: scenario \"{name}\": {why}"))?;
             if !own.variables.iter().map(|own| &own.name).eq(scene.variables.iter().map(|own| &own.name)) {
                 return Err(format!(
                     "{file}: scenario \"{name}\" has other design variables than the file: they are shared"
@@ -152,13 +153,9 @@ impl FileScene {
         let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy().into_owned());
         let mut mistakes = Vec::new();
         let name = super::known::text(&contents.top, "name").map_or(stem, String::from);
-        if let Some((at, _)) = contents.top.get("name")
-            && (name.contains(['/', '\\']) || name.starts_with('.'))
-        {
-            mistakes.push(Mistake::new(
-                at,
-                format!("the name \"{name}\" is that of a folder for results: / and \\ cannot be in it"),
-            ));
+        if let Err((_, why)) = check_folders([&*name]) {
+            let mend = if contents.top.get("name").is_some() { "" } else { "; give the file a key name" };
+            mistakes.push(Mistake::new(contents.top.at("name"), why + mend));
         }
         let variables = variables(&contents, &mut mistakes);
         let settings = settings(&contents, &mut mistakes);
@@ -250,10 +247,12 @@ fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
     }
 }
 
-/// What histories are to have is the energy, or a part that has nodes, multipliers or a value, or one of its nodes.
+/// What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.
 fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
     let Some(fields) = single(contents, "output") else { return };
-    let has_columns = |item: &&Item| [WITH_NODES, WITH_MULTIPLIERS, &["functional"]].concat().contains(&item.section);
+    let has_columns = |item: &&Item| {
+        [WITH_NODES, WITH_MULTIPLIERS, &["spring", "damper", "element", "functional"]].concat().contains(&item.section)
+    };
     let mut known: Vec<String> = contents.items.iter().filter(has_columns).map(|item| item.name.clone()).collect();
     known.push("energy".into());
     for (at, value) in list(fields, "histories") {

@@ -170,6 +170,7 @@ fn of_type(takes: &Type) -> Value {
         Type::Flag => json!({"type": "boolean"}),
         Type::NamedNodes(forms) => named(any_of(&[text(), inner(forms)])),
         Type::Definitions | Type::NamedFormulas(_) => named(quantity()),
+        Type::NamedTables(forms) => named(inner(forms)),
         Type::Weights => named(formula(Range::Any)),
         Type::Text | Type::Stl | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
         Type::Texts => at_least(0, text()),

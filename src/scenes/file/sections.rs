@@ -5,6 +5,7 @@ use super::keys::one_form;
 use super::own_parts::{OwnParts, all_forms};
 use super::parts::PARTS;
 use super::section::{Section, Shape};
+use super::tables::TABLES;
 use crate::design::repeated;
 use crate::elements::entries::{Form, Forms, Key, Range, Type, joined, may, need};
 use crate::integrators::{MOST_STEPS, NewtonTolerance};
@@ -48,7 +49,7 @@ const LIMIT: Forms = one_form![
 ];
 
 /// All sections, in the order of the reference page.
-pub(super) const SECTIONS: &[Section] = &joined::<Section, { PARTS.len() + OF_ALL.len() }>(&[PARTS, OF_ALL]);
+pub(super) const SECTIONS: &[Section] = &joined::<Section, { PARTS.len() + OF_ALL.len() + 1 }>(&[&[TABLES], PARTS, OF_ALL]);
 
 /// Sections of which nothing is made.
 const OF_ALL: &[Section] = &[
@@ -98,7 +99,11 @@ const OF_ALL: &[Section] = &[
             ),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
-            may("project_start", Flag, "project an inconsistent start onto the constraints instead of refusing it; false"),
+            may(
+                "project_start",
+                Flag,
+                "project an inconsistent start onto the constraints instead of refusing it: a run prints what was given and what is used; false"
+            ),
         ],
     },
     Section {
@@ -111,7 +116,7 @@ const OF_ALL: &[Section] = &[
                 "histories",
                 Texts,
                 "what has columns in them, by names: nodes (\"crank\", \"beam[4]\", \"beam.end\", \"plate[2,0]\"), members with all their \
-                 nodes, joints, functionals, and \"energy\"; everything"
+                 nodes, joints, springs, dampers, elements, states, functionals, and \"energy\"; everything"
             ),
             may("vtk", Flag, "meshes for ParaView; false"),
             may("film", Flag, "the motion as a film, film.png; false"),
@@ -151,8 +156,8 @@ pub(super) const FOR: Key = may(
     "for",
     Text,
     "the entry stands for many: `for = { i = { from = 1, to = 5 } }` makes five of it, `for = { i = [1, 3, 7] }` three, \
-     `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts `{i}`, `{i + 1}` and `{side}` are replaced; several names \
-     make all pairs; of two numbers that do not follow each other `{ values = [1, 5] }` says that these two are meant",
+     `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts stand the values of `{i}`, `{i + 1}` and `{side}`; several names \
+     make all pairs",
 );
 
 impl OwnParts {

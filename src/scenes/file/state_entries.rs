@@ -2,8 +2,8 @@
 
 use crate::elements::entries::{Form, Key, Range, Type, may, need};
 
-/// Keys under which the fields of an entry have the starts and the rates of its states.
-pub(super) const MADE: [&str; 2] = ["starts of states", "rates of states"];
+/// Keys under which the fields of an entry have the starts and the rates of its states, and its outputs.
+pub(super) const MADE: [&str; 3] = ["starts of states", "rates of states", "outputs of states"];
 
 /// Formulas of a state by its keys, definitions and states.
 #[derive(Default)]

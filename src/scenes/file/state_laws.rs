@@ -56,7 +56,7 @@ impl Reader {
         }
     }
 
-    /// Adds the starts and rates of the states of an entry to its fields.
+    /// Adds the starts and rates of the states of an entry, and its outputs, to its fields.
     pub(super) fn take_law(&mut self, raw: &Raw, fields: &mut Fields) {
         let Some(entry) = entry_of(raw) else {
             let (states, _, _) = names_of(raw);
@@ -75,8 +75,8 @@ impl Reader {
         let before = self.mistakes.len();
         let made = self.formulas_of(entry, raw);
         self.mistakes.truncate(before);
-        let Some([starts, rates, _]) = made else { return };
-        fields.values.extend(MADE.into_iter().zip([starts, rates]).map(|(key, own)| (key, raw.at, Value::Formulas(own))));
+        let Some(made) = made else { return };
+        fields.values.extend(MADE.into_iter().zip(made).map(|(key, own)| (key, raw.at, Value::Formulas(own))));
     }
 
     /// Starts, rates and outputs of an entry: formulas of its keys, whose own formulas stand where their names do.

@@ -68,7 +68,7 @@ impl Reader {
             Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, what))),
             Type::Tables(forms) => self.tables(raw, forms, what),
             Type::Over(_, forms) if raw.entries().is_some() => Some(Value::Fields(self.fields(raw, forms, what))),
-            Type::Over(words, _) => self.choice(raw, what, words),
+            Type::Over(words, forms) => self.over(raw, what, words, forms),
             Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) if raw.entries().is_some() => {
                 let fields = self.fields(raw, forms, what);
                 Some(Value::Fields(self.with_columns(fields)))
@@ -82,7 +82,7 @@ impl Reader {
             Type::NamedNodes(forms) => self.named_nodes(raw, forms, what),
             Type::NamedFormulas(_) => self.named_formulas(raw, what),
             // read with the names that formulas of the entry know
-            Type::Definitions => Some(Value::List(Vec::new())),
+            Type::Definitions | Type::NamedTables(_) => Some(Value::List(Vec::new())),
         }
     }
 
@@ -211,9 +211,6 @@ impl Reader {
     fn named_nodes(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
         let entries = raw.entries().unwrap_or_default();
         entries.iter().for_each(|own| self.check_name(&own.key, own.at));
-        if let Some(own) = entries.iter().find(|own| self.scope.knows(&own.key)) {
-            self.wrong(own.at, format!("{what}: \"{}\" is a name of this file, too: take another one", own.key));
-        }
         let wanted = "for formulas with nodes, as in { hub = \"rotor\", tip = \"blade.end\" }";
         let mut nodes = self.named(raw, what, wanted, |reader, own| reader.named_node(own, what, forms))?;
         let brought = std::mem::take(&mut self.brought);
@@ -313,10 +310,10 @@ impl Reader {
         let formula = match &raw.value {
             RawValue::Number { value, .. } if value.is_finite() => Expression::literal(*value),
             RawValue::Number { value, .. } => return self.refuse(raw.at, format!("{what} is {value}; it must be finite")),
-            RawValue::Text(text, place) => match Expression::parse(text, &self.scope) {
+            RawValue::Text(text, origin) => match origin.formula(text).and_then(|own| Expression::parse(own, &self.scope)) {
                 Ok(formula) => formula,
                 Err((inside, why)) => {
-                    let at = place.map_or(raw.at, |at| at + inside);
+                    let at = origin.place().map_or(raw.at, |at| at + inside);
                     return self.refuse(at, format!("{what}, \"{text}\": {why}"));
                 }
             },
@@ -366,12 +363,12 @@ impl Reader {
     fn count(&mut self, raw: &Raw, what: &str, [least, most]: [usize; 2]) -> Option<usize> {
         let value = match &raw.value {
             RawValue::Number { value, whole: true } => Some(*value),
-            // a loop leaves digits
-            RawValue::Text(text, _) => {
-                text.parse().ok().or_else(|| match Expression::parse(text, &self.scope).ok()?.constant(&self.scope)? {
-                    Quantity::Number(value) if value.fract() == 0.0 => Some(value),
+            RawValue::Text(..) => {
+                let value = raw.formula().and_then(|own| Expression::parse(own, &self.scope).ok()?.constant(&self.scope));
+                match value {
+                    Some(Quantity::Number(value)) if value.fract() == 0.0 => Some(value),
                     _ => None,
-                })
+                }
             }
             _ => None,
         };
@@ -380,6 +377,23 @@ impl Reader {
             None if least == most => self.not(raw, what, &least.to_string()),
             None => self.not(raw, what, &format!("a whole number from {least} to {most}")),
         }
+    }
+
+    /// A word for what is made over time; who writes another is told the aggregates, which are tables.
+    fn over(&mut self, raw: &Raw, what: &str, words: &[&str], forms: &'static Forms) -> Option<Value> {
+        let text = raw.text().filter(|text| !words.contains(text));
+        let Some(text) = text else { return self.choice(raw, what, words) };
+        let kinds = forms.forms.iter().flat_map(|form| form.keys).find_map(|key| match key.takes {
+            Type::Choice(kinds) if key.name == "aggregate" => Some(kinds.join(", ")),
+            _ => None,
+        });
+        let text = format!(
+            "{what}: value \"{text}\" is not known; known: {}, and for values near the largest a table, over = {{ aggregate = \
+             \"upper_maximum\", sharpness = 50, size = 0.1 }} with the size of what is measured; its aggregates: {}",
+            words.join(", "),
+            kinds.unwrap_or_default()
+        );
+        self.refuse(raw.at, text)
     }
 
     fn choice(&mut self, raw: &Raw, what: &str, words: &[&str]) -> Option<Value> {

@@ -5,7 +5,7 @@ use super::over::over;
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, Reading};
+use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 /// What is measured by a formula, with its unit.
 struct FormulaQuantity(Formulas, &'static str);
@@ -34,6 +34,7 @@ impl Measurand for Formula {
         keys: &[
             NODES,
             DEFINITIONS,
+            OWN_TABLES,
             need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
             may("unit", Type::Text, "its unit, for tables and charts; -"),
         ],

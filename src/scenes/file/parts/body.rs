@@ -46,7 +46,7 @@ pub(super) const SECTION: Section = Section {
         may("orientation", Table(&ORIENTATION), "its axes; those of the world"),
         may("velocity", Vector("m/s"), "velocity of the origin; 0"),
         may("angular_velocity", Vector("rad/s"), "in the world; 0"),
-        may("mass", Number("kg", Positive), "mass; none"),
+        may("mass", Number("kg", AtLeastZero), "mass; none"),
         may("mass_centre", Vector("m"), "in its own axes from its origin; the origin"),
         may(
             "inertia",

@@ -1,9 +1,11 @@
 //! Parts of one's own, by formulas.
 
-use crate::elements::{Element, NodeKind, Parameter};
+use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scenes::file::describing::*;
 use crate::scenes::file::expression::Quantity;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, Reading};
+use crate::scenes::file::formula_parts::{
+    BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of,
+};
 
 pub(super) const SECTION: Section = Section {
     name: "element",
@@ -15,6 +17,7 @@ pub(super) const SECTION: Section = Section {
         NAME,
         NODES,
         DEFINITIONS,
+        OWN_TABLES,
         may("kinetic", Type::OfNodes("J"), "kinetic energy, of places and rates; none"),
         may("potential", Type::OfNodes("J"), "potential energy, of places; none"),
         may(
@@ -34,6 +37,8 @@ struct FormulaElement {
     potential: Option<usize>,
     /// Node, whether it is a moment, number of the formula.
     loads: Vec<(usize, bool, usize)>,
+    /// What histories tell: all formulas.
+    outputs: Vec<Output>,
 }
 
 impl Element for FormulaElement {
@@ -67,8 +72,12 @@ impl Element for FormulaElement {
             }
         }
     }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.formulas.breakpoints()
+    fn outputs(&self) -> Vec<Output> {
+        self.outputs.clone()
+    }
+    fn write_outputs<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, outputs: &mut [S]) {
+        let known = self.formulas.arguments([v, q], t, p);
+        outputs.iter_mut().zip(self.formulas.numbers(&known, p)).for_each(|(output, own)| *output = own);
     }
 }
 
@@ -76,6 +85,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     let mut reading = Reading::new(known, fields, m)?;
     let kinetic = reading.take_key(fields, "kinetic", [true, false])?;
     let potential = reading.take_key(fields, "potential", [false, false])?;
+    let energies = [("kinetic", kinetic), ("potential", potential)].into_iter().filter(|own| own.1.is_some());
+    let mut outputs: Vec<Output> = energies.flat_map(|(name, _)| outputs_of(name, "J", false)).collect();
     let mut loads = Vec::new();
     for (key, is_moment) in [("force", false), ("moment", true)] {
         let Some((_, Value::Formulas(given))) = fields.get(key) else { continue };
@@ -83,8 +94,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
             let Some(node) = reading.names.iter().position(|name| name == of) else {
                 return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
             };
-            let KnownNode { kind, is_state, .. } = reading.formulas.nodes[node];
-            if is_state {
+            let KnownNode { kind, .. } = reading.formulas.nodes[node];
+            if kind.is_of_states() {
                 return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
             }
             let wants_vector = kind.in_space().is_some();
@@ -96,6 +107,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
                 };
                 return Err(Mistake::new(*at, format!("\"{of}\" is {}, which takes {wanted} here", kind.words())));
             }
+            let (what, unit) = if is_moment { ("moment", "N m") } else { ("force", if wants_vector { "N" } else { "" }) };
+            outputs.extend(outputs_of(&format!("{of}.{what}"), unit, formula.is_vector));
             loads.push((node, is_moment, reading.take(*at, formula, [true, true])?));
         }
     }
@@ -103,6 +116,6 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
         return Err(Mistake::new(fields.at, "an element needs kinetic, potential, force or moment"));
     }
     let Reading { nodes, formulas, p, .. } = reading;
-    m.element(name, &nodes, FormulaElement { formulas, kinetic, potential, loads }, &p);
+    m.element(name, &nodes, FormulaElement { formulas, kinetic, potential, loads, outputs }, &p);
     Ok(Made::Nothing)
 }

@@ -6,7 +6,7 @@ use crate::elements::joints::{JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scenes::file::build_parts::{SOFT, joint, located, rates, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, Reading};
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 const BY_FORMULA: Form = Form {
     name: "formula",
@@ -14,6 +14,7 @@ const BY_FORMULA: Form = Form {
     keys: &[
         NODES,
         DEFINITIONS,
+        OWN_TABLES,
         need("equations", SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
         BREAKPOINTS,
     ],
@@ -58,9 +59,6 @@ impl Constraint for FormulaJoint {
         let still = vec![S::zero(); q.len()];
         let known = self.0.arguments([&still, q], t, p);
         g.iter_mut().enumerate().for_each(|(which, own)| *own = self.0.number(which, &known, p));
-    }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.0.breakpoints()
     }
 }
 

@@ -11,9 +11,13 @@ pub(super) const SECTION: Section = Section {
         need(
             "number",
             Count(1, 200),
-            "which mode, from 1, as costate modes lists them, without rigid motions and those that do not vibrate"
+            "which mode, from 1, as costate modes numbers them: rigid motions and unstable ones count, and those that topple come first"
         ),
-        may("measure", Choice(&["frequency", "growth"]), "its omega in rad/s, or its growth in 1/s; frequency"),
+        may(
+            "measure",
+            Choice(&["frequency", "growth"]),
+            "its omega in rad/s (of one that topples minus its growth), or its growth in 1/s; frequency"
+        ),
         may(
             "damped",
             Flag,

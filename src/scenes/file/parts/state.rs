@@ -1,14 +1,15 @@
 //! States of first order.
 
-use crate::elements::{Element, NodeKind, Parameter, State};
+use crate::elements::{Element, NodeKind, Output, Parameter, State};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, Reading};
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
 use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
 
-const STATE_KEYS: [Key; 4] = [
+const STATE_KEYS: [Key; 5] = [
     NAME,
     may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
     DEFINITIONS,
+    OWN_TABLES,
     BREAKPOINTS,
 ];
 
@@ -21,23 +22,36 @@ pub(super) const SECTION: Section = Section {
 };
 
 /// States of first order by formulas of their rates: R = dz/dt - f(z, nodes, t) on the last node, whose rates they are.
-struct FormulaState(Formulas);
+struct FormulaState {
+    formulas: Formulas,
+    /// What histories tell: the values, their rates, the outputs, which are the formulas behind the rates.
+    outputs: Vec<Output>,
+}
 
 impl Element for FormulaState {
     fn nodes(&self) -> Vec<NodeKind> {
-        self.0.kinds()
+        self.formulas.kinds()
     }
     fn parameters(&self) -> Vec<Parameter> {
-        self.0.parameters()
+        self.formulas.parameters()
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        let known = self.0.arguments([s.v, s.q], t, p);
-        for (which, place) in self.0.place(self.0.nodes.len() - 1).enumerate() {
-            r[place] += s.a[place] - self.0.number(which, &known, p);
+        let Formulas { nodes, .. } = &self.formulas;
+        let known = self.formulas.arguments([s.v, s.q], t, p);
+        for (which, place) in self.formulas.place(nodes.len() - 1).enumerate() {
+            r[place] += s.a[place] - self.formulas.number(which, &known, p);
         }
     }
-    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
-        self.0.breakpoints()
+    fn outputs(&self) -> Vec<Output> {
+        self.outputs.clone()
+    }
+    fn write_outputs<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, outputs: &mut [S]) {
+        let known = self.formulas.arguments([v, q], t, p);
+        let values = &v[self.formulas.place(self.formulas.nodes.len() - 1)];
+        outputs
+            .iter_mut()
+            .zip(values.iter().copied().chain(self.formulas.numbers(&known, p)))
+            .for_each(|(output, own)| *output = own);
     }
 }
 
@@ -46,7 +60,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
         Some((_, Value::Formulas(given))) => given.as_slice(),
         _ => &[],
     };
-    let [initial, rates] = if fields.form == "formula" { ["initial", "rate"] } else { MADE }.map(named);
+    let [initial, rates, outputs] = if fields.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
     for key in keys_of(fields.form) {
         if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, fields.get(key.name)) {
             if formula.uses_from(known.names.len()) {
@@ -64,7 +78,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     }
     let mut reading = Reading::new(known, fields, m)?;
     let node = m.states(name, &start);
-    reading.add("", node, NodeKind::Coordinates(start.len()), m);
+    reading.add("", node, NodeKind::States(start.len()));
     for (value, at, _) in initial {
         let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
             return Err(Mistake::new(*at, format!("{value} has a start, but no rate")));
@@ -77,7 +91,14 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     if let Some((other, at, _)) = rates.iter().find(|own| initial.iter().all(|value| value.0 != own.0)) {
         return Err(Mistake::new(*at, format!("{other} has a rate, but no start: give it one in initial")));
     }
+    let values = || initial.iter().map(|own| own.0.as_str());
+    let mut told: Vec<Output> = values().map(|value| Output::new(value.to_string(), "")).collect();
+    told.extend(values().map(|value| Output::new(format!("d{value}/dt"), "")));
+    for (output, _, formula) in outputs {
+        reading.add_formula(formula);
+        told.extend(outputs_of(output, "", formula.is_vector));
+    }
     let Reading { nodes, formulas, p, .. } = reading;
-    m.element(&format!("rates of {name}"), &nodes, FormulaState(formulas), &p);
+    m.element(name, &nodes, FormulaState { formulas, outputs: told }, &p);
     Ok(Made::Node(node))
 }

@@ -1,4 +1,5 @@
-//! Elements in a frame that turns steadily with some of their nodes.
+//! Elements as an equilibrium and small motions about it see them: in a frame that turns steadily with some of their nodes, and with states of
+//! first order as unknowns like coordinates.
 //!
 //! With the coordinates x of such a node in the frame, those in the world are q = x at the time looked at, and change with the turn W(x) of the
 //! node ([`NodeKind::turn`]), whose linear part is W':
@@ -9,11 +10,16 @@
 //!
 //! Residuals in x are those in the world with these rates: centrifugal and Coriolis forces follow. An element that turns as a whole does not
 //! change with time in the frame, but for its weight, of which the mean over a turn counts: the part along the axis.
+//!
+//! A state z is a coordinate there: R = z' - f(z, ..) with z in q is -f in an equilibrium. Small motions have z' in v, so that (lambda^2 M + lambda C + K)
+//! has one value for each state, with C = 1 and no inertia. A search for the equilibrium has it in a instead: what follows the energy downhill with
+//! mass instead of time lets states follow their rates. A state that stays keeps the equation z - z_0 = 0 in the search (z_0 in v), and z'' = 0 in
+//! small motions.
 
 use super::dyn_layer::{AnyElement, ElementPhysics, Recording, StressFormulas};
 use super::{NodeKind, Parameter};
 use crate::program::ArgumentKind::{Coordinate, Parameter as OfPart};
-use crate::program::{Codes, Formula, ProgramKind, ProgramWork, Recorded};
+use crate::program::{Codes, Formula, ProgramKind, ProgramWork, Recorded, continued};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::any::Any;
 use std::sync::Arc;
@@ -52,16 +58,79 @@ pub(crate) fn turn_gradient(kind: NodeKind, q: &[f64], spin: &[f64], lambda: &[f
     gradient
 }
 
-/// An element of whose nodes some turn with the frame; the numbers of the spin are parameters behind its own.
-pub(crate) struct InTurningFrame {
-    own: ElementPhysics,
-    turns: Vec<bool>,
+/// Where the rate of a state stands whose value stands in q.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OfStates {
+    /// In a, in a search for an equilibrium.
+    InAcceleration,
+    /// In v, in small motions about one.
+    InVelocity,
 }
 
-impl InTurningFrame {
-    /// An element, of whose nodes those turn that are marked.
-    pub fn physics(own: &ElementPhysics, turns: &[bool]) -> ElementPhysics {
-        ElementPhysics::new(Box::new(InTurningFrame { own: own.clone(), turns: turns.to_vec() }))
+/// An element at rest; the numbers of a spin are parameters behind its own where one of its nodes turns.
+#[derive(Clone)]
+pub(crate) struct AtRest {
+    own: ElementPhysics,
+    /// Nodes that turn.
+    turns: Vec<bool>,
+    /// Where rates of states stand; `None` where states are what they are in motion.
+    states: Option<OfStates>,
+    /// Its coordinates that are states which stay as they are.
+    stays: Vec<bool>,
+}
+
+impl AtRest {
+    /// An element, of whose nodes some turn, and of whose states some stay.
+    pub fn new(own: &ElementPhysics, turns: Vec<bool>, states: Option<OfStates>, stays: Vec<bool>) -> Self {
+        let states = states.filter(|_| own.node_kinds().iter().any(|kind| kind.is_of_states()));
+        AtRest { own: own.clone(), turns, states, stays }
+    }
+
+    /// Whether anything is other than in motion.
+    pub fn differs(&self) -> bool {
+        self.states.is_some() || self.turns()
+    }
+
+    /// Whether it has the numbers of a spin.
+    pub fn turns(&self) -> bool {
+        self.turns.contains(&true)
+    }
+
+    /// Whether it is another one.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let alike = (&self.turns, self.states, &self.stays) == (&other.turns, other.states, &other.stays);
+        alike && self.own.is_same(&other.own)
+    }
+
+    /// As an element.
+    pub fn physics(self) -> ElementPhysics {
+        ElementPhysics::new(Box::new(self))
+    }
+
+    fn added(&self) -> usize {
+        if self.turns() { SPIN_PARAMETERS } else { 0 }
+    }
+
+    /// A formula with parameters of a spin that are not read.
+    fn as_it_is(&self, formula: &Formula) -> Recording {
+        formula.with_parameters(self.added(), |x, _| x.to_vec())
+    }
+
+    /// A formula of (a, v, q) and others as it is in motion, of the arguments at rest.
+    fn in_motion(&self, formula: &Formula) -> Recording {
+        formula.with_parameters(self.added(), |x, spin| {
+            let mut all = if spin.is_empty() { x.to_vec() } else { self.in_world(x, spin) };
+            if let Some(states) = self.states {
+                let first_dofs = self.own.node_kinds().into_iter().scan(0, |first, kind| {
+                    *first += kind.dofs();
+                    Some((*first - kind.dofs()..*first, kind))
+                });
+                for dof in first_dofs.filter(|(_, kind)| kind.is_of_states()).flat_map(|(dofs, _)| dofs) {
+                    states.in_motion(&mut all, self.own.dof_count(), dof);
+                }
+            }
+            all
+        })
     }
 
     /// Accelerations and velocities in the world, in place of those in the frame, which stand with the coordinates before parameters and other
@@ -102,12 +171,19 @@ impl InTurningFrame {
     }
 }
 
-/// With parameters that are not read.
-fn as_it_is(formula: &Formula) -> Recording {
-    formula.with_parameters(SPIN_PARAMETERS, |x, _| x.to_vec())
+impl OfStates {
+    /// Puts the number of a state where it stands in motion, among `n` accelerations, velocities and coordinates.
+    pub fn in_motion(self, all: &mut [Recorded], n: usize, dof: usize) {
+        let [a, v, q] = [dof, n + dof, 2 * n + dof];
+        if self == OfStates::InVelocity {
+            all[a] = all[v];
+        }
+        all[v] = all[q];
+        all[q] = Recorded::from(0.0);
+    }
 }
 
-impl AnyElement for InTurningFrame {
+impl AnyElement for AtRest {
     fn as_any(&self) -> &dyn Any {
         self
     }
@@ -115,31 +191,42 @@ impl AnyElement for InTurningFrame {
         self.own.node_kinds()
     }
     fn parameter_list(&self) -> Vec<Parameter> {
-        [self.own.parameter_list(), spin_parameters()].concat()
-    }
-    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.own.breakpoint_times(&p[..self.own.parameter_count()])
-    }
-    fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.own.recorded_breakpoints(&p[..self.own.parameter_count()])
+        let mut all = self.own.parameter_list();
+        all.extend(self.turns().then(spin_parameters).into_iter().flatten());
+        all
     }
     fn record_residual(&self) -> Recording {
-        self.own.residual().with_parameters(SPIN_PARAMETERS, |x, spin| self.in_world(x, spin))
+        self.own.residual_refused().map_or(Ok(()), |why| Err(why.to_string()))?;
+        let formula = self.in_motion(self.own.residual())?;
+        if !self.stays.contains(&true) {
+            return Ok(formula);
+        }
+        let n = self.own.dof_count();
+        Ok(formula.derived(|graph, x, outputs| {
+            let mut all = outputs.to_vec();
+            for (dof, row) in all.iter_mut().enumerate().filter(|(dof, _)| self.stays[*dof]) {
+                *row = match self.states {
+                    Some(OfStates::InVelocity) => x[dof],
+                    _ => continued(graph, &[x[2 * n + dof], x[n + dof]], |z| vec![z[0] - z[1]])[0],
+                };
+            }
+            all
+        }))
     }
     fn record_impulse(&self) -> Recording {
-        as_it_is(self.own.impulse())
+        self.as_it_is(self.own.impulse())
     }
     fn record_energies(&self) -> Recording {
-        as_it_is(self.own.energies())
+        self.as_it_is(self.own.energies())
     }
     fn record_power(&self) -> Recording {
-        as_it_is(self.own.power())
+        self.in_motion(self.own.power())
     }
     fn record_inertia_moment(&self) -> Recording {
-        as_it_is(self.own.inertia_moment())
+        self.as_it_is(self.own.inertia_moment())
     }
     fn has_energies(&self) -> bool {
-        false
+        !self.turns() && self.own.has_energies()
     }
     fn is_conservative(&self) -> bool {
         self.own.is_conservative()
@@ -149,7 +236,7 @@ impl AnyElement for InTurningFrame {
     }
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
         let StressFormulas { count, course, deviation, force } = self.own.stresses()?;
-        let all = [course, deviation, force].map(|formula: &Arc<Formula>| as_it_is(formula));
+        let all = [course, deviation, force].map(|formula: &Arc<Formula>| self.as_it_is(formula));
         let [course, deviation, force] = all;
         let together = || Ok(StressFormulas { count: *count, course: course?, deviation: deviation?, force: force? });
         Some(together())

@@ -1,0 +1,56 @@
+//! Words that files of other programs have, and what serves for them here.
+
+use crate::scenes::unknown;
+
+/// Words with what is to be written instead.
+const ELSEWHERE: &[(&[&str], &str)] = &[
+    (
+        &["contact", "collision", "collider", "geom", "impact"],
+        "there is no contact; write its force by a law of a spring: [[spring]] of type \"slide_law\" with origin on the floor and \
+         energy = \"if_less(s, 0, k * s^2 / 2, 0)\", between two points of type \"line_law\"",
+    ),
+    (
+        &["friction", "frictional", "coulomb", "mu"],
+        "there is no dry friction; write its force by a smooth formula of the rate v: [[spring]] of type \"slide_law\" with \
+         force = \"f * tanh(v / 1e-3)\", on joint angles of type \"angle_law\" with moment = ..",
+    ),
+    (
+        &["stop", "stopper", "bumper", "limiter", "range"],
+        "there is no stop; write its force by a law of a spring: [[spring]] of type \"slide_law\", \"torsion_law\" or \"angle_law\" with \
+         energy = \"if_less(1, s, k * (s - 1)^2 / 2, 0)\"",
+    ),
+    (
+        &["event", "latch", "lock", "trigger", "switch", "release"],
+        "there are no events; a force may be switched in its formula: [[element]] with force = { .. } by if_less of the time or of a place",
+    ),
+    (
+        &["motor", "actuator", "servo"],
+        "a motion is driven by [[driver]], a moment is [[torque]], a law of control [[state]] of type \"pid\"",
+    ),
+    (
+        &["controller", "control", "pid"],
+        "a law of control is [[state]] of type \"pid\", or of type \"formula\" with [[element]] for its forces",
+    ),
+    (&["gear"], "gears are [[joint]] of type \"gear\" on two [[joint_angle]]"),
+    (&["link", "rigid", "rigidbody"], "rigid bodies are [[body]]"),
+    (&["constraint"], "constraints are [[joint]], also by formulas of one's own, of type \"formula\""),
+    (&["sensor", "measure", "measurement", "probe"], "what is measured is [[functional]]"),
+    (&["parameter", "param", "constant"], "design variables are [variable], other numbers by names [define]"),
+    (&["solver", "simulation", "integrator", "integration"], "duration, steps and method stand in [settings]"),
+];
+
+/// What serves for a word of other programs; of longer words those between `_` count.
+fn instead(given: &str) -> Option<&'static str> {
+    let given = given.to_lowercase();
+    let is_word =
+        |word: &&str| given.split(['_', '-', ' ', '.']).any(|part| part.strip_suffix('s').unwrap_or(part) == *word);
+    ELSEWHERE.iter().find(|(words, _)| words.iter().any(|word| is_word(&word))).map(|own| own.1)
+}
+
+/// Says that `given` is no known `kind`, with what serves for it or the nearest name.
+pub(super) fn unknown_or_elsewhere(kind: &str, given: &str, known: &[String]) -> String {
+    match instead(given) {
+        Some(instead) => format!("{kind} \"{given}\" is not known: {instead}"),
+        None => unknown(kind, given, known),
+    }
+}
