@@ -318,3 +318,17 @@ fn the_readme_is_one_page_and_its_program_an_example() {
     let code = example.split_once("\n\n").unwrap().1;
     assert_eq!(program[0], code, "the program of the README is that of examples/01_gradient.rs");
 }
+
+#[test]
+fn the_pages_claim_of_drawn_scenes_what_was_recorded() {
+    let read = |path: &str| fs::read_to_string(root().join(path)).unwrap_or_default();
+    let record = read("verification/random-scenes/result.md");
+    let claim = record.lines().find(|line| line.starts_with("Of ") && line.contains(" motions drawn by lot"));
+    for page in ["README.md", "src/guide/measured.md"] {
+        let text = read(page).split_whitespace().collect::<Vec<_>>().join(" ");
+        match claim {
+            Some(claim) => assert!(text.contains(claim), "{page} must say: {claim}"),
+            None => assert!(!text.contains(" motions drawn by lot"), "{page} claims what no record has"),
+        }
+    }
+}

@@ -48,6 +48,7 @@ pub struct Report {
     /// Stacked charts with the name of their file; drawn where the result is recorded.
     pub pictures: Vec<(String, Vec<Chart>)>,
     form: Form,
+    seed: u64,
 }
 
 /// How much of a study is carried out.
@@ -63,9 +64,14 @@ pub enum Form {
 }
 
 impl Report {
-    /// An empty report.
-    pub fn new(form: Form) -> Self {
-        Report { form, ..Report::default() }
+    /// An empty report of a form, and where the numbers of drawn cases begin.
+    pub fn new(form: Form, seed: u64) -> Self {
+        Report { form, seed, ..Report::default() }
+    }
+
+    /// Where the numbers begin from which a study draws its cases: 0 unless others are asked for.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// Whether the short form of a study is asked for.

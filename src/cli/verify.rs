@@ -18,12 +18,15 @@ pub struct VerifyOptions {
     /// Write the result to verification/NAME/result.md of the source tree, with its pictures
     #[arg(long, requires = "name")]
     record: bool,
-    /// Carry out the long form of a study that has one: of "robustness", with 10,000 mechanisms and 20 minutes of mutations
+    /// Carry out the long form of a study that has one: of "random-scenes" with 10,000 motions, of "robustness" with 20 minutes of mutations
     #[arg(long, requires = "name")]
     long: bool,
     /// Carry out the short form of a study that has one: seconds, and no figure that depends on the clock
     #[arg(long, requires = "name", conflicts_with_all = ["long", "record"])]
     short: bool,
+    /// Where the numbers begin from which "random-scenes" draws: the first scene is that of N + 1
+    #[arg(long, requires = "name", value_name = "N", default_value_t = 0)]
+    seed: u64,
     /// Print one JSON object with all figures on the last line of stdout
     #[arg(long)]
     json: bool,
@@ -60,7 +63,7 @@ pub fn run(options: &VerifyOptions, program: &CommandLine) -> Result<(), Failure
     let folder = if options.record { Some(source_folder()?) } else { None };
     let mut outcomes = Vec::new();
     for study in studies {
-        let outcome = Outcome::measure(study, form);
+        let outcome = Outcome::measure(study, form, options.seed);
         outcome.say();
         if let Some(folder) = &folder {
             say(format_args!("wrote {}\n", outcome.record(folder)?.display()));
@@ -107,9 +110,9 @@ fn source_folder() -> Result<PathBuf, Failure> {
 }
 
 impl<'p> Outcome<'p> {
-    fn measure(study: &'p dyn Study, form: Form) -> Self {
+    fn measure(study: &'p dyn Study, form: Form, seed: u64) -> Self {
         say(format_args!("{}: {}", study.name(), study.summary()));
-        let mut report = Report::new(form);
+        let mut report = Report::new(form, seed);
         let begun = Instant::now();
         let error = study.run(&mut report).err();
         Outcome { study, report, error, seconds: begun.elapsed().as_secs_f64() }
@@ -242,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_not_finite_fails_becomes_null_and_is_recorded() {
-        let outcome = Outcome::measure(&Made, Form::Whole);
+        let outcome = Outcome::measure(&Made, Form::Whole, 0);
         assert!(!outcome.pass());
         let object = outcome.json();
         assert_eq!(object["pass"], false);

@@ -210,6 +210,16 @@ impl Case {
                 }
             }
         }
+        // the same method and steps, with steps that end at jumps
+        if let Some(slopes) = self.slopes_with_jumps(&drawn.text) {
+            let off = |slopes: &[f64], k: usize| (slopes[k] - right.slopes[k]).abs() / sizes[k];
+            let uncertain = |k: usize| off(&slopes, k) + apart[1][k] / sizes[k];
+            let allowed = SAFETY * (0..sizes.len()).map(uncertain).fold(SLIGHT[1], f64::max);
+            if let Some(k) = (0..sizes.len()).find(|&k| !(off(&own.slopes, k) <= allowed)) {
+                let (share, own, right, name) = (off(&own.slopes, k), own.slopes[k], right.slopes[k], &names[k]);
+                wrong.push((format!("behind a jump in time the derivative of \"{name}\" is {own:e} for {right:e}"), share));
+            }
+        }
         if wrong.is_empty()
             && let Err(why) = self.same_steps(own, &sizes)
         {
@@ -238,6 +248,16 @@ impl Case {
             _ => Outcome::Right,
         };
         (outcome, deviation)
+    }
+
+    /// Derivatives by the scene's own method and steps, which end at its jumps in time, if it has some.
+    fn slopes_with_jumps(&self, text: &str) -> Option<Vec<f64>> {
+        let given = draw(self.seed, self.kind, &DRAWN, Jumps::Given).text;
+        let scene = FileScene::parse("scene", &given).ok().filter(|_| given != text)?;
+        let prepared = Prepared::new(&scene).ok()?;
+        let (analysis, direction) = (prepared.analysis(), self.direction());
+        let rows = analysis.adjoint(&prepared.x, &analysis.forward(&prepared.x).ok()?).ok()?.rows;
+        Some(rows.iter().map(|row| row.iter().zip(direction).map(|(own, d)| own * d).sum()).collect())
     }
 
     /// The gradient against quotients of runs of the same steps, each built and solved by itself.

@@ -29,12 +29,12 @@ pub enum Kind {
     Vibration,
 }
 
-/// How a file says when its formulas of time jump.
+/// What tells the program when formulas of time jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Jumps {
-    /// Not at all: the program finds them.
+    /// Nothing: it finds them.
     Found,
-    /// By numbers, for this design alone: for a reference.
+    /// Forces of nothing that step there, by numbers that hold for this design alone: steps end there in any case, for a reference.
     Given,
 }
 
@@ -136,7 +136,7 @@ struct Growing {
     /// Names, what formulas know of them, and units.
     states: Vec<[String; 3]>,
     named: usize,
-    /// When formulas of time jump or bend that were drawn since this was looked at last \[s\].
+    /// When formulas of time jump or bend \[s\].
     times: Vec<f64>,
 }
 
@@ -160,8 +160,8 @@ const SIGNALS: [&str; 8] = [
     "{ type = \"sine\", offset = \"<U>\", amplitude = \"<U>\", angular_frequency = <rate>, phase = 0.7 }",
     "{ type = \"step\", before = \"<U>\", after = \"<U>\", at = <moment> }",
     "{ type = \"table\", times = [0, <early>, <moment>], values = [\"<U>\", \"<U>\", \"<U>\"], interpolation = \"<way>\" }",
-    "{ type = \"formula\", value = \"<of time>\" <, breakpoints> }",
-    "{ type = \"formula\", value = \"<of time>\" <, breakpoints> }",
+    "{ type = \"formula\", value = \"<of time>\"  }",
+    "{ type = \"formula\", value = \"<of time>\"  }",
 ];
 const DRIVING: usize = 3;
 /// Forces F or moments that pull a stretch s of a size S back, with a stiffness K and a damping C.
@@ -177,13 +177,14 @@ const LAWS: [&str; 9] = [
     "{ type = \"table\", points = [\"-S\", \"-0.4 * S\", \"0.5 * S\", \"1.2 * S\"], values = [\"-<K> * S\", \"-0.3 * <K> * S\", \"0.5 * <K> * S\", \"<K> * S\"], interpolation = \"<way>\" }",
 ];
 /// Forces on a node p.
-const FORCES: [&str; 6] = [
+const FORCES: [&str; 7] = [
     "-0.5 * <positive N> * norm(p.velocity) * p.velocity / <size m/s>^2",
     "-<positive N> * p.velocity / <size m/s>",
     "[<N> * max(0, -p.position.z) / <size m>, 0, 0]",
     "[0, <N> * if_less(p.position.x, 0.2 * <size m>, 1, 0), 0]",
     "(<of time>) * [0.3, -0.5, 0.6]",
     "(<of time>) * [-0.3, 0.5, 0.6]",
+    "[<N> * curve(p.position.x / <size m>), 0, <N> * curve(p.velocity.z / <size m/s>)]",
 ];
 /// What is measured of a node p, with units.
 const FORMULAS: [[&str; 2]; 5] = [
@@ -317,9 +318,6 @@ impl Growing {
                 let text = self.lots.pick(&OF_TIME).replace("<U>", "<N>");
                 self.fill(&text)
             }
-            "breakpoints" => self.breakpoints(),
-            ", breakpoints" if self.times.is_empty() => String::new(),
-            ", breakpoints" => format!(", {}", self.breakpoints()),
             mark => match mark.split_once(' ') {
                 Some(("size", unit)) => format!("{:?}", round(units.size(unit))),
                 Some(("positive", unit)) => {
@@ -331,18 +329,6 @@ impl Growing {
                     self.formula(amount, mark)
                 }
             },
-        }
-    }
-
-    /// The key that says when the formulas of time that were drawn last jump.
-    fn breakpoints(&mut self) -> String {
-        let mut times = std::mem::take(&mut self.times);
-        times.iter_mut().for_each(|time| *time *= self.x[LATE]);
-        times.sort_by(f64::total_cmp);
-        match (&times[..], self.jumps) {
-            ([], _) => String::new(),
-            (_, Jumps::Found) => "breakpoints = []".into(),
-            (times, Jumps::Given) => format!("breakpoints = {times:?}"),
         }
     }
 
@@ -666,7 +652,7 @@ impl Growing {
             }
             _ => {
                 let (node, force) = (self.named_node(&on), self.lots.pick(&FORCES));
-                let keys = format!("nodes = {{ p = {node} }}\nforce = {{ p = \"{force}\" }}\n<breakpoints>");
+                let keys = format!("nodes = {{ p = {node} }}\nforce = {{ p = \"{force}\" }}");
                 self.add("element", "own load", &keys);
             }
         }
@@ -710,13 +696,12 @@ impl Growing {
                 "N",
             ),
         };
-        let keys = self.fill(&format!("type = \"{kind}\"\nnodes = {{ p = {node} }}\n{keys}"));
-        let breakpoints = self.breakpoints();
-        let name = self.add("state", kind, &format!("{keys}\n{breakpoints}"));
+        let keys = format!("type = \"{kind}\"\nnodes = {{ p = {node} }}\n{keys}");
+        let name = self.add("state", kind, &keys);
         let mut components = ["0"; 3];
         components[place] = force;
         let keys = format!(
-            "nodes = {{ p = \"{}\", s = \"{name}\" }}\nforce = {{ p = \"[{}]\" }}\n{breakpoints}",
+            "nodes = {{ p = \"{}\", s = \"{name}\" }}\nforce = {{ p = \"[{}]\" }}",
             seen.name,
             components.join(", ")
         );
@@ -821,5 +806,18 @@ impl Growing {
             (0..self.lots.pick(&[0, 0, 1, 2])).for_each(|_| self.state());
         }
         (0..2 + self.lots.below(2)).for_each(|_| self.functional());
+        if self.text.contains("curve(") {
+            let values = "points = [-1.5, -0.4, 0.6, 1.5]\nvalues = [-1, \"-0.2 * drive\", 0.5, \"0.8 * drive\"]";
+            self.line(&format!("\n[table.curve]\n{values}\ninterpolation = \"<way>\"\nextrapolation = \"constant\""));
+        }
+        if self.jumps == Jumps::Given {
+            // a force of nothing whose steps in time everyone sees
+            for time in std::mem::take(&mut self.times) {
+                let (on, at) = (&self.places[1].name, time * self.x[LATE]);
+                let size = format!("{{ type = \"step\", before = 0, after = 1e-99, at = {at:?} }}");
+                let keys = format!("on = \"{on}\"\ndirection = [0, 0, 1]\nsize = {size}");
+                self.add("force", "nothing", &keys);
+            }
+        }
     }
 }

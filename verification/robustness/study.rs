@@ -26,7 +26,7 @@ impl Study for Robustness {
         "robustness"
     }
     fn summary(&self) -> &'static str {
-        "slender beams, mechanisms drawn by lot, killed runs, full disks, mutated command lines and files: all right, or an error"
+        "slender beams, bodies without mass, bifurcations, killed runs, full disks, mutated command lines and files: all right, or an error"
     }
     fn forms(&self) -> &'static [Form] {
         &[Form::Long]
