@@ -141,16 +141,30 @@ impl<'c> ByError<'c> {
         ratios.fold(0.0, |worst: f64, ratio| if ratio <= worst { worst } else { ratio })
     }
 
-    /// Estimated error of a step as a share of the allowed one.
+    /// Estimated error of a step as a share of the allowed one. In a step that begins with an acceleration of its own, the solution without the
+    /// explicit first stage has a say where it is further away than is allowed.
     fn error(&mut self, step: &StepRecord<f64>, before: &StepState<f64>, after: &StepState<f64>) -> f64 {
+        let own = self.error_of(self.embedded, step, before, after);
+        let implicit = self.embedded.implicit.as_deref().filter(|_| step.begins_anew(before.step));
+        let other = implicit.map_or(0.0, |implicit| self.error_of(implicit, step, before, after));
+        if other <= 1.0 || own >= other || own.is_nan() { own } else { other }
+    }
+
+    /// Difference of two solutions of a step as a share of what is allowed.
+    fn error_of(
+        &mut self,
+        other: &Embedded,
+        step: &StepRecord<f64>,
+        before: &StepState<f64>,
+        after: &StepState<f64>,
+    ) -> f64 {
         let mut error = std::mem::take(&mut self.difference);
         let of = |place: usize, tolerance, error: &[f64]| {
             self.ratio(tolerance, error, [&before.carried[place], &after.carried[place]])
         };
-        let solutions = (self.table, self.embedded);
-        embedded_difference(solutions, 0, step, &mut error);
+        embedded_difference((self.table, other), 0, step, &mut error);
         let of_q = of(0, self.control.coordinates, &error);
-        embedded_difference(solutions, 1, step, &mut error);
+        embedded_difference((self.table, other), 1, step, &mut error);
         let of_v = of(1, self.control.velocities, &error);
         self.difference = error;
         if of_q >= of_v || of_q.is_nan() { of_q } else { of_v }

@@ -1,3 +1,4 @@
+use super::implicit_weights::implicit_weights;
 use super::positive_weights::positive_weights;
 use super::{Carried, Combination, Embedded, Stage, Table};
 
@@ -173,10 +174,14 @@ impl Butcher {
         if explicit_first {
             update.push(combine(&[], (0..s).map(|j| f64::from(u8::from(j == s - 1))).collect()));
         }
-        let embedded = self.embedded.as_ref().map(|(order, weights)| {
+        let solution = |order: usize, weights: &[f64], implicit: Option<Box<Embedded>>| {
             let difference: Vec<f64> = self.b.iter().zip(weights).map(|(b, weight)| b - weight).collect();
             let q = combine(&[], square(&difference));
-            Embedded { order: *order, q, v: combine(&[], difference.clone()), rates: difference }
+            Embedded { order, q, v: combine(&[], difference.clone()), rates: difference, implicit }
+        };
+        let embedded = self.embedded.as_ref().map(|(order, weights)| {
+            let implicit = explicit_first.then(|| solution(*order, &implicit_weights(&self.a, &self.b, &c), None));
+            solution(*order, weights, implicit.map(Box::new))
         });
         let stiffly_accurate = self.a[s - 1] == self.b;
         let mut rates = self.a.clone();

@@ -19,6 +19,7 @@ mod error_terms;
 pub(crate) mod given;
 mod grid;
 mod harmonic_response;
+mod implicit_weights;
 mod initial_guess;
 mod krylov;
 mod lists;

@@ -100,6 +100,11 @@ cloned_in_place!(StepRecord {
 });
 
 impl<S: Scalar> StepRecord<S> {
+    /// Whether the acceleration at its start does not come from a step before, for the number `index` of steps before.
+    pub(super) fn begins_anew(&self, index: usize) -> bool {
+        index == 0 || self.restart.is_some()
+    }
+
     /// Room for a record.
     pub(crate) fn empty() -> Self {
         StepRecord {

@@ -10,7 +10,8 @@ use smallvec::SmallVec;
 /// The largest estimated error of one step: in coordinates by the model's length, in velocities by the largest velocity of the run; angular
 /// ones count by the model's length, too.
 ///
-/// It is that of an embedded solution; where the method of order p has none, its leading error terms C h^(p+1) d^(p+1)q/dt^(p+1) and
+/// It is that of an embedded solution, and in a step that begins with an acceleration solved for anew that of one without the explicit first
+/// stage, too, if that is larger; where the method of order p has none, its leading error terms C h^(p+1) d^(p+1)q/dt^(p+1) and
 /// C h^(p+1) d^(p+1)v/dt^(p+1), whose derivatives are those of a polynomial through the mean accelerations of the latest steps, and whose
 /// factors are those of the table for a given acceleration. What round-off makes of it does not count.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,9 +133,12 @@ impl<S: RunScalar> Resolution<S> {
         }
         let mut difference = std::mem::take(&mut self.difference);
         if let Some(embedded) = &table.embedded {
-            for (order, in_velocity) in [(0, false), (1, true)] {
-                embedded_difference((table, embedded), order, step, &mut difference);
-                self.judge(in_velocity, number, step, &difference, measures);
+            let implicit = embedded.implicit.as_deref().filter(|_| step.begins_anew(number - 1));
+            for solution in [Some(embedded), implicit].into_iter().flatten() {
+                for (order, in_velocity) in [(0, false), (1, true)] {
+                    embedded_difference((table, solution), order, step, &mut difference);
+                    self.judge(in_velocity, number, step, &difference, measures);
+                }
             }
         } else {
             self.note_acceleration(table.order, step);

@@ -101,6 +101,9 @@ pub struct Embedded {
     pub v: Combination,
     /// How rate corrections enter the difference of the coordinates.
     pub rates: Vec<f64>,
+    /// The same of a solution without the explicit first stage, where there is one: in a step that begins with an acceleration of its own,
+    /// which the steps before have not damped, that stage may count far too much for both of the others.
+    pub implicit: Option<Box<Embedded>>,
 }
 
 /// A one-step table for the steps that have too few steps of their own size, without a breakpoint between, behind them.
@@ -168,7 +171,10 @@ impl Table {
         let own = self.carried.len();
         assert_eq!(self.carried, carried[..own], "{}: a starter carries the same vectors first", self.name);
         let (stages, relations) = (self.stages.len(), self.stages.iter_mut().flat_map(|s| [&mut s.a, &mut s.v, &mut s.q]));
-        let differences = self.embedded.iter_mut().flat_map(|embedded| [&mut embedded.q, &mut embedded.v]);
+        let differences = self.embedded.iter_mut().flat_map(|embedded| {
+            let Embedded { q, v, implicit, .. } = embedded;
+            implicit.iter_mut().flat_map(|own| [&mut own.q, &mut own.v]).chain([q, v])
+        });
         for combination in relations.chain(&mut self.update).chain(differences) {
             combination.carried.resize(carried.len(), 0.0);
         }

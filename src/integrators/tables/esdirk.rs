@@ -108,3 +108,33 @@ pub fn esdirk5() -> Butcher {
     ];
     Butcher { name: "esdirk5".into(), order: 5, stage_order: 2, l_stable: true, a, b, embedded: Some((4, embedded)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrators::implicit_weights::implicit_weights;
+
+    #[test]
+    fn solutions_by_implicit_stages_alone_have_their_order_and_end_a_stiff_decay() {
+        for (tableau, order, ends) in [(esdirk3(), 2, false), (esdirk4(), 3, true), (esdirk5(), 3, true)] {
+            let name = tableau.name.clone();
+            let c: Vec<f64> = tableau.a.iter().map(|row| row.iter().sum()).collect();
+            let weights = implicit_weights(&tableau.a, &tableau.b, &c);
+            assert_eq!(weights[0], 0.0, "{name}");
+            let (defect, condition) = tableau.order_defect(&weights, order);
+            assert!(defect < 1e-13, "{name}: {condition} is missed by {defect:e}");
+            // y' = z y from 1: the stages' slopes, one after the other
+            let end = |z: f64| {
+                let mut slopes: Vec<f64> = Vec::new();
+                for row in &tableau.a {
+                    let known: f64 = row.iter().zip(&slopes).map(|(a, slope)| a * slope).sum();
+                    slopes.push(z * (1.0 + known) / (1.0 - z * row[slopes.len()]));
+                }
+                1.0 + weights.iter().zip(slopes).map(|(weight, slope)| weight * slope).sum::<f64>()
+            };
+            let stiff = end(-1e7);
+            assert!(stiff.abs() < if ends { 1e-5 } else { 1.0 }, "{name}: {stiff}");
+            assert!((end(-1e-3) - (-1e-3_f64).exp()).abs() < 1e-3_f64.powi(order as i32 + 1), "{name}");
+        }
+    }
+}
