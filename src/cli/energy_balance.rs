@@ -2,8 +2,8 @@
 
 use super::console::json_number;
 use super::measured_moments::ENERGY_ROUNDING;
-use crate::assembly::ConstraintId;
-use crate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Values};
+use crate::assembly::{ConstraintId, Model};
+use crate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Sample, Values};
 use crate::integrators::{StartRecord, StepRecord};
 use crate::io::number;
 use crate::scenes::Prepared;
@@ -25,7 +25,7 @@ pub struct EnergyBalance {
     pub forces: f64,
     /// Work of drivers \[J\].
     pub drivers: f64,
-    /// What all of these turned over \[J\].
+    /// The largest of all that works put in and took out, of kinetic energies, and of changes of potential energy \[J\].
     size: f64,
     /// What rounding may leave \[J\].
     round_off: f64,
@@ -37,7 +37,7 @@ impl EnergyBalance {
         self.change - self.forces - self.drivers
     }
 
-    /// As a share of all that was turned over; `None` where nothing but rounding is left.
+    /// As a share of the largest of kinetic energy, change of potential energy, and work; `None` where nothing but rounding is left.
     pub fn share(&self) -> Option<f64> {
         (self.left().abs() > self.round_off).then(|| self.left().abs() / self.size)
     }
@@ -51,14 +51,11 @@ impl EnergyBalance {
     /// In words.
     pub fn in_words(&self) -> String {
         let drivers = if self.drivers == 0.0 { String::new() } else { format!(", drivers {} J", number(self.drivers)) };
-        let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of what was turned over"));
+        let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of the largest energy or work"));
         let [change, forces, apart] = [self.change, self.forces, self.left()].map(number);
         format!("energy changes by {change} J, loads and losses work {forces} J{drivers}: {apart} J apart{left}")
     }
 }
-
-/// Functionals of energies in front of those of works.
-const ENERGIES: usize = 2;
 
 impl Ledger {
     /// Of a scene; `None` where nothing moves or all is conservative.
@@ -67,13 +64,9 @@ impl Ledger {
         if prepared.method.table.is_static() || model.is_conservative() {
             return None;
         }
-        let own = |name: &str, measured, over| Functional { name: name.into(), unit: "J", measured, over };
-        let mut functionals = vec![
-            own("at the start", Measured::energy(), Over::Initial),
-            own("at the end", Measured::energy(), Over::Terminal),
-        ];
+        let work = |name: &str, measured| Functional { name: name.into(), unit: "J", measured, over: Over::Integral };
         let power = |kind: ElementSum| Measured::Group(MeasuredGroup::new(None, kind.into(), 0..0));
-        functionals.push(own("forces", power(ElementSum::Power), Over::Integral));
+        let mut functionals = vec![work("forces", power(ElementSum::Power))];
         let mut p = prepared.mechanism.numbers.p.clone();
         let parameters = p.len()..p.len() + JointLoad::PARAMETERS;
         p.resize(parameters.end, 0.0);
@@ -81,11 +74,8 @@ impl Ledger {
             let joint = ConstraintId(place, model.identity());
             if !attached.physics.is_scleronomic() {
                 let load = JointLoad::power(0..attached.physics.dof_count());
-                functionals.push(own(
-                    &attached.name,
-                    Measured::Load { joint, parameters: parameters.clone(), load },
-                    Over::Integral,
-                ));
+                let measured = Measured::Load { joint, parameters: parameters.clone(), load };
+                functionals.push(work(&attached.name, measured));
             }
         }
         Some(Ledger { functionals, p })
@@ -94,7 +84,13 @@ impl Ledger {
     /// What sees the run.
     pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> Course<'l> {
         let values = Values::new(&self.functionals, prepared.model(), &prepared.method.table, &self.p);
-        Course { values, works: vec![0.0; self.functionals.len() - ENERGIES], size: 0.0, held: 0.0 }
+        Course {
+            values,
+            works: vec![0.0; self.functionals.len()],
+            exchanged: 0.0,
+            held: 0.0,
+            energies: Energies { model: prepared.model(), p: &self.p, measured: Measured::energy(), course: None },
+        }
     }
 }
 
@@ -104,23 +100,63 @@ pub struct Course<'l> {
     /// Each work so far.
     works: Vec<f64>,
     /// All that they have put in and taken out.
-    size: f64,
+    exchanged: f64,
     /// Largest reaction times largest coordinate: energies of this size are differences of what joints hold.
     held: f64,
+    energies: Energies<'l>,
+}
+
+/// Energies at the ends of steps.
+struct Energies<'l> {
+    model: &'l Model,
+    p: &'l [f64],
+    measured: Measured,
+    course: Option<EnergyRange>,
+}
+
+/// What they were [J].
+#[derive(Clone, Copy)]
+struct EnergyRange {
+    /// At the start: all, and the potential energy.
+    start: [f64; 2],
+    /// At the end.
+    end: f64,
+    /// The largest kinetic energy or change of potential energy.
+    largest: f64,
+}
+
+impl Energies<'_> {
+    fn note(&mut self, mut sample: Sample<f64>) {
+        let measure = |sample: &Sample<f64>| self.measured.value(self.model, sample, self.p);
+        let end = measure(&sample);
+        sample.at.v.fill(0.0);
+        let potential = measure(&sample);
+        let kinetic = (end - potential).abs();
+        let Some(course) = &mut self.course else {
+            self.course = Some(EnergyRange { start: [end, potential], end: f64::NAN, largest: kinetic });
+            return;
+        };
+        course.end = end;
+        course.largest = course.largest.max(kinetic).max((potential - course.start[1]).abs());
+    }
 }
 
 impl Course<'_> {
     pub fn start(&mut self, start: &StartRecord<f64>) {
         self.values.start(start);
+        self.energies.note(Sample::initial(start));
     }
 
     pub fn step(&mut self, step: &StepRecord<f64>) {
         self.values.step(step);
         for (place, before) in self.works.iter_mut().enumerate() {
-            let own = self.values.so_far(ENERGIES + place);
-            self.size += (own - *before).abs();
+            let own = self.values.so_far(place);
+            self.exchanged += (own - *before).abs();
             *before = own;
         }
+        let mut end = Sample::empty();
+        end.set_terminal(step);
+        self.energies.note(end);
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let reactions = step.stages.last().map_or(0.0, |stage| largest(&stage.solve.unknowns.mu));
         self.held = self.held.max(reactions * largest(&step.q));
@@ -128,11 +164,11 @@ impl Course<'_> {
 
     /// At the end of the last step; `None` of a run without steps.
     pub fn finish(self) -> Option<EnergyBalance> {
-        let (values, ..) = self.values.finish();
-        let (energies, works) = values.split_at(ENERGIES);
-        let (change, drivers) = (energies[1] - energies[0], works[1..].iter().sum());
-        let round_off = ENERGY_ROUNDING * energies.iter().fold(self.held, |most, own| most.max(own.abs()));
-        let size = self.size.max(change.abs());
+        let EnergyRange { start: [start, _], end, largest } = self.energies.course?;
+        let (works, ..) = self.values.finish();
+        let (change, drivers) = (end - start, works[1..].iter().sum());
+        let round_off = ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs());
+        let size = self.exchanged.max(change.abs()).max(largest);
         change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, size, round_off })
     }
 }
