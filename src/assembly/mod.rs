@@ -49,7 +49,7 @@ pub use equations::{Equations, Level, StageCoefficients, StageSystem, Unknowns, 
 pub(crate) use equations::{clone_fields, cloned_in_place, empty_fields};
 pub(crate) use evaluation::{BatchWork, run_lanes};
 pub use jacobian::Jacobian;
-pub(crate) use lanes::{LaneResults, Lanes, Run};
+pub(crate) use lanes::{LaneResults, Lanes, Run, last_bit};
 pub(crate) use laws::Laws;
 pub(crate) use model::ModelIdentity;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, Spin};

@@ -16,7 +16,7 @@ use crate::history::Keep;
 use crate::integrators::{Counters, RunError};
 use crate::io::{Progress, number};
 use crate::program::making_time;
-use crate::scenes::{AnyScene, Prepared, Scenario};
+use crate::scenes::{AnyScene, OF_QUOTIENTS, Prepared, SCATTER, Scenario};
 use crate::sensitivity::{Forward, Gradient};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
@@ -73,13 +73,10 @@ impl CheckWay {
     }
 }
 
-/// Largest relative difference between adjoint and complex step that passes, and between adjoint and quotients.
+/// Largest relative difference between adjoint and complex step that passes.
 const LIMIT: f64 = 1e-10;
-const OF_QUOTIENTS: f64 = 1e-6;
-/// Limit beyond which a comparison shows nothing.
+/// Limit beyond which a comparison with quotients shows nothing.
 const BLIND: f64 = 1e-2;
-/// How many times the effect of a rounding of the variables two derivatives may be apart.
-const SCATTER: f64 = 4.0;
 /// Entries that matter less than this share of the largest one are compared relative to that share.
 const SMALL: f64 = 1e-2;
 
@@ -105,6 +102,8 @@ struct Check {
     differences: Vec<Vec<f64>>,
     /// Of each functional, what round-off does to the other derivatives: of complex steps where the differences made it worth a look.
     scatter: Vec<Option<f64>>,
+    /// Round-off of the functionals themselves, where the differences made it worth a look: derivatives that differ by less are the same.
+    round_off: Vec<f64>,
     /// Of each functional, whether runs beside the design tell of a jump.
     jumps: Vec<bool>,
 }
@@ -279,12 +278,17 @@ impl Check {
                 false => "FAIL",
             };
             let scatter = self.scatter[k].filter(|_| limit > self.way.limit()).map(brief);
-            let rounding = scatter.map_or_else(String::new, |scatter| match self.way {
-                CheckWay::ComplexStep => {
+            let rounding = match (scatter, self.way) {
+                _ if self.round_off[k] > 0.0 && self.is_within(k) => {
+                    let round_off = brief(self.round_off[k]);
+                    format!("; changes of the variables by their sizes make no other difference than round-off, {round_off}")
+                }
+                (None, _) => String::new(),
+                (Some(scatter), CheckWay::ComplexStep) => {
                     format!("; a rounding of the variables changes its complex-step derivatives by {scatter} of them")
                 }
-                CheckWay::Independent => format!("; round-off of the runs is {scatter} of its quotients"),
-            });
+                (Some(scatter), CheckWay::Independent) => format!("; round-off of the runs is {scatter} of its quotients"),
+            };
             let (largest, name, other) = (brief(largest), &functional.name, self.way.words());
             say(format_args!(
                 "{name}: largest relative difference to {other}: {largest} (limit {limit:.0e}): {verdict}{rounding}"
@@ -311,13 +315,19 @@ impl Check {
         if check.passes() {
             return Ok(check);
         }
-        let nearby = prepared.complex_steps_nearby()?;
-        for (k, scatter) in check.scatter.iter_mut().enumerate() {
-            let rows = nearby.each_ref().map(|rows| &rows[k][..]);
+        let (nearby, roundings) = (prepared.complex_steps_nearby()?, prepared.analysis().roundings(forward)?);
+        for (k, (&value, rounding)) in forward.values.iter().zip(roundings).enumerate() {
+            if check.is_within(k) {
+                continue;
+            }
+            let apart = nearby.iter().map(|run| (run.values[k] - value).abs());
+            check.round_off[k] = apart.fold(rounding, f64::max);
+            let measure = Measure { round_off: check.round_off[k], ..Measure::of(prepared, value) };
+            check.differences[k] = measure.differences([&adjoint.gradient.rows[k], &check.other.gradient.rows[k]]);
+            let rows = nearby.each_ref().map(|run| &run.rows[k][..]);
             let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| [*one, *other]));
-            let design = (&prepared.variables[..], &prepared.x[..]);
-            let apart: Vec<_> = pairs.map(|pair| relative_differences(design, forward.values[k], pair)).collect();
-            *scatter = Some(largest_of(&apart));
+            let apart: Vec<_> = pairs.map(|pair| measure.differences(pair)).collect();
+            check.scatter[k] = Some(largest_of(&apart));
         }
         Ok(check)
     }
@@ -326,13 +336,12 @@ impl Check {
     fn independent(prepared: &Prepared, forward: &Forward, adjoint: &Timed) -> Result<Self, Failure> {
         let (analysis, x) = (prepared.analysis(), &prepared.x);
         let analysis = if prepared.control.is_some() || prepared.divide { analysis.on_steps_of(forward) } else { analysis };
-        let design = (&prepared.variables[..], &x[..]);
         let mut floors = vec![Vec::new(); forward.values.len()];
         let mut jumps = vec![false; forward.values.len()];
         let other = timed("quotients of runs", forward, || {
             let mut rows = vec![Vec::new(); forward.values.len()];
             for place in 0..x.len() {
-                let size = size_of(design, place);
+                let size = prepared.variables[place].size(x[place]);
                 let mut direction = vec![0.0; x.len()];
                 direction[place] = size;
                 for (k, quotient) in analysis.quotients(x, &direction)?.into_iter().enumerate() {
@@ -348,19 +357,25 @@ impl Check {
         for (k, floors) in floors.iter().enumerate() {
             let row = &check.other.gradient.rows[k];
             let off: Vec<f64> = row.iter().zip(floors).map(|(value, floor)| value + floor).collect();
-            check.scatter[k] = Some(largest_of(&[relative_differences(design, forward.values[k], [&off, row])]));
+            check.scatter[k] = Some(largest_of(&[Measure::of(prepared, forward.values[k]).differences([&off, row])]));
         }
         Ok(check)
     }
 
     fn of(way: CheckWay, (prepared, values): (&Prepared, &[f64]), adjoint: &Timed, other: Timed) -> Self {
         let rows = adjoint.gradient.rows.iter().zip(&other.gradient.rows);
-        let design = (&prepared.variables[..], &prepared.x[..]);
-        let rows = rows.zip(values).map(|((own, other), &value)| relative_differences(design, value, [own, other]));
+        let rows = rows.zip(values).map(|((own, other), &value)| Measure::of(prepared, value).differences([own, other]));
         let differences: Vec<_> = rows.collect();
         let (scatter, jumps) = (vec![None; differences.len()], vec![false; differences.len()]);
-        Check { way, other, differences, scatter, jumps }
+        let round_off = vec![0.0; differences.len()];
+        Check { way, other, differences, scatter, round_off, jumps }
     }
+
+    /// Whether a functional is within the limit of the comparison itself, whatever roundings do.
+    fn is_within(&self, k: usize) -> bool {
+        self.largest(k) <= self.way.limit()
+    }
+
     /// Whether each functional is within its limit.
     fn passes(&self) -> bool {
         self.worst() <= 1.0
@@ -380,6 +395,10 @@ impl Check {
             CheckWay::Independent if self.limit(k) > BLIND => {
                 Some(format!("round-off of the runs hides the quotients of {name}"))
             }
+            CheckWay::ComplexStep if !self.is_within(k) && self.limit(k) > OF_QUOTIENTS => Some(format!(
+                "a rounding of the variables changes the complex-step derivatives of {name} by so much that agreement with them shows nothing: \
+                 compare with runs, --check=independent"
+            )),
             _ => None,
         }
     }
@@ -423,27 +442,34 @@ fn largest_of(differences: &[Vec<f64>]) -> f64 {
     differences.iter().flatten().fold(0.0, |most: f64, &d| if d <= most || most.is_nan() { most } else { d })
 }
 
-/// What a variable changes by: its size, or its range where it is zero.
-fn size_of((variables, x): (&[DesignVariable], &[f64]), place: usize) -> f64 {
-    let range = variables[place].upper - variables[place].lower;
-    match x[place].abs() {
-        0.0 if range.is_finite() && range > 0.0 => range,
-        0.0 => 1.0,
-        size => size,
-    }
+/// By what differences of two gradients of a functional are measured.
+struct Measure<'p> {
+    variables: &'p [DesignVariable],
+    x: &'p [f64],
+    /// Value of the functional.
+    value: f64,
+    /// Change of the functional that is round-off.
+    round_off: f64,
 }
 
-/// Differences of two gradients, each relative to the entry, or to [`SMALL`] of the largest change of the functional by a
-/// relative change of any variable: an entry that is zero but for round-off has no relative error of its own.
-fn relative_differences(design: (&[DesignVariable], &[f64]), value: f64, [adjoint, complex_step]: [&[f64]; 2]) -> Vec<f64> {
-    let size = |i: usize| size_of(design, i);
-    let least = ZERO * value.abs();
-    let largest = complex_step.iter().enumerate().fold(least, |most: f64, (i, g)| most.max((g * size(i)).abs()));
-    let difference = |(i, (a, c)): (usize, (&f64, &f64))| {
-        let apart = (a - c).abs();
-        if apart == 0.0 { 0.0 } else { apart / c.abs().max(SMALL * largest / size(i)) }
-    };
-    adjoint.iter().zip(complex_step).enumerate().map(difference).collect()
+impl<'p> Measure<'p> {
+    fn of(prepared: &'p Prepared, value: f64) -> Self {
+        Measure { variables: &prepared.variables, x: &prepared.x, value, round_off: 0.0 }
+    }
+
+    /// Each relative to the entry, or to [`SMALL`] of the largest change of the functional by a relative change of any variable: an entry
+    /// that is zero but for round-off has no relative error of its own. None where a change of the variable by its whole size changes the
+    /// functional differently by no more than round-off does.
+    fn differences(&self, [adjoint, complex_step]: [&[f64]; 2]) -> Vec<f64> {
+        let size = |i: usize| self.variables[i].size(self.x[i]);
+        let least = ZERO * self.value.abs();
+        let largest = complex_step.iter().enumerate().fold(least, |most: f64, (i, g)| most.max((g * size(i)).abs()));
+        let difference = |(i, (a, c)): (usize, (&f64, &f64))| {
+            let apart = (a - c).abs();
+            if apart * size(i) <= self.round_off { 0.0 } else { apart / c.abs().max(SMALL * largest / size(i)) }
+        };
+        adjoint.iter().zip(complex_step).enumerate().map(difference).collect()
+    }
 }
 
 fn say_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {
@@ -543,7 +569,11 @@ mod tests {
     fn a_wrong_or_missing_entry_is_seen_and_round_off_of_a_zero_is_not() {
         let x = [2.0, 1e5, 0.0];
         let right = [3.0, 4e-5, 0.0];
-        let compare = |adjoint: [f64; 3]| largest_of(&[relative_differences((&variables(), &x), 1e-9, [&adjoint, &right])]);
+        let measure = |value: f64, round_off: f64, rows: [&[f64; 3]; 2]| {
+            let measure = Measure { variables: &variables(), x: &x, value, round_off };
+            largest_of(&[measure.differences(rows.map(|row| &row[..]))])
+        };
+        let compare = |adjoint: [f64; 3]| measure(1e-9, 0.0, [&adjoint, &right]);
         assert_eq!(compare(right), 0.0);
         assert!(compare([3.0, 4e-5, 1e-15]) <= LIMIT);
         // in its unit the second entry is small, but it changes the functional as much as the first
@@ -551,10 +581,15 @@ mod tests {
         assert!(compare([3.0 + 1e-8, 4e-5, 0.0]) > LIMIT);
         assert!(compare([3.0, 4e-5, 1e-3]) > LIMIT);
         // of a functional of order one round-off is no derivative, and what is more is one
-        let nothing = |size: f64| {
-            largest_of(&[relative_differences((&variables(), &x), 1.0, [&[0.5 * size, 0.0, 0.0], &[-0.5 * size, 0.0, 0.0]])])
-        };
+        let nothing = |size: f64| measure(1.0, 0.0, [&[0.5 * size, 0.0, 0.0], &[-0.5 * size, 0.0, 0.0]]);
         assert!(nothing(1e-16) <= LIMIT && nothing(1e-12) > LIMIT);
+        // of a functional that is round-off itself, so are derivatives by which a whole variable changes it no more: sizes 2 and 1e5, a range of 2
+        for (place, size) in [2.0, 1e5, 2.0].into_iter().enumerate() {
+            let mut row = [0.0; 3];
+            row[place] = 1e-17 / size;
+            let of = |round_off: f64| measure(1e-17, round_off, [&row, &[0.0; 3]]);
+            assert!(of(1.1e-17) == 0.0 && of(0.9e-17) > LIMIT);
+        }
         for place in 0..3 {
             let mut adjoint = right;
             adjoint[place] = f64::NAN;

@@ -32,6 +32,16 @@ impl DesignVariable {
     pub fn new(name: impl Into<String>, initial: f64, (lower, upper): (f64, f64), unit: &'static str) -> Self {
         DesignVariable { name: name.into(), initial, lower, upper, unit }
     }
+
+    /// By what changes of its value `x` are measured: its size, or its range where it is zero.
+    pub fn size(&self, x: f64) -> f64 {
+        let range = self.upper - self.lower;
+        match x.abs() {
+            0.0 if range.is_finite() && range > 0.0 => range,
+            0.0 => 1.0,
+            size => size,
+        }
+    }
 }
 
 /// The shortest digits that read back as the same number: `0.25`, `12`; with an exponent beyond `1e6` and below `1e-4`.

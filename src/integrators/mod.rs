@@ -70,7 +70,7 @@ pub use march::Method;
 pub(crate) use march::Problem;
 pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, is_cut, mode_vectors, value_of};
 pub use newton::NewtonTolerance;
-pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal};
+pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales};
 pub(crate) use pause::{Pace, Pause};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 pub(crate) use record::{Guide, Recorder, Replay, Steps};

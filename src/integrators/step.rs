@@ -629,6 +629,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record: &mut SolveRecord<S>,
     ) -> Result<(), RunError> {
         self.acceleration.residual.clock = self.clock;
+        self.acceleration.run_sizes.join(&self.stage.run_sizes);
         record.t = t;
         record.equations = Equations::acceleration();
         record.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };

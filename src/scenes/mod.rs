@@ -45,6 +45,7 @@ pub(crate) use mode_measure::check_modes;
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use periodic_modes::PeriodicModes;
 pub use prepared::Prepared;
+pub(crate) use prepared::{OF_QUOTIENTS, SCATTER};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 use scene::built;
 pub use scene::{AnyScene, Output, Scenario, Scene, Settings};

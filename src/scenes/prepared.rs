@@ -40,6 +40,20 @@ pub struct Prepared<'s> {
     pub keep: Keep,
 }
 
+/// How many times the effect of a rounding of the variables two derivatives may be apart.
+pub(crate) const SCATTER: f64 = 4.0;
+/// Largest relative difference between gradients and difference quotients of runs that passes. Where roundings change complex steps by more, these
+/// show nothing that quotients do not.
+pub(crate) const OF_QUOTIENTS: f64 = 1e-6;
+
+/// A run beside a design.
+pub(crate) struct Nearby {
+    /// Values of the functionals.
+    pub values: Vec<f64>,
+    /// Their complex-step gradients.
+    pub rows: Vec<Vec<f64>>,
+}
+
 impl<'s> Prepared<'s> {
     /// The default method: ESDIRK of order 4 at acceleration level.
     ///
@@ -154,38 +168,53 @@ impl<'s> Prepared<'s> {
         factorization.map(|factorization| factorization.plan()).map_err(|singular| RunError::of_pattern("start", singular))
     }
 
-    /// Complex-step gradients at designs next to this one, variables a rounding up or down in four patterns: how far these are apart
-    /// is what no check of a derivative can see. Stiff members make it large, as a rounding of their length is a force.
+    /// Values and complex-step gradients at designs next to this one, variables a rounding of their size up or down in four patterns: how far
+    /// these are apart is what no check of a derivative can see. Stiff members make it large, as a rounding of their length is a force.
     ///
     /// # Errors
     /// Those of the runs.
-    pub fn complex_steps_nearby(&self) -> Result<[Vec<Vec<f64>>; 4], RunError> {
-        let at = |is_up: fn(usize) -> bool| -> Result<Vec<Vec<f64>>, RunError> {
-            let next = |i: usize, x: f64| if is_up(i) { x.next_up() } else { x.next_down() };
-            let moved = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| match next(i, x) {
-                next if x != 0.0 && next >= variable.lower && next <= variable.upper => next,
-                _ => x,
+    pub(crate) fn complex_steps_nearby(&self) -> Result<[Nearby; 4], RunError> {
+        let at = |is_up: fn(usize) -> bool| -> Result<Nearby, RunError> {
+            let next = |i: usize, x: f64, size: f64| match x {
+                0.0 if is_up(i) => f64::EPSILON * size,
+                0.0 => -f64::EPSILON * size,
+                _ if is_up(i) => x.next_up(),
+                _ => x.next_down(),
+            };
+            let moved = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| {
+                let next = next(i, x, variable.size(x));
+                if next >= variable.lower && next <= variable.upper { next } else { x }
             };
             let x: Vec<f64> = self.variables.iter().zip(&self.x).enumerate().map(moved).collect();
             let analysis = self.analysis();
             let forward = analysis.forward(&x)?;
-            Ok(analysis.complex_step(&x, &forward)?.rows)
+            let rows = analysis.complex_step(&x, &forward)?.rows;
+            Ok(Nearby { values: forward.values, rows })
         };
         Ok([at(|_| true)?, at(|_| false)?, at(|i| i % 2 == 0)?, at(|i| i % 2 == 1)?])
     }
 
     /// By how much the gradients of the functionals may differ from complex steps: by `least`, or by four times what a rounding of the
-    /// variables does ([`Self::complex_steps_nearby`]), as [`largest_difference`] measures it.
+    /// variables does to these ([`largest_difference`] of designs next to this one).
     ///
     /// # Errors
-    /// Those of the runs.
+    /// Those of the runs; a rounding that does so much that agreement would show nothing.
     pub fn gradient_limits(&self, least: f64) -> Result<Vec<f64>, RunError> {
         let nearby = self.complex_steps_nearby()?;
-        let apart = |k: usize| {
-            let pairs = nearby.iter().flat_map(|one| nearby.iter().map(move |other| (&one[k], &other[k])));
-            pairs.fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)))
+        let limit = |k: usize| {
+            let rows = nearby.each_ref().map(|run| &run.rows[k]);
+            let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| (one, other)));
+            let apart = SCATTER * pairs.fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)));
+            if apart > OF_QUOTIENTS {
+                let name = &self.functionals()[k].name;
+                return Err(RunError::Input(format!(
+                    "a rounding of the variables changes the complex-step derivatives of \"{name}\" by {:.1e} of them: agreement shows nothing",
+                    apart / SCATTER
+                )));
+            }
+            Ok(least.max(apart))
         };
-        Ok((0..self.functionals().len()).map(|k| least.max(4.0 * apart(k))).collect())
+        (0..self.functionals().len()).map(limit).collect()
     }
 
     /// The scene's dependence on its design.

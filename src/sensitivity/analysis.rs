@@ -109,7 +109,7 @@ pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex64>>
 }
 
 impl<'m> Analysis<'m> {
-    fn problem<S>(&self, numbers: &ModelNumbers<S>) -> Problem<'m, S>
+    pub(super) fn problem<S>(&self, numbers: &ModelNumbers<S>) -> Problem<'m, S>
     where
         S: Clone,
     {

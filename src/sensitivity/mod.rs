@@ -7,6 +7,7 @@ mod mode_gradients;
 mod moving_steps;
 mod over_time;
 mod quotients;
+mod roundings;
 mod signature;
 mod solvers;
 mod transition;

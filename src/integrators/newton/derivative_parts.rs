@@ -16,7 +16,7 @@ const SLOW_PARTS: f64 = 0.9;
 /// Relative corrections of derivative parts above which not even round-off is let pass.
 const ROUNDED_PARTS: f64 = 1e-6;
 /// Relative correction up to which a guide counts as the solution of the same problem.
-const GUIDED: f64 = 1e-6;
+pub(super) const GUIDED: f64 = 1e-6;
 /// The same in effects of one rounding of the state: what a guide was content with, and what its own state lost since.
 const GUIDED_ROUNDINGS: f64 = 16.0;
 
@@ -37,7 +37,8 @@ impl<S: RunScalar> Newton<'_, S> {
             Some((unit, size)) => unit * correction <= GUIDED * size,
             None => correction <= GUIDED * scale,
         };
-        // where nothing moves there is no size to compare with
+        // what comes to rest has no size but that of the motion before; where nothing moves there is none to compare with
+        let near = near || self.is_near_in_run(stage.equations, correction);
         if near || self.is_nothing(stage.equations, correction) || self.at_round_off(stage, unknowns, correction, scale) {
             return Ok(());
         }
@@ -52,7 +53,9 @@ impl<S: RunScalar> Newton<'_, S> {
     pub(super) fn solve_parts(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         self.evaluate(stage, unknowns);
         self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, 0))?;
-        self.refine_parts(stage, unknowns)
+        self.refine_parts(stage, unknowns)?;
+        self.note_sizes();
+        Ok(())
     }
 
     /// Corrects the derivative parts with the factored matrix until they are round-off.
@@ -82,7 +85,8 @@ impl<S: RunScalar> Newton<'_, S> {
                 if scale > 0.0 {
                     largest = largest.max(step / scale);
                 }
-                if pass >= PASSES && scale > 0.0 && step > ROUND_OFF * scale {
+                let shrinks = scale == 0.0 || step <= ROUND_OFF * scale;
+                if pass >= PASSES && !shrinks && !self.is_no_part(part, stage.equations, step) {
                     beyond = beyond.max(step / self.size_of_part(part, stage, unknowns));
                 }
             }

@@ -10,6 +10,7 @@ mod linearized;
 mod relieved;
 mod renewal;
 mod round_off;
+mod run_sizes;
 mod sizes;
 mod values;
 
@@ -18,12 +19,14 @@ pub use failure::Failure;
 pub use kept::{FactoredAt, KeptFactorization};
 pub use renewal::Renewal;
 pub use round_off::Floor;
+pub(crate) use sizes::coordinate_scales;
 
 use super::Counters;
 use super::counters::Phase;
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
+use run_sizes::RunSizes;
 use std::sync::Arc;
 
 /// When Newton's method is content.
@@ -117,6 +120,8 @@ pub struct Newton<'m, S> {
     pub(super) coordinate_scales: Vec<f64>,
     /// The lever of the latter that stands there.
     pub(super) turning_length: f64,
+    /// What has moved so far in a run with derivative parts.
+    pub(in crate::integrators) run_sizes: RunSizes,
     /// Whether ranks that share a system share its matrix, too, of which none has all then, unless its stability is asked for.
     divides: bool,
 }
@@ -175,6 +180,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: None,
             coordinate_scales: vec![1.0; system.model.dofs],
             turning_length: 1.0,
+            run_sizes: RunSizes::default(),
             divides: false,
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
             is_constant: None,

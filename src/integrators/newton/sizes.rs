@@ -1,7 +1,7 @@
 //! Sizes of unknowns and corrections that no unit changes.
 
 use super::Newton;
-use crate::assembly::{Equations, Level, Model, Residual, StageSystem, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Level, Model, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::lists::{largest_number, largest_scaled};
 use crate::scalar::larger;
@@ -18,14 +18,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 impl<S: RunScalar> Newton<'_, S> {
     /// Sets the scales of coordinates from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
     pub(in crate::integrators) fn set_coordinate_scales(&mut self, base: &VectorsAvq<S>, p: &[S]) {
-        let largest = self.system.largest_length(&base.q);
         // a body whose frame stays at the origin has its length among the parameters
         let own = *self.parameter_length.get_or_insert_with(|| parameter_length(self.system.model, p));
-        let length = match own.max(largest) {
-            0.0 => 1.0,
-            _ if largest > NEGLIGIBLE * own => largest,
-            _ => own,
-        };
+        let length = turning_length(&self.system, &base.q, own);
         if length != self.turning_length {
             self.turning_length = length;
             self.system.set_turning_scales(length, &mut self.coordinate_scales);
@@ -102,6 +97,25 @@ impl<S: RunScalar> Newton<'_, S> {
             _ => None,
         }
     }
+}
+
+/// By what coordinates that turn are multiplied: the largest coordinate of a point, or the largest of the parameters in metres, if that is not
+/// negligible beside it.
+fn turning_length<S: RunScalar>(system: &System, q: &[S], of_parameters: f64) -> f64 {
+    let largest = system.largest_length(q);
+    match of_parameters.max(largest) {
+        0.0 => 1.0,
+        _ if largest > NEGLIGIBLE * of_parameters => largest,
+        _ => of_parameters,
+    }
+}
+
+/// The scales of all coordinates at a place.
+pub(crate) fn coordinate_scales(system: &System, q: &[f64], p: &[f64]) -> Vec<f64> {
+    let length = turning_length(system, q, parameter_length(system.model, p));
+    let mut scales = vec![1.0; system.model.dofs];
+    system.set_turning_scales(length, &mut scales);
+    scales
 }
 
 /// The largest of the parameters in metres: places of joints and masses, lengths.
