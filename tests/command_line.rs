@@ -1,5 +1,6 @@
 //! The program as its users meet it: exit codes, messages, files, JSON.
 
+use costate::integrators::{STATIC_TABLE, table_names};
 use costate::scenes::file::OwnParts;
 use serde_json::Value;
 use std::fs;
@@ -1214,6 +1215,159 @@ fn energy_that_a_method_loses_is_said() {
     assert!(loss > 0.2 && said.contains("but falls by"), "{loss} {said}");
     let (fine, loss, said) = run("esdirk4");
     assert!(fine < 1e-5 && loss < 2e-3 && said.is_empty(), "{fine:e} {loss:e} {said}");
+}
+
+/// A crank that is turned by 1 rad within a time `T`, and stands until the end: the integral of its angle is 1 - T/2.
+const DWELL: &str = r#"
+version = 1
+settings = { end = 1, steps = 100 }
+variable.T = { initial = 0.3, bounds = [0.01, 1], unit = "s" }
+body = [{ name = "b", mass = 1, mass_centre = [0.3, 0, 0], inertia = [0.01, 0.01, 0.01] }]
+joint = [{ name = "hinge", type = "revolute", between = ["ground", "b"], axis = [0, 0, 1] }]
+functional = [{ name = "angle", type = "joint_angle", between = ["ground", "b"], axis = [0, 0, 1], over = "integral" }]
+[[driver]]
+name = "motor"
+type = "rotation"
+between = ["ground", "b"]
+axis = [0, 0, 1]
+angle = { type = "smooth_ramp", to = 1, duration = "T" }
+"#;
+
+/// A body on an oblique slide that a driver brings to rest, amid whose ramp the acceleration is zero.
+const SLIDE: &str = r#"
+version = 1
+settings = { end = 0.2, steps = 10 }
+variable.v = { initial = 0.1, bounds = [-1, 1] }
+body = [{ name = "b", mass = 2, inertia = [0.1, 0.1, 0.1] }]
+joint = [{ name = "j", type = "prismatic", between = ["ground", "b"], axis = [1, 0.3, 0.3] }]
+[[driver]]
+name = "d"
+type = "translation"
+between = ["ground", "b"]
+axis = [1, 0.3, 0.3]
+displacement = { type = "smooth_ramp", to = "v", duration = 0.1 }
+[[functional]]
+name = "x"
+type = "position"
+on = "b"
+direction = [1, 0, 0]
+over = "terminal"
+"#;
+
+/// A push of 1 N on a mass of 1 kg that fades from a time `te` on within 0.2 s: dv/dte = 1.
+const FADING_PUSH: &str = r#"
+version = 1
+settings = { end = 2, steps = 200 }
+variable.te = { initial = 0.98, bounds = [0.1, 1.9], unit = "s" }
+point = [{ name = "m", position = [0, 0, 0], mass = 1 }]
+functional = [{ name = "v", type = "velocity", on = "m", direction = [1, 0, 0], over = "terminal" }]
+[[force]]
+name = "push"
+on = "m"
+direction = [1, 0, 0]
+size = { type = "smooth_ramp", from = 1, to = 0, start = "te", duration = 0.2 }
+"#;
+
+/// What comes to rest, and derivatives that fade there, are measured by what has moved before: by every method, at every level, with few steps
+/// and many.
+#[test]
+fn motions_that_end_at_rest_have_gradients_that_are_checked() {
+    let folder = Folder::new("dwell");
+    let direction = 1.0 / 1.18_f64.sqrt();
+    for (name, scene, exact, steps) in [
+        ("dwell.toml", DWELL, -0.5, ["10", "100", "400"]),
+        ("slide.toml", SLIDE, direction, ["10", "11", "40"]),
+        ("push.toml", FADING_PUSH, 1.0, ["20", "100", "200"]),
+    ] {
+        fs::write(folder.0.join(name), scene).unwrap();
+        for method in table_names().iter().filter(|name| **name != STATIC_TABLE) {
+            for (level, steps) in ["position", "velocity", "acceleration"].into_iter().zip(steps) {
+                let arguments = ["gradient", name, "--check", "--no-report", "--json", "--method", method];
+                let output = folder.run(&[&arguments[..], &["--constraint-level", level, "--steps", steps]].concat());
+                let case = format!("{name}, {method}, {level} level, {steps} steps");
+                assert_eq!(output.status.code(), Some(0), "{case}: {}", text(&output.stderr));
+                let gradient = json(&output)["functionals"][0]["gradient"].as_object().unwrap().clone();
+                let own = gradient.values().next().and_then(|own| own.as_f64()).unwrap();
+                // a rule of first order is off by half a step of the ramp
+                assert!((own - exact).abs() < 2.0 / steps.parse::<f64>().unwrap(), "{case}: {own} for {exact}");
+            }
+        }
+    }
+}
+
+/// An angle that a slide holds at zero is round-off, and so are its derivatives by a variable that is zero, which pass as what they are.
+#[test]
+fn derivatives_of_a_functional_that_is_round_off_are_no_difference() {
+    let folder = Folder::new("nothing");
+    let turn = r#"
+        [[functional]]
+        name = "turn"
+        type = "joint_angle"
+        between = ["ground", "b"]
+        axis = [0.4, -0.8, "v - 0.4"]
+        over = { aggregate = "squared_exponential", sharpness = 1, times = "end" }
+    "#;
+    let slide = SLIDE.replace("initial = 0.1", "initial = 0").replace("to = \"v\"", "to = \"0.1 + v\"");
+    for coordinates in ["euler_parameters", "natural"] {
+        let turned = "orientation = { type = \"angle\", axis = [0.2, 0.5, 0.3], angle = 0.7 }";
+        let body = format!("coordinates = \"{coordinates}\", {turned}, inertia");
+        fs::write(folder.0.join("slide.toml"), slide.replace("inertia", &body) + turn).unwrap();
+        for method in ["esdirk4", "dirk3", "bdf2", "newmark"] {
+            let arguments = ["gradient", "slide.toml", "--check", "--no-report", "--json", "--method", method];
+            let output = folder.run(&[&arguments[..], &["--constraint-level", "position"]].concat());
+            assert_eq!(output.status.code(), Some(0), "{coordinates}, {method}: {}", text(&output.stderr));
+        }
+    }
+}
+
+/// The energy of a rotor against a spring goes to and fro: what its steps lose is small beside that, and beside no work at all.
+#[test]
+fn energy_that_is_exchanged_without_work_counts_in_its_balance() {
+    let folder = Folder::new("exchange");
+    let rotor = r#"
+        version = 1
+        settings = { end = 1, steps = 1000 }
+        body = [{ name = "b", angular_velocity = [0, 0, 8], mass = 1, inertia = [1, 1, 1] }]
+        joint = [{ name = "j", type = "revolute", between = ["ground", "b"], axis = [0, 0, 1] }]
+        spring = [{ name = "t", type = "torsion", between = ["ground", "b"], axis = [0, 0, 1], stiffness = 9000 }]
+        functional = [{ name = "rate", type = "joint_rate", between = ["ground", "b"], axis = [0, 0, 1], over = "terminal" }]
+    "#;
+    fs::write(folder.0.join("rotor.toml"), rotor).unwrap();
+    for (method, is_said) in [("esdirk4", false), ("esdirk5", false), ("sdirk4", false), ("bdf1", true), ("bdf2", true)] {
+        let output = folder.run(&["run", "rotor.toml", "--no-report", "--json", "--method", method]);
+        assert_eq!(output.status.code(), Some(0), "{method}: {}", text(&output.stderr));
+        assert_eq!(text(&output.stderr).contains("energy changes by"), is_said, "{method}: {}", text(&output.stderr));
+    }
+}
+
+/// Friction that is stiff at rest, and lets go: the explicit first stage makes the box faster than it is, and the estimate says by how much.
+#[test]
+fn a_force_that_is_stiff_at_rest_alone_is_covered_by_the_estimate() {
+    let folder = Folder::new("friction");
+    let pushed = r#"
+        version = 1
+        settings = { end = 2.0, steps = 200 }
+        point = [{ name = "box", position = [0, 0, 0], mass = 1 }]
+        joint = [{ name = "plane", type = "point_on_line", between = ["ground", "box"], axis = [1, 0, 0] }]
+        element = [{ name = "friction", nodes = { box = "box" }, force = { box = "[-4.905 * tanh(box.velocity.x / 1e-4), 0, 0]" } }]
+        force = [{ name = "push", on = "box", direction = [1, 0, 0], size = 4.95 }]
+        functional = [{ name = "v", type = "velocity", on = "box", direction = [1, 0, 0], over = "terminal" }]
+    "#;
+    fs::write(folder.0.join("box.toml"), pushed).unwrap();
+    let exact = 0.0902685;
+    for method in ["esdirk3", "esdirk4"] {
+        let output = folder.run(&["run", "box.toml", "--no-report", "--json", "--method", method]);
+        let object = json(&output);
+        let share = object["largest_step_error"]["share"].as_f64().unwrap();
+        let v = object["functionals"][0]["value"].as_f64().unwrap();
+        assert!(share >= 0.9 * (v - exact).abs() / v && share < 0.2, "{method}: {share} for {v}");
+        assert!(text(&output.stderr).contains("estimated error"), "{method}: {}", text(&output.stderr));
+    }
+    for tolerance in ["1e-3", "1e-6"] {
+        let output = folder.run(&["run", "box.toml", "--no-report", "--json", "--tolerance", tolerance]);
+        let v = json(&output)["functionals"][0]["value"].as_f64().unwrap();
+        assert!((v - exact).abs() < 1e-5, "{tolerance}: {v}");
+    }
 }
 
 /// Each functional has the limit of its own noise.

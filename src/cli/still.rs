@@ -47,7 +47,7 @@ impl StillOptions {
             let failure = Failure::from(error);
             let message = failure
                 .message
-                .replace("by the method \"static\"", "(--static, or start = \"equilibrium\"), or correct the start");
+                .replace("by the method \"static\"", "by --static, or correct the start");
             located(scene, &self.scene, Failure { message, ..failure })
         };
         work(Prepared::with(scene, &x, method, settings).map_err(named)?, &named)

@@ -151,7 +151,8 @@ impl Search<'_> {
         let parameters = reads.into_iter().filter(|input| !self.times.contains(input)).collect::<Vec<_>>();
         let by = |search: &mut Self, input: usize| {
             let rate = side.number(&search.rates(ends[place].t, &[input])[own.clone()]);
-            (rate != 0.0).then(|| (input, -rate / rates[place]))
+            // what underflows is zero
+            rate.is_normal().then(|| (input, -rate / rates[place]))
         };
         Some(parameters.into_iter().filter_map(|input| by(self, input)).collect())
     }

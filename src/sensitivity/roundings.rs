@@ -4,12 +4,12 @@ use super::{Analysis, Forward};
 use crate::assembly::last_bit;
 use crate::functionals::Values;
 use crate::history::Rerun;
-use crate::integrators::{RunError, SolveRecord, coordinate_scales};
+use crate::integrators::{ConstraintLevel, RunError, SolveRecord, coordinate_scales};
 
 /// Patterns of signs that are tried: in one alone, changes may cancel.
 const PATTERNS: usize = 4;
 
-/// Sizes of the numbers of a run so far, to which they are rounded: coordinates \[m\], velocities, accelerations, and multipliers.
+/// Sizes of the numbers of a run so far, by which they are rounded: coordinates \[m\], velocities, accelerations, and multipliers.
 #[derive(Clone, Default)]
 struct Rounding {
     /// Scales of coordinates, which count those that turn by a length of the model.
@@ -29,6 +29,16 @@ impl Rounding {
         }
     }
 
+    /// Constraints that are kept on coordinates, or on velocities, are rounded as these are, and what follows by the size of the step as that.
+    fn follow(&mut self, level: ConstraintLevel, h: f64) {
+        let [q, v, a, _] = &mut self.sizes;
+        match level {
+            ConstraintLevel::Position => (*v, *a) = (v.max(*q / h), a.max(*q / (h * h))),
+            ConstraintLevel::Velocity => *a = a.max(*v / h),
+            ConstraintLevel::Acceleration => {}
+        }
+    }
+
     fn apply_to(&mut self, SolveRecord { base, unknowns, .. }: &mut SolveRecord<f64>) {
         self.apply(COORDINATES, &mut base.q);
         self.apply(VELOCITIES, &mut base.v);
@@ -44,8 +54,9 @@ const MULTIPLIERS: usize = 3;
 
 impl Analysis<'_> {
     /// By how much functionals change where every number of the states of a run that they read, coordinates, velocities, accelerations and
-    /// multipliers, is moved up or down by the last bit of the largest of its kind, those that turn by a length of the model: the largest
-    /// change of four patterns of signs. No functional of these states is known better than that.
+    /// multipliers, is moved up or down by the last bit of the largest of its kind, or by what the level of the constraints makes of that of
+    /// coordinates; those that turn count by a length of the model. The largest change of four patterns of signs: no functional of these
+    /// states is known better.
     ///
     /// # Errors
     /// Steps that were not kept, or cannot be found again.
@@ -67,6 +78,7 @@ impl Analysis<'_> {
         while let Some(step) = steps.next()? {
             for (values, rounding) in &mut all {
                 let mut step = step.clone();
+                rounding.follow(self.method.constraint_level(), step.h);
                 step.stages.iter_mut().for_each(|stage| rounding.apply_to(&mut stage.solve));
                 rounding.apply(COORDINATES, &mut step.q);
                 rounding.apply(VELOCITIES, &mut step.v);

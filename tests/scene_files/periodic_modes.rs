@@ -34,6 +34,37 @@ fn what_stands_still_has_the_modes_of_its_closed_form() {
     }
 }
 
+/// Beside it, what a damper takes to e^-1000 within the period: derivatives that underflow are zero.
+#[test]
+fn what_fades_to_nothing_within_a_period_is_counted() {
+    let text = r#"
+        version = 1
+        settings = { end = 2, steps = 400, method = "esdirk5" }
+        body = [{ name = "a", mass = 1, inertia = [1, 1, 1] },
+                { name = "b", mass = 1, inertia = [1, 1, 1], position = [0, 1, 0] }]
+        joint = [{ name = "ja", type = "prismatic", between = ["ground", "a"], axis = [1, 0, 0] },
+                 { name = "jb", type = "prismatic", between = ["ground", "b"], axis = [1, 0, 0] }]
+        [[spring]]
+        name = "sa"
+        type = "slide"
+        between = ["ground", "a"]
+        axis = [1, 0, 0]
+        stiffness = 1e6
+        damping = 1000
+        [[spring]]
+        name = "sb"
+        type = "slide"
+        between = ["ground", "b"]
+        axis = [1, 0, 0]
+        stiffness = 5
+        damping = 0.1
+    "#;
+    let PeriodicModes { modes, faded, .. } = periodic(&parsed(text), 5).unwrap();
+    let [Mode { growth, frequency, .. }] = modes[..] else { panic!("{modes:?}") };
+    assert_eq!(faded, 2);
+    assert!((growth + 0.05).abs() < 1e-8 && (frequency - (5.0_f64 - 0.0025).sqrt()).abs() < 1e-8, "{growth} {frequency}");
+}
+
 #[test]
 fn a_motion_that_does_not_return_is_refused_with_the_coordinate() {
     let text = STILL.replace(r#"name = "mass", "#, r#"name = "mass", velocity = [1, 0, 0], "#);
