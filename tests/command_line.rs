@@ -322,7 +322,7 @@ fn histories_have_what_springs_elements_and_states_tell_and_warn_of_tables_that_
     );
     let output = folder.run(&["run", "held.toml", "--out", "few", "--end", "0.01", "--steps", "2", "--json"]);
     assert_eq!(json(&output)["scene"], "held");
-    fs::write(folder.0.join("few.toml"), format!("[output]\nhistories = [\"spring\", \"control\"]\n{scene}")).unwrap();
+    fs::write(folder.0.join("few.toml"), format!("{scene}\n[output]\nhistories = [\"spring\", \"control\"]\n")).unwrap();
     folder.run(&["run", "few.toml", "--out", "few"]);
     assert_eq!(csv(&folder.0.join("few/histories.csv")).0.len(), 1 + 3 + 4);
 }
@@ -1013,7 +1013,7 @@ at_most = 1.0
     let run = folder.run(&["run", "stone.toml", "--no-report", "--json"]);
     let height = &json(&run)["functionals"][0];
     assert!((height["largest"]["value"].as_f64().unwrap() - 0.45).abs() < 1e-4, "{height}");
-    assert!(text(&run.stdout).contains("aggregate  largest"), "{}", text(&run.stdout));
+    assert!(text(&run.stdout).contains("true largest"), "{}", text(&run.stdout));
 }
 
 #[cfg(unix)]
@@ -1094,7 +1094,8 @@ fn a_gradient_behind_a_jump_is_told_and_its_check_does_not_pass() {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(
-        said.contains("the formula of \"clock\" jumps there") && said.contains("gradient of rate is behind a jump"),
+        said.contains("the formula of \"clock\" jumps within the step")
+            && said.contains("the gradient of \"rate\" is wrong"),
         "{said}"
     );
     let crossing = json(&output)["crossings"][0].clone();

@@ -45,9 +45,7 @@ impl StillOptions {
         let method = Prepared::method_of(&settings)?;
         let named = |error| {
             let failure = Failure::from(error);
-            let message = failure
-                .message
-                .replace("by the method \"static\"", "by --static, or correct the start");
+            let message = failure.message.replace("by the method \"static\"", "by --static, or correct the start");
             located(scene, &self.scene, Failure { message, ..failure })
         };
         work(Prepared::with(scene, &x, method, settings).map_err(named)?, &named)

@@ -3,7 +3,7 @@
 use super::record::{StartRecord, StepRecord};
 use crate::assembly::{Model, NodeId, VectorsAvq};
 use crate::design::shortest;
-use crate::program::{Formula, ProgramWork, Reads, SwitchKind, Switches, between};
+use crate::program::{Formula, PassBuffers, ProgramWork, Reads, SwitchKind, Switches, between};
 use std::collections::HashMap;
 use std::fmt;
 use std::ops::Range;
@@ -117,6 +117,7 @@ pub struct SwitchWatch {
     inputs: Vec<f64>,
     numbers: Vec<f64>,
     work: ProgramWork<f64>,
+    buffers: PassBuffers,
     step: usize,
     /// Where the last step ended, before the breakpoint that may be there \[s\].
     end: f64,
@@ -200,7 +201,7 @@ impl SwitchWatch {
 
     /// Compares the state with that at the start of the step; the end of one of size `h` is the start of the next one.
     fn compare(&mut self, p: &[f64], t: f64, h: Option<f64>) {
-        let SwitchWatch { parts, seen, inputs, numbers, work, step, crossings, .. } = self;
+        let SwitchWatch { parts, seen, inputs, numbers, work, buffers, step, crossings, .. } = self;
         for part in parts {
             inputs.resize(part.places.len(), 0.0);
             // within a step only what tells the sides
@@ -215,7 +216,7 @@ impl SwitchWatch {
             }
             if let Some(h) = h {
                 let ends = [[&part.inputs[..], inputs], [&part.numbers, numbers]];
-                if let Some([enters, leaves]) = part.switches.passed_over(ends[0], ends[1]) {
+                if let Some([enters, leaves]) = part.switches.passed_over(ends[0], ends[1], buffers) {
                     let middle: Vec<f64> = between(&part.inputs, inputs, 0.5 * (enters + leaves)).collect();
                     note(part, &middle, (*step, t), Some((leaves - enters) * h), crossings);
                 }

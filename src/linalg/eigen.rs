@@ -294,7 +294,7 @@ mod tests {
 
     #[test]
     fn the_least_singular_value_is_that_of_a_decomposition() {
-        let entry = |i: usize, j: usize| Complex64::from_polar(1.0 + (i * j) as f64, (3 * i + j * j) as f64);
+        let entry = |i: usize, j: usize| Complex64::from_polar(1.0 + (i * j) as f64, (3 * i + i * j * j) as f64);
         for size in [1, 2, 5, 12] {
             let matrix = DMatrix::from_fn(size, size, entry);
             let expected = matrix.clone().svd(false, false).singular_values.min();

@@ -42,6 +42,6 @@ pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_
 pub use refused::refuses_machine_code;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
 pub use switch_times::SwitchTime;
-pub use switches::{Reads, SwitchKind, Switches, between};
+pub use switches::{PassBuffers, Reads, SwitchKind, Switches, between};
 #[cfg(feature = "cli")]
 pub(crate) use table_arguments::TableRange;

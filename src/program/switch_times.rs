@@ -221,10 +221,12 @@ mod tests {
         for (name, law, expected) in laws() {
             let kinds = [(ArgumentKind::Coordinate, 1), (ArgumentKind::Parameter, 1), (ArgumentKind::Time, 1)];
             let formula = Formula::record(kinds, |x| vec![law(x[2], x[1]) + x[0]]).expect("does not branch");
-            let found = match formula.switches(Reads::TimeAlone, true) {
+            let mut found = match formula.switches(Reads::TimeAlone, true) {
                 Some(switches) => switches.times(&[0.0, 0.3, 0.0], &[2], [0.0, 1.0]).expect("few"),
                 None => Vec::new(),
             };
+            // "less" and "not more" change sides a rounding apart
+            found.dedup_by(|one, other| (one.t - other.t).abs() <= f64::EPSILON);
             assert_eq!(found.len(), expected.len(), "{name}: {found:?}");
             for (own, (t, rate)) in found.iter().zip(expected) {
                 assert!((own.t - t).abs() < 1e-14, "{name}: {} for {t}", own.t);

@@ -46,6 +46,14 @@ pub struct Switches {
     course: Arc<Program>,
 }
 
+/// Room for what [`Switches::passed_over`] computes at every step.
+#[derive(Default)]
+pub struct PassBuffers {
+    inputs: Vec<f64>,
+    rates: [Vec<f64>; 2],
+    work: ProgramWork<f64>,
+}
+
 /// How results change where a switch changes sides, the mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SwitchKind {
@@ -433,48 +441,65 @@ impl Switches {
 
     /// Shares of the straight way between two lists of arguments between which a switch is on another side that is on the same one at both ends:
     /// where its number turns back in between, or where another switch changes sides.
-    pub fn passed_over(&self, [from, to]: [&[f64]; 2], [before, after]: [&[f64]; 2]) -> Option<[f64; 2]> {
-        let direction: Vec<f64> = from.iter().zip(to).map(|(from, to)| to - from).collect();
-        let mut work = ProgramWork::default();
-        let rates = [from, to].map(|inputs| self.rates(inputs, &direction, &mut work));
-        let mut way = Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work };
-        let turns: Vec<f64> = self
-            .sides()
-            .filter_map(|(side, first)| {
-                let own = first..first + side.count();
-                if side.changes(&before[own.clone()], &after[own.clone()]) {
-                    let place = way.place(side, first, [&before[own.clone()], &after[own]], ROUGHLY);
-                    return place.map(|(low, _)| low);
-                }
-                let [start, end] = [0, 1].map(|place| side.number(&rates[place][own.clone()]));
-                let number = side.number(&before[own.clone()]);
-                // of a parabola
-                let turn = start / (start - end);
-                let [there, beyond] = [0.5 * start * turn, start].map(|change| [number + change, 0.0]);
-                let excess = |own: &[f64]| side.excess(&before[first..first + side.count()], own, &beyond);
-                let comes_near = excess(&there)? > 0.5 * excess(&[number, 0.0])?;
-                (start * end < 0.0 && comes_near).then_some(turn)
-            })
-            .collect();
-        turns.into_iter().find_map(|turn| {
-            let numbers = way.numbers_at(turn).to_vec();
-            let (side, first) = self.changing(before, &numbers).find(|(side, first)| {
-                let own = *first..first + side.count();
-                !side.changes(&before[own.clone()], &after[own])
-            })?;
+    pub fn passed_over(
+        &self,
+        [from, to]: [&[f64]; 2],
+        [before, after]: [&[f64]; 2],
+        buffers: &mut PassBuffers,
+    ) -> Option<[f64; 2]> {
+        let PassBuffers { inputs, rates, work } = buffers;
+        for (place, end) in [from, to].into_iter().enumerate() {
+            inputs.clear();
+            inputs.extend_from_slice(end);
+            inputs.extend(from.iter().zip(to).map(|(from, to)| to - from));
+            rates[place].resize(self.rates.outputs(), 0.0);
+            self.rates.run(inputs, &mut rates[place], work);
+        }
+        let has_changed = |side: &Side, first: usize| {
             let own = first..first + side.count();
-            let ends = [[from, &way.inputs.clone()], [&way.inputs.clone(), to]];
-            let numbers_at_ends = [[before, &numbers], [&numbers, after]];
-            let place = |part: usize| {
-                let [from, to] = ends[part];
-                let mut way =
-                    Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work: ProgramWork::default() };
-                let numbers = numbers_at_ends[part].map(|numbers| &numbers[own.clone()]);
-                way.place(side, first, numbers, ROUGHLY).map(|(low, _)| low)
+            side.changes(&before[own.clone()], &after[own])
+        };
+        for (side, first) in self.sides() {
+            let own = first..first + side.count();
+            let [start, end] = [0, 1].map(|place| side.number(&rates[place][own.clone()]));
+            let number = side.number(&before[own.clone()]);
+            // of a parabola
+            let turn = start / (start - end);
+            let [there, beyond] = [0.5 * start * turn, start].map(|change| [number + change, 0.0]);
+            let excess = |numbers: &[f64]| side.excess(&before[own.clone()], numbers, &beyond);
+            let turn = match has_changed(side, first) {
+                true => self.way(from, to).place(side, first, [&before[own.clone()], &after[own]], ROUGHLY).map(|own| own.0),
+                // it comes half as near again to the end of its side
+                false if start * end < 0.0 && excess(&there)? > 0.5 * excess(&[number, 0.0])? => Some(turn),
+                false => None,
             };
-            let [enters, leaves] = [place(0)?, place(1)?];
-            Some([enters * turn, turn + leaves * (1.0 - turn)])
-        })
+            if let Some(found) = turn.and_then(|turn| self.passed_at(turn, [from, to], [before, after], has_changed)) {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// Where a switch is on another side about a share of the way, if it is there.
+    fn passed_at(
+        &self,
+        turn: f64,
+        [from, to]: [&[f64]; 2],
+        [before, after]: [&[f64]; 2],
+        has_changed: impl Fn(&Side, usize) -> bool,
+    ) -> Option<[f64; 2]> {
+        let mut way = self.way(from, to);
+        let numbers = way.numbers_at(turn).to_vec();
+        let (side, first) = self.changing(before, &numbers).find(|(side, first)| !has_changed(side, *first))?;
+        let own = first..first + side.count();
+        let [before, turned, after] = [before, &numbers, after].map(|numbers| &numbers[own.clone()]);
+        let enters = self.way(from, &way.inputs).place(side, first, [before, turned], ROUGHLY)?.0;
+        let leaves = self.way(&way.inputs, to).place(side, first, [turned, after], ROUGHLY)?.0;
+        Some([enters * turn, turn + leaves * (1.0 - turn)])
+    }
+
+    fn way<'w>(&'w self, from: &'w [f64], to: &'w [f64]) -> Way<'w> {
+        Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work: ProgramWork::default() }
     }
 
     /// How the results change where switches change sides on the straight way between two lists of arguments: the worst, if it is worse than what

@@ -519,8 +519,10 @@ fn a_smooth_start_begins_at_rest_and_ends_half_its_duration_late() {
     for switch in [0.05, 0.3, 0.9] {
         let step = of(TimeFunction::Step { switch });
         let p = [0.8, -0.6, 0.8];
-        let breakpoint = step.breakpoints(&p, [0.0, 2.0]).expect("few")[0];
-        assert_eq!([breakpoint.next_down(), breakpoint].map(|t| step.value(t, &p)), [0.8, -0.6], "{switch}");
+        let sides = |t: f64| [t.next_down(), t].map(|t| step.value(t, &p));
+        let mut breakpoints = step.breakpoints(&p, [0.0, 2.0]).expect("few");
+        breakpoints.retain(|&breakpoint| sides(breakpoint)[0] != sides(breakpoint)[1]);
+        assert_eq!(breakpoints.iter().map(|&breakpoint| sides(breakpoint)).collect::<Vec<_>>(), [[0.8, -0.6]], "{switch}");
     }
 }
 
@@ -560,7 +562,8 @@ fn stresses_that_histories_tell_do_the_work_of_springs_and_dampers() {
     let mut telling = 0;
     for case in cases() {
         let (outputs, count) = (case.physics.outputs(), case.element.strain_count());
-        let is_spring = [" spring", " damper", " by a law"].iter().any(|kind| case.name.contains(kind));
+        let is_spring = [" spring", " damper", " by a law"].iter().any(|kind| case.name.contains(kind))
+            && !case.name.contains("internal");
         assert_eq!(!outputs.is_empty(), count > 0 && (is_spring || case.name.contains(" drive")), "{}", case.name);
         // strains of drives change while nothing moves
         if outputs.is_empty() || case.name.contains(" drive") {
