@@ -263,20 +263,29 @@ fn joints_that_slide_follow_and_start_at_their_offset() {
     }
 }
 
-/// A link without inertia at the end of a free joint is written and refused by name.
+/// A finger without inertia and one that follows it stay where they are; what no joint holds is written and refused by name.
 #[test]
-fn what_cannot_start_is_said_by_import() {
-    let folder = Folder::new("no-start");
-    let arm = joint("revolute", ["base", "arm"], 0.0, "");
-    folder.write("r.urdf", &format!("<robot name=\"r\">{}{}{arm}</robot>", link("base", ""), link("arm", "")));
-    let output = folder.run(&["import", "r.urdf"]);
+fn joints_that_move_nothing_are_held_and_what_cannot_start_is_refused() {
+    let folder = Folder::new("nothing");
+    let parts = [
+        link("base", ""),
+        link("arm", &inertial(0.2, 1.0, [0.1; 3])),
+        ["finger", "other"].map(|name| link(name, "")).concat(),
+        joint("revolute", ["base", "arm"], 0.0, ""),
+        joint("revolute", ["arm", "finger"], 0.3, ""),
+        joint("prismatic", ["arm", "other"], 0.3, "<mimic joint=\"to finger\" multiplier=\"0.1\"/>"),
+    ];
+    let (told, text) = imported(&folder, &parts, &[]);
+    assert!(told.contains("so that no equation says how they move: \"to finger\"\n"), "{told}");
+    let alpha = acceleration(&text, ["arm", "finger"]);
+    assert!(alpha.abs() < 1e-12 && acceleration(&text, ["base", "arm"]) > 1.0, "{alpha}");
+    let loose = joint("floating", ["base", "arm"], 0.0, "");
+    folder.write("loose.urdf", &format!("<robot name=\"r\">{}{}{loose}</robot>", link("base", ""), link("arm", "")));
+    let output = folder.run(&["import", "loose.urdf"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(
-        said(&output).contains("was written, but it cannot start as it is") && said(&output).contains("\"arm\""),
-        "{}",
-        said(&output)
-    );
-    assert!(folder.0.join("r.toml").exists());
+    let words = ["was written, but it cannot start as it is", "\"arm\""];
+    assert!(words.iter().all(|words| said(&output).contains(words)), "{}", said(&output));
+    assert!(folder.0.join("loose.toml").exists());
 }
 
 #[test]

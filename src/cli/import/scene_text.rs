@@ -3,6 +3,7 @@
 use super::robot::{Joint, Looks, Pose, Robot};
 use super::welded::{BodyInertia, WeldedBody};
 use crate::design::shortest;
+use crate::elements::bodies::inertia_tensor;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
 use crate::scenes::file::is_free_name;
 use crate::scenes::folder_name;
@@ -141,6 +142,11 @@ impl Writer<'_> {
             format!("\n[[body]]\nname = {name}\nposition = {}{}\n", vector(pose.place), orientation("\n", pose.turn));
         let (inertia, given) = self.bodies[place].admissible_inertia();
         if let Some(BodyInertia { mass, centre, tensor }) = inertia {
+            let round_off = inertia_tensor::round_off(mass, centre, tensor);
+            if mass > 0.0 && tensor.iter().all(|entry| entry.abs() <= round_off) {
+                self.notes
+                    .add("the inertia about the mass centre is zero, as of a point of mass, of bodies", &self.names[place]);
+            }
             let (centre, tensor) = (vector(centre), list(&tensor));
             text += &format!("mass = {}\nmass_centre = {centre}\ninertia = {tensor}\n", shortest(mass));
             if let Some((links, given)) = given {
