@@ -187,7 +187,7 @@ fn links_welded_together_are_one_body_and_their_frames_are_places() {
         joint("fixed", ["link.2", "3"], 0.25, ""),
     ];
     let (told, text) = imported(&folder, &parts, &[]);
-    assert!(told.contains("its body is: \"ground_link\"") && told.contains("2 nodes"), "{told}");
+    assert!(told.contains("its body is: \"ground_link\"") && told.contains("3 nodes"), "{told}");
     for line in ["link_2 = [0.5, 0, 0] # \"link.2\", on \"ground_link\"", "_3 = [0.75, 0, 0] # \"3\", on \"ground_link\""] {
         assert!(text.contains(line), "{text}");
     }

@@ -9,7 +9,7 @@ const CONTRACTS: [(&str, &str, &str); 9] = [
     (
         "elements/element.rs",
         "Element",
-        "nodes parameters residual kinetic potential strain_energy add_force strain_count strains stored damping dissipation mass in_stages",
+        "nodes parameters residual kinetic potential strain_energy add_force strain_count strains stored damping dissipation mass outputs write_outputs in_stages",
     ),
     (
         "elements/field.rs",
@@ -43,7 +43,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 48] = [
+const OTHERS: [(&str, &str, &str); 50] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -58,7 +58,9 @@ const OTHERS: [(&str, &str, &str); 48] = [
     ("elements/flexible/small_strain_cable.rs", "second_derivative", "d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/cable.rs", "derivatives", "dr/dx and d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/hermite.rs", "derivative_rows", "of shape functions, as tables of numbers"),
+    ("program/switch_times.rs", "gradient", "of what was recorded"),
     ("sensitivity/breakpoints.rs", "add_transposed", "of what was recorded"),
+    ("sensitivity/switched.rs", "gradient_by_halved_steps", "an adjoint of another run"),
     ("assembly/element_programs.rs", "gradient", "makes the program of the recording"),
     ("assembly/jacobian.rs", "reduce_adjoint set_adjoints", "adjoint variables along the reduced unknowns and back"),
     ("linalg/mod.rs", "solve_transposed", "J^T x = b"),
@@ -102,7 +104,7 @@ const OTHERS: [(&str, &str, &str); 48] = [
     ("scenes/run.rs", "gradient", "begins a sweep"),
     ("optimize/design_program.rs", "gradient gradients gradients_of", "those of runs, and of recorded combinations of them"),
     ("assembly/resting.rs", "add_gradient", "adds up what copies of parameters got"),
-    ("elements/turning.rs", "turn_gradient", "of a recording"),
+    ("elements/at_rest.rs", "turn_gradient", "of a recording"),
     ("optimize/evaluations.rs", "gradients", "those of a program, kept"),
     ("optimize/program.rs", "gradients", "the contract of a program to be optimized"),
     ("optimize/scaling.rs", "gradient", "in scaled variables"),

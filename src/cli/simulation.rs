@@ -217,9 +217,9 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
         None => format!("--steps above {}", prepared.grid.steps()),
     };
     let chosen = if prepared.method.table.embedded.is_some() { "" } else { " with another method" };
-    let stiff = ", or for stiff forces the method sdirk4";
-    let message =
-        if prepared.method.table.name == "sdirk4" { failure.message.replace(stiff, "") } else { failure.message.clone() };
+    // what is used already is no remedy
+    let own = format!(", or for stiff forces the method {}", prepared.method.table.name);
+    let message = failure.message.replace(&own, "");
     let message = message.replace("a smaller step", &format!("a smaller step ({option})"));
     let message =
         message.replace("steps chosen by their error", &format!("steps chosen by their error (--tolerance 1e-6{chosen})"));

@@ -30,7 +30,8 @@ impl Switches {
         let mut search = Search { switches: self, inputs, times, work, found: Vec::new() };
         let mut before = search.at(start);
         for sample in 1..=SAMPLES {
-            let after = search.at(start + (end - start) * (sample as f64 / SAMPLES as f64));
+            let after =
+                search.at(if sample == SAMPLES { end } else { start + (end - start) * (sample as f64 / SAMPLES as f64) });
             search.between(&before, &after)?;
             before = after;
         }

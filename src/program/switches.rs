@@ -77,6 +77,8 @@ const BY_NUMBERS: usize = 24;
 const BY_HALVES: usize = 60;
 /// Width of a place, as a share of a step, at which what is smooth does not look like a jump: see [`JUMP`].
 const ROUGHLY: f64 = 1e-9;
+/// Parts of a run at whose ends the sizes of functions of time are looked at.
+const TIMES: u32 = 16;
 /// Share of a step within which round-off of the numbers hides their zero, at first.
 const HIDDEN: f64 = 4.0 * f64::EPSILON;
 
@@ -532,16 +534,27 @@ impl Switches {
         worst.filter(|_| worst > known)
     }
 
-    /// How the results change at a time `t`, for arguments of which those at the places `times` are the time.
-    pub fn kind_at_time(&self, inputs: &[f64], times: &[usize], t: f64) -> Option<SwitchKind> {
-        let [before, after] = [t.next_down(), t].map(|t| {
+    /// How the results change at a time `t` of a run, beside what they are and change by from its start to its `end`, for arguments of which those
+    /// at the places `times` are the time.
+    pub fn kind_at_time(&self, inputs: &[f64], times: &[usize], (t, end): (f64, f64)) -> Option<SwitchKind> {
+        let at = |t: f64| {
             let mut inputs = inputs.to_vec();
             times.iter().for_each(|&place| inputs[place] = t);
             inputs
-        });
+        };
+        let [before, after] = [t.next_down(), t].map(at);
         let mut direction = vec![0.0; inputs.len()];
         times.iter().for_each(|&place| direction[place] = 1.0);
-        let change = self.change_from([&before, &after], &direction);
+        let mut change = self.change_from([&before, &after], &direction);
+        // where a motion begins smoothly both are nothing
+        for place in 0..=TIMES {
+            let inputs = at(end * f64::from(place) / f64::from(TIMES));
+            let Change { value_size, slope_size, .. } = self.change_from([&inputs, &inputs], &direction);
+            if value_size.is_finite() && slope_size.is_finite() {
+                change.value_size = change.value_size.max(value_size);
+                change.slope_size = change.slope_size.max(slope_size);
+            }
+        }
         change.kind(None, || self.terms(&before))
     }
 

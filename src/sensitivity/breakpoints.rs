@@ -38,7 +38,7 @@ impl Breakpoints {
         let (switches, known) = (HashMap::new(), HashMap::new());
         let mut search = Search { numbers, end, switches, known, found: Vec::new(), failed: None };
         each_formula(model, |name, is_constraint, formula, places| search.add((name, is_constraint), formula, places));
-        for functional in functionals {
+        for functional in functionals.iter().filter(|own| own.refused(model).is_none()) {
             functional.each_formula(model, |formula, _, places| search.add((&functional.name, false), formula, places));
         }
         search.failed.map_or(Ok(Breakpoints(search.found)), Err)
@@ -119,7 +119,7 @@ impl Search<'_> {
         };
         self.found.extend(self.known[&key].iter().map(|SwitchTime { t, gradient }| Breakpoint {
             at: SwitchTime { t: *t, gradient: gradient.iter().filter_map(place_of).collect() },
-            kind: switches.kind_at_time(&inputs, &of_time, *t),
+            kind: switches.kind_at_time(&inputs, &of_time, (*t, self.end)),
             part: name.into(),
             is_constraint,
         }));

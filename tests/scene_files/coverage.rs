@@ -146,11 +146,10 @@ fn gradients_of_everything_that_a_file_can_say_are_those_of_a_complex_step() {
         let forward = analysis.forward(&prepared.x).unwrap_or_else(|why| panic!("{name}: {why}"));
         let adjoint = analysis.adjoint(&prepared.x, &forward).unwrap();
         let reference = analysis.complex_step(&prepared.x, &forward).unwrap();
-        let limits = prepared.gradient_limits(1e-10).unwrap();
         let mut moved = vec![false; prepared.x.len()];
         for (k, functional) in prepared.functionals().iter().enumerate() {
             let difference = largest_difference(&reference.rows[k], &adjoint.rows[k]);
-            assert!(difference <= limits[k], "{name}, {}: {difference:.1e}, limit {:.1e}", functional.name, limits[k]);
+            assert!(difference <= 1e-10, "{name}, {}: {difference:.1e}", functional.name);
             moved.iter_mut().zip(&adjoint.rows[k]).for_each(|(moved, own)| *moved |= *own != 0.0);
         }
         // no variable is lost on the way

@@ -194,16 +194,14 @@ fn cables_and_shells_hang_down_from_their_hinges() {
         let own = forward.values[prepared.functional(tip).unwrap()];
         assert!((own - height).abs() < 3e-3 && own < height, "{name}: {own}");
         // of what is zero by symmetry the derivatives are, too, but for round-off
-        let limits = match name {
-            "flexible-pendulum" => prepared.gradient_limits(1e-12).unwrap(),
-            _ => vec![1e-12; prepared.functionals().len()],
-        };
+        let is_zero = |k: usize| forward.values[k].abs() < 1e-12;
         let analysis = prepared.analysis();
         let rows = [analysis.adjoint(&prepared.x, &forward), analysis.complex_step(&prepared.x, &forward)]
             .map(|own| own.unwrap().rows);
-        for (k, limit) in limits.into_iter().enumerate().filter(|(_, limit)| *limit < 1e-6) {
+        for k in 0..forward.values.len() {
             let apart = largest_difference(&rows[1][k], &rows[0][k]);
-            assert!(apart <= limit, "{name}, {k}: {apart:e} above {limit:e}");
+            let largest = rows.iter().flat_map(|own| &own[k]).fold(0.0, |size: f64, own| size.max(own.abs()));
+            assert!(apart <= 1e-12 || is_zero(k) && largest < 1e-9, "{name}, {k}: {apart:e}, {largest:e}");
         }
     }
 }

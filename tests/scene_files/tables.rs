@@ -360,7 +360,7 @@ fn what_is_wrong_with_a_named_table_is_told() {
         ("points = [0, 1]\nvalues = [0]", "f(w)", "there are 2 points, but 1 values"),
         ("points = [1, 0]\nvalues = [0, 1]", "f(w)", "must increase"),
         ("values = [1, 2]", "f(w)", "there are 0 points, but 2 values"),
-        ("points = [0, 1]\nvalues = [0, \"f(1)\"]", "f(w)", "leads back to itself"),
+        ("points = [0, 1]\nvalues = [0, \"f(1)\"]", "w", "leads back to itself"),
         ("points = [0, 1]\nvalues = [0, 1]\ninterpolation = \"steps\"\nextrapolation = \"linear\"", "f(w)", "stay constant"),
         ("points = [0, 1]\nvalues = [0, 1]\nextrapolation = \"none\"", "f(w)", "constant"),
         (sound, "f", "is a table: f(x) is its value at x"),

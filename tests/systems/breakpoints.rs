@@ -315,7 +315,7 @@ fn jumps_and_bends_of_time_are_found_and_move_with_the_design() {
                 "version = 1\nvariable.tau = {{ initial = 0.437, bounds = [0, 1], unit = \"s\" }}\n\
                  settings = {{ end = 1, steps = 100 }}\n[[point]]\nname = \"p\"\nposition = [0, 0, 0]\nmass = 1\n{}\
                  [[functional]]\nname = \"speed\"\n{measured}",
-                text.replace("LAW", law).replace('U', "t - tau")
+                text.replace("LAW", law).replace('U', "(t - tau)")
             );
             let what = format!("{law}, place {place}");
             let scene = FileScene::parse("jumps.toml", &scene).unwrap_or_else(|why| panic!("{what}: {why}"));

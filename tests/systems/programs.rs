@@ -14,14 +14,6 @@ impl TimeFormula for Chirp {
     }
 }
 
-/// |t - 0.5|, which turns round at a breakpoint.
-struct Corner;
-impl TimeFormula for Corner {
-    fn value<S: Scalar>(&self, t: S, _p: &[S]) -> S {
-        (t - 0.5).abs()
-    }
-}
-
 /// Whose curvature alone jumps at a breakpoint: (t - 0.5)^2 from there on.
 struct Start;
 impl TimeFormula for Start {
@@ -227,13 +219,6 @@ fn wrong_loads_and_functions_are_told_by_name() {
         interpolant: Interpolant::Monotone,
     };
     let torque = |on, size| Torque { on, axis: Vector3::z(), frame: LoadFrame::World, size };
-    let drive = |signal: Signal<f64>| {
-        mistake(|m, [ground, body, _]| {
-            m.revolute("hinge", [ground, body], Vector3::zeros(), Vector3::z());
-            m.prescribed_rotation("drive", [ground, body], Vector3::z(), signal);
-            Ok(())
-        })
-    };
     let of_body = |size: Signal<f64>| {
         mistake(|m, [_, body, _]| {
             m.torque("push", torque(body, size));
@@ -254,10 +239,6 @@ fn wrong_loads_and_functions_are_told_by_name() {
         (
             mistake(|_, _| Signal::<f64>::own(Branching, &[]).map(drop)),
             "a function of time: its formula looks at the value of a number",
-        ),
-        (
-            drive(Signal::own(Corner, &[]).expect("sound")),
-            "the motion that \"drive\" prescribes or its rate would jump at t = 0.5 s; give it a smooth ramp or a table",
         ),
     ];
     for (message, expected) in cases {

@@ -251,7 +251,9 @@ fn equal_steps_say_what_error_chosen_ones_would_have_been_held_to() {
             let prepared = Prepared { grid, ..self::prepared(&scene, table, Scene::settings(&scene)).expect("sound") };
             error(&prepared.analysis().forward(&prepared.x).expect("runs")).share
         });
-        let order = f64::from(named(table).embedded.expect("has one").order as u32) + 1.0;
+        // the first step of one with an explicit stage is estimated without it, to third order at most
+        let embedded = f64::from(named(table).embedded.expect("has one").order as u32);
+        let order = if table.starts_with('e') { embedded.min(3.0) } else { embedded } + 1.0;
         let observed = (whole / halved).log2();
         assert!((observed - order).abs() < 0.1, "{table}: {observed} for {order}");
     }

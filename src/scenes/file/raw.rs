@@ -407,6 +407,7 @@ fn filled(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<Filled, String> 
         let is_all = text.len() == inside.len() + 2;
         let touches = name.ends_with(belongs) || behind.starts_with(|next| belongs(next) || "{(".contains(next));
         let is_word = own.chars().all(belongs);
+        let is_operator = own.chars().all(|letter| "+-*/^ ".contains(letter));
         let token = name.trim_end_matches(belongs).len();
         let continues_a_name = is_word && name[token..].chars().chain(own.chars()).next().is_some_and(starts_name);
         match touches {
@@ -418,7 +419,7 @@ fn filled(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<Filled, String> 
                     )
                 });
             }
-            false if !(is_word || is_all) => formula.push_str(&format!("({own})")),
+            false if !(is_word || is_all || is_operator) => formula.push_str(&format!("({own})")),
             _ => formula.push_str(&own),
         }
         name.push_str(&own);
