@@ -4,10 +4,10 @@
 
 Without folders or files the packages are fetched by pip into ``target/robots``, and the script runs itself there. Of
 each URDF that Pinocchio can read: import, check and a short run, held at its root and free; masses, mass centres and
-tensors of all bodies; accelerations from rest; and, all joints driven to drawn positions, the place of every link and its
-derivatives by all joints. Pinocchio takes the tensors that the import says it had to change, and its joints follow those
-they mimic. Accelerations are compared where two algorithms of Pinocchio agree on them; what is undetermined is refused
-here by name.
+tensors of all bodies; accelerations from rest; and, all joints driven to drawn positions, the place of every link and
+its derivatives by all joints. Pinocchio takes the tensors that the import says it had to change, and its joints follow
+those they mimic. Accelerations are compared where two algorithms of Pinocchio agree on them; what is undetermined is
+refused here by name.
 """
 
 import argparse
@@ -194,7 +194,9 @@ class Robot:
         for link, on in self.points().items():
             frame, direction = self.frame(link), draw.normal(size=3)
             jacobian = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-            expected[link] = direction @ data.oMf[frame].translation, direction @ jacobian[:3] @ self.map
+            # of one joint it has one column, and comes as a list
+            slopes = direction @ np.reshape(jacobian, (6, -1))[:3] @ self.map
+            expected[link] = direction @ data.oMf[frame].translation, slopes
             position = {"name": link, "type": "position", "over": "terminal", **on}
             functionals.append({**position, "direction": direction.tolist()})
         scene = self.extended(*variables, driver=drivers, functional=functionals)
