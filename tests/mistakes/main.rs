@@ -203,7 +203,7 @@ fn without_a_mistake_the_scene_runs() {
 
 #[test]
 fn a_negative_mass_is_named_with_its_value_and_range() {
-    assert_says(&refused(Mistake::NegativeMass), &["\"rod\"", "mass is -2 kg", "at least 0"]);
+    assert_says(&refused(Mistake::NegativeMass), &["\"rod\"", "mass is -2 kg", "0 or greater"]);
 }
 
 #[test]
