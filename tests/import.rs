@@ -172,7 +172,7 @@ fn acceleration(text: &str, [parent, child]: [&str; 2]) -> f64 {
     prepared.analysis().forward(&[]).unwrap().values[0] / h
 }
 
-/// Three links in a row, welded, swing about the hinge of the first as one body: I alpha = g sum of m x with I = sum of J + m x^2.
+/// Three links in a row, welded, swing about the hinge of the first as one body: I alpha = g sum of m x, I = sum of J + m x^2.
 #[test]
 fn links_welded_together_are_one_body_and_their_frames_are_places() {
     let folder = Folder::new("welded");
@@ -203,7 +203,7 @@ fn links_welded_together_are_one_body_and_their_frames_are_places() {
     assert!((values[0] - 0.75).abs() < 1e-15, "{values:?}");
 }
 
-/// What no body has becomes the nearest that one has, is said, and swings so; round-off beside m c^2 and tensors without mass stay.
+/// What no body has becomes the nearest that one has, and is said; round-off beside m c^2 and tensors without mass stay.
 #[test]
 fn placeholders_become_admissible_and_inertia_without_mass_stays() {
     let folder = Folder::new("placeholders");
@@ -263,7 +263,7 @@ fn joints_that_slide_follow_and_start_at_their_offset() {
     }
 }
 
-/// A finger without inertia and one that follows it stay where they are; what no joint holds is written and refused by name.
+/// A finger without inertia and one that follows it stay where they are; what no joint holds is written, and refused by name.
 #[test]
 fn joints_that_move_nothing_are_held_and_what_cannot_start_is_refused() {
     let folder = Folder::new("nothing");
@@ -278,7 +278,7 @@ fn joints_that_move_nothing_are_held_and_what_cannot_start_is_refused() {
     let (told, text) = imported(&folder, &parts, &[]);
     assert!(told.contains("so that no equation says how they move: \"to finger\"\n"), "{told}");
     let alpha = acceleration(&text, ["arm", "finger"]);
-    assert!(alpha.abs() < 1e-12 && acceleration(&text, ["base", "arm"]) > 1.0, "{alpha}");
+    assert!(alpha.abs() < 1e-9 && acceleration(&text, ["base", "arm"]) > 1.0, "{alpha}");
     let loose = joint("floating", ["base", "arm"], 0.0, "");
     folder.write("loose.urdf", &format!("<robot name=\"r\">{}{}{loose}</robot>", link("base", ""), link("arm", "")));
     let output = folder.run(&["import", "loose.urdf"]);

@@ -47,7 +47,7 @@ impl BodyInertia {
 impl WeldedBody<'_> {
     /// Inertia of all its links; none where none of them has mass or a tensor. A negative mass counts for nothing.
     ///
-    /// c = sum of m_i c_i / m and J = sum of J_i + m_i (|d_i|^2 1 - d_i d_i^T) with d_i = c_i - c: the parallel-axis theorem.
+    /// c = sum of m_i c_i / m, J = sum of J_i + m_i (|d_i|^2 1 - d_i d_i^T) with d_i = c_i - c: the parallel-axis theorem.
     pub fn inertia(&self) -> Option<BodyInertia> {
         let all: Vec<BodyInertia> = self.parts().map(|(_, own)| own).filter(|own| own.mass >= 0.0).collect();
         let mass: f64 = all.iter().map(|own| own.mass).sum();

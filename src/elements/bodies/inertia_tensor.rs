@@ -2,8 +2,8 @@
 
 use crate::scalar::{Matrix3, Vector3};
 
-/// Round-off of the numbers of a tensor, relative to the largest inertia of its body: of the tensor itself or of the mass at its centre,
-/// m |c|^2 about the origin of the frame.
+/// Round-off of the numbers of a tensor, relative to the largest inertia of its body: of the tensor itself, or of the mass at
+/// its centre, m |c|^2 about the origin of the frame.
 const ROUND_OFF: f64 = 1e-9;
 
 /// A tensor that no distribution of mass has.
@@ -22,11 +22,12 @@ pub(crate) fn round_off(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> f6
 
 /// Whether a body can have the tensor J about its mass centre (xx, yy, zz, xy, xz, yz) [kg m2].
 ///
-/// Its principal moments keep J1 <= J2 <= J3 <= J1 + J2, which implies J1 >= 0; rods and plates stand at these limits. The nearest tensor, in
-/// the norm of its entries, has the same principal axes and the nearest moments of this cone: those on the face J3 = J1 + J2, or, where J1
-/// were negative there, on its edge J1 = 0, J2 = J3.
+/// Its principal moments keep J1 <= J2 <= J3 <= J1 + J2, which implies J1 >= 0; rods and plates stand at these limits. The
+/// nearest tensor, in the norm of its entries, has the same principal axes and the nearest moments of this cone: those on the
+/// face J3 = J1 + J2, or, where J1 were negative there, on its edge J1 = 0, J2 = J3.
 ///
-/// Source: Traversaro et al. (2016), Identification of fully physical consistent inertial parameters using optimization on manifolds, section III.
+/// Source: Traversaro et al. (2016), Identification of fully physical consistent inertial parameters using optimization on
+/// manifolds, section III.
 ///
 /// # Errors
 /// The nearest tensor, where it is off by more than round-off.
