@@ -240,7 +240,10 @@ impl<'g> Conditions<'g> {
                 _ => return,
             }
         }
-        self.add(Side::Direction(components.len()), &components);
+        match components[..] {
+            [own] => self.add(Side::Sign, &[own]),
+            _ => self.add(Side::Direction(components.len()), &components),
+        }
     }
 }
 
