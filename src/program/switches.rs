@@ -6,7 +6,7 @@ use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
 use crate::scalar::Curve;
 use smallvec::smallvec;
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What tells on which side of a switch a formula is, from some results of the program of its switches.
@@ -16,8 +16,10 @@ pub(super) enum Side {
     Order,
     /// Whether a number is below zero, through which a divisor or what a root is taken of may pass.
     Sign,
-    /// The largest whole number up to a number times `scale`, plus `offset`: steps of `floor`, poles of a tangent.
-    Whole { scale: f64, offset: f64 },
+    /// The largest whole number up to one.
+    Whole,
+    /// Between which two zeros of its cosine, or of its sine, an angle is: poles of a tangent, turning points.
+    HalfTurn { of_cosine: bool },
     /// The angle of a point with the coordinates (y, x), which leaps from pi to -pi where y changes its sign and x is negative.
     Angle,
     /// The piece of a table that jumps or bends at its knots.
@@ -145,11 +147,11 @@ impl<'g> Conditions<'g> {
         {
             match operation {
                 Operation::Binary(Binary::Less, x, y) if counts(Node(place as u32)) => own.add(Side::Order, &[x, y]),
-                Operation::Unary(Unary::Floor, x) if counts(x) => own.add(Side::Whole { scale: 1.0, offset: 0.0 }, &[x]),
+                Operation::Unary(Unary::Floor, x) if counts(x) => own.add(Side::Whole, &[x]),
                 Operation::Unary(Unary::Tan, x) if counts(x) => {
-                    own.add(Side::Whole { scale: FRAC_1_PI, offset: 0.5 }, &[x]);
+                    own.add(Side::HalfTurn { of_cosine: true }, &[x]);
                 }
-                Operation::Unary(function @ (Unary::Asin | Unary::Acos), x) if counts(x) => own.add_turns(function, x),
+                Operation::Unary(Unary::Asin | Unary::Acos, x) if counts(x) => own.add_turns(x),
                 Operation::Binary(Binary::Atan2, y, x) if counts(Node(place as u32)) => own.add(Side::Angle, &[y, x]),
                 Operation::Curve { curve, at, .. } if counts(at) => {
                     let curve = &graph.curves()[curve as usize];
@@ -186,12 +188,10 @@ impl<'g> Conditions<'g> {
     }
 
     /// Adds the turning points of an arc sine or cosine of a sine or cosine.
-    fn add_turns(&mut self, function: Unary, of: Node) {
+    fn add_turns(&mut self, of: Node) {
         let Operation::Unary(inner @ (Unary::Sin | Unary::Cos), x) = self.graph.operation(of) else { return };
         // asin(sin u) and acos(cos u) bend where the inner slope vanishes
-        let offset = if inner == Unary::Sin { 0.5 } else { 0.0 };
-        debug_assert!(matches!(function, Unary::Asin | Unary::Acos));
-        self.add(Side::Whole { scale: FRAC_1_PI, offset }, &[x]);
+        self.add(Side::HalfTurn { of_cosine: inner == Unary::Sin }, &[x]);
     }
 
     /// Adds the factors of a product that may pass through zero.
@@ -205,8 +205,8 @@ impl<'g> Conditions<'g> {
                 Operation::Binary(Binary::Mul, x, y) if x == y => open.push(x),
                 Operation::Binary(Binary::Mul | Binary::Div, x, y) => open.extend([x, y]),
                 Operation::Unary(Unary::Neg | Unary::Sqrt, x) => open.push(x),
-                Operation::Unary(Unary::Cos, x) => self.add(Side::Whole { scale: FRAC_1_PI, offset: 0.5 }, &[x]),
-                Operation::Unary(Unary::Sin, x) => self.add(Side::Whole { scale: FRAC_1_PI, offset: 0.0 }, &[x]),
+                Operation::Unary(Unary::Cos, x) => self.add(Side::HalfTurn { of_cosine: true }, &[x]),
+                Operation::Unary(Unary::Sin, x) => self.add(Side::HalfTurn { of_cosine: false }, &[x]),
                 _ if self.is_not_negative(node) => {}
                 _ => self.add(Side::Sign, &[node]),
             }
@@ -253,7 +253,7 @@ impl Side {
         match self {
             Side::Direction(count) => *count,
             Side::Order | Side::Angle => 2,
-            Side::Sign | Side::Whole { .. } | Side::Piece(_) => 1,
+            Side::Sign | Side::Whole | Side::HalfTurn { .. } | Side::Piece(_) => 1,
         }
     }
 
@@ -267,7 +267,8 @@ impl Side {
         match self {
             Side::Order => (before[0] < before[1]) != (after[0] < after[1]),
             Side::Sign => (before[0] < 0.0) != (after[0] < 0.0),
-            &Side::Whole { scale, offset } => (before[0] * scale + offset).floor() != (after[0] * scale + offset).floor(),
+            Side::Whole => before[0].floor() != after[0].floor(),
+            Side::HalfTurn { of_cosine } => half_turn(before[0], *of_cosine) != half_turn(after[0], *of_cosine),
             Side::Angle => (before[0] < 0.0) != (after[0] < 0.0) && before[1].min(after[1]) < 0.0,
             Side::Piece(curve) => curve.piece(before[0]) != curve.piece(after[0]),
             Side::Direction(_) => cosine(before, after) < REVERSED,
@@ -294,9 +295,10 @@ impl Side {
             Side::Order => Some(own[1] - own[0]),
             Side::Sign | Side::Angle if before[0] < 0.0 => Some(own[0]),
             Side::Sign | Side::Angle => Some(-own[0]),
-            &Side::Whole { scale, offset } => {
-                let whole = (before[0] * scale + offset).floor() + f64::from(u8::from(is_up));
-                Some(beyond((whole - offset) / scale))
+            Side::Whole => Some(beyond(before[0].floor() + f64::from(u8::from(is_up)))),
+            Side::HalfTurn { of_cosine } => {
+                let turns = half_turn(before[0], *of_cosine) + f64::from(u8::from(is_up));
+                Some(beyond((turns - if *of_cosine { 0.5 } else { 0.0 }) * PI))
             }
             Side::Piece(curve) => {
                 let piece = curve.piece(before[0]);
@@ -392,6 +394,20 @@ impl Way<'_> {
             (switches.change_between((from, to), low, high), low)
         };
         change.kind(known, || switches.terms(&between(from, to, at_low).collect::<Vec<_>>()))
+    }
+}
+
+/// Number of the half turn between two zeros of the cosine, or of the sine, in which an angle is: by its sign, as the functions have it.
+fn half_turn(angle: f64, of_cosine: bool) -> f64 {
+    let (turns, sign) = if of_cosine { (angle / PI + 0.5, angle.cos()) } else { (angle / PI, angle.sin()) };
+    let whole = turns.floor();
+    let is_positive = whole.rem_euclid(2.0) == 0.0;
+    match sign {
+        0.0 => whole,
+        _ if (sign > 0.0) == is_positive => whole,
+        // next to a zero, on the other side of it
+        _ if turns - whole < 0.5 => whole - 1.0,
+        _ => whole + 1.0,
     }
 }
 

@@ -564,7 +564,8 @@ fn stresses_that_histories_tell_do_the_work_of_springs_and_dampers() {
         let (outputs, count) = (case.physics.outputs(), case.element.strain_count());
         let is_spring = [" spring", " damper", " by a law"].iter().any(|kind| case.name.contains(kind))
             && !case.name.contains("internal");
-        assert_eq!(!outputs.is_empty(), count > 0 && (is_spring || case.name.contains(" drive")), "{}", case.name);
+        let may_tell = count > 0 && (is_spring || case.name.contains(" drive"));
+        assert!(outputs.is_empty() || may_tell, "{}", case.name);
         // strains of drives change while nothing moves
         if outputs.is_empty() || case.name.contains(" drive") {
             continue;
