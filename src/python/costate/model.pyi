@@ -40,6 +40,27 @@ class Model:
     def scene(self) -> Scene:
         """What can be run."""
     def _repr_html_(self) -> str: ...
+    def table(
+        self,
+        name: str,
+        /,
+        *,
+        points: Sequence[Scalar] | None = None,
+        values: str | Sequence[Scalar] | None = None,
+        file: str | None = None,
+        columns: Sequence[int | str] | None = None,
+        interpolation: Literal['monotone', 'smooth', 'lines', 'steps'] | None = None,
+        extrapolation: Literal['constant', 'linear'] | None = None,
+    ) -> str:
+        """A function of one number by values at points, which all formulas call by its name: `road(wheel.position.x)`, `drag(v)`. Values may be formulas of design variables. An [[element]], a [[state]] or a functional by a formula may have tables of its own by its key table.
+
+        * ``points`` (list of number or formula, optional): numbers at which it has values, increasing; those of the file
+        * ``values`` (text, or list of number or formula, optional): values there; those of the file
+        * ``file`` (text, optional): a text file with a line for each point (CSV), beside the scene file; none
+        * ``columns`` (list of 2 times whole number, optional): which columns of the file have the points and the values, by the names in its first line or by numbers from 1 on; the first two
+        * ``interpolation`` ("monotone" or "smooth" or "lines" or "steps", optional): between points: cubics that stay between neighbouring values, a natural spline, straight lines, or the value of the point before; the first two go on with constant slope outside, the others are constant there; monotone
+        * ``extrapolation`` ("constant" or "linear", optional): beyond the points: the value at the end, or straight on with the slope there; a run that gets there warns; linear with monotone and smooth, constant with lines and steps
+        """
     def material(
         self,
         name: str,
@@ -330,6 +351,7 @@ class Model:
         *,
         nodes: Table,
         define: Table | None = None,
+        table: Table | None = None,
         kinetic: Scalar | None = None,
         potential: Scalar | None = None,
         force: Table | None = None,
@@ -341,11 +363,12 @@ class Model:
         * ``name`` (text): name, by which others refer to it
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
         * ``kinetic`` (number or formula, optional): kinetic energy, of places and rates; none [J]
         * ``potential`` (number or formula, optional): potential energy, of places; none [J]
         * ``force`` (table, optional): forces on its nodes in the world, of anything; of a joint angle its moment; none [N, N m]
         * ``moment`` (table, optional): moments on bodies among them in the world, of anything; none [N m]
-        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         """
     def force(
         self,
@@ -480,7 +503,7 @@ class Model:
         * ``start`` ("given" or "equilibrium" or "steady", optional): where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in the frame that turns with what `[[spin]]` names; given
         * ``divide_steps`` (True or False, optional): halve steps that Newton's method cannot make; false
         * ``drop_redundant`` (True or False, optional): leave out redundant constraint equations instead of refusing them; false
-        * ``project_start`` (True or False, optional): project an inconsistent start onto the constraints instead of refusing it; false
+        * ``project_start`` (True or False, optional): project an inconsistent start onto the constraints instead of refusing it: a run prints what was given and what is used; false
         """
     def output(
         self,
@@ -493,7 +516,7 @@ class Model:
         """What a run writes where the command line does not say otherwise.
 
         * ``step`` (number or formula, optional): histories at multiples of this time; at the steps [s]
-        * ``histories`` (list of text, optional): what has columns in them, by names: nodes ("crank", "beam[4]", "beam.end", "plate[2,0]"), members with all their nodes, joints, functionals, and "energy"; everything
+        * ``histories`` (list of text, optional): what has columns in them, by names: nodes ("crank", "beam[4]", "beam.end", "plate[2,0]"), members with all their nodes, joints, springs, dampers, elements, states, functionals, and "energy"; everything
         * ``vtk`` (True or False, optional): meshes for ParaView; false
         * ``film`` (True or False, optional): the motion as a film, film.png; false
         """
@@ -1030,6 +1053,7 @@ class _State:
         *,
         nodes: Table | None = None,
         define: Table | None = None,
+        table: Table | None = None,
         breakpoints: Sequence[Scalar] | None = None,
         initial: Table,
         rate: Table,
@@ -1041,7 +1065,8 @@ class _State:
         * ``name`` (text): name, by which others refer to it
         * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
-        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         * ``initial`` (table): values at the start by their names [-]
         * ``rate`` (table): rates of all of them by the same names [1/s]
         * ``output`` (table, optional): numbers or vectors that others know beside the values, by their names; none [-]
@@ -1053,6 +1078,7 @@ class _State:
         *,
         nodes: Table | None = None,
         define: Table | None = None,
+        table: Table | None = None,
         breakpoints: Sequence[Scalar] | None = None,
         input: Scalar,
         time_constant: Scalar,
@@ -1065,7 +1091,8 @@ class _State:
         * ``name`` (text): name, by which others refer to it
         * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
-        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         * ``input`` (number or formula): u [-]
         * ``time_constant`` (number or formula): T [s]
         * ``gain`` (number or formula, optional): k; 1 [-]
@@ -1078,6 +1105,7 @@ class _State:
         *,
         nodes: Table | None = None,
         define: Table | None = None,
+        table: Table | None = None,
         breakpoints: Sequence[Scalar] | None = None,
         measured: Scalar,
         set_point: Scalar,
@@ -1098,7 +1126,8 @@ class _State:
         * ``name`` (text): name, by which others refer to it
         * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
-        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         * ``measured`` (number or formula): what is controlled [-]
         * ``set_point`` (number or formula): what it should be [-]
         * ``proportional`` (number or formula, optional): kp; 0 [-]
@@ -1468,6 +1497,7 @@ class _Joint:
         damping: str | Sequence[Scalar] | None = None,
         nodes: Table,
         define: Table | None = None,
+        table: Table | None = None,
         equations: Sequence[Scalar],
         breakpoints: Sequence[Scalar] | None = None,
     ) -> str:
@@ -1479,8 +1509,9 @@ class _Joint:
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
         * ``equations`` (list of number or formula): what is zero, as in ["norm(b.position - a.position) - 0.5"] [m, rad]
-        * ``breakpoints`` (list of number or formula, optional): times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none [s]
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         """
     def rolling_sphere(
         self,
@@ -1997,6 +2028,7 @@ class _Functional:
         over: Literal['initial', 'terminal', 'integral'] | Table,
         nodes: Table,
         define: Table | None = None,
+        table: Table | None = None,
         value: Scalar,
         unit: str | None = None,
     ) -> str:
@@ -2007,6 +2039,7 @@ class _Functional:
         * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
         * ``value`` (number or formula): the quantity, as in "dot(tip.velocity, [0, 0, 1])" [unit]
         * ``unit`` (text, optional): its unit, for tables and charts; -
         """

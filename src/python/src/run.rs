@@ -7,7 +7,7 @@ use costate::cli::RunReport;
 use costate::functionals::Sample;
 use costate::prelude::RunError;
 use costate::scenes;
-use costate::sensitivity::Forward;
+use costate::sensitivity::{Forward, SwitchError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -189,7 +189,7 @@ impl Run {
             let wrong = prepared.analysis().switch_errors(forward, &gradient)?;
             let is_wanted = |own: &&SwitchError| wanted.iter().any(|&k| prepared.functionals()[k].name == own.functional);
             if let Some(why) = wrong.iter().filter(is_wanted).find_map(SwitchError::refused) {
-                return Err(RunError::Input(why).into());
+                return Err(RunError::Input(why));
             }
             Ok(wanted.iter().map(|&k| gradient.rows[k].clone()).collect::<Vec<_>>())
         })?;
