@@ -30,7 +30,7 @@ fn vector(own: Vector3<f64>) -> String {
 /// The key `orientation`, with what stands before it, for axes that are not those of the world.
 fn orientation(before: &str, turn: Quaternion<f64>) -> String {
     let values = turn.0;
-    if (values[0].abs() - 1.0).abs() < 1e-15 {
+    if values[1..] == [0.0; 3] {
         return String::new();
     }
     format!("{before}orientation = {{ type = \"euler_parameters\", values = {} }}", list(&values))

@@ -292,7 +292,7 @@ def main():
     parser.add_argument("--program", default=ROOT / "target" / "release" / "costate", type=pathlib.Path)
     parser.add_argument("files", nargs="*", type=pathlib.Path)
     options = parser.parse_args()
-    files = options.files or [pathlib.Path(next(iter(pin.__path__))).parents[3]]
+    files = options.files or [pathlib.Path(sys.prefix)]
     files = sorted({file for given in files for file in ([given] if given.is_file() else given.rglob("*.urdf"))})
     right = []
     for file in filter(readable, files):
