@@ -9,6 +9,9 @@ use crate::scalar::{SpatialVector, Vector3};
 use crate::scenes::Prepared;
 use serde_json::{Value, json};
 
+/// A vector of coordinates and velocities.
+type Measure<'m> = &'m dyn Fn(&[f64], &[f64]) -> Vector3<f64>;
+
 /// What was given of a part and what it begins with, where these are not the same.
 pub struct Change {
     part: String,
@@ -36,8 +39,7 @@ fn pairs(kind: NodeKind, [q, used_q]: [&[f64]; 2], [v, used_v]: [&[f64]; 2]) -> 
     if let NodeKind::Coordinates(_) = kind {
         return vec![("value", "", [q.into(), used_q.into()]), ("rate", "1/s", [v.into(), used_v.into()])];
     }
-    let both =
-        |of: &dyn Fn(&[f64], &[f64]) -> Vector3<f64>| [of(q, v), of(used_q, used_v)].map(|own| own.components().to_vec());
+    let both = |of: Measure| [of(q, v), of(used_q, used_v)].map(|own| own.components().to_vec());
     let place = both(&|q, _| kind.position(q, Vector3::zeros()));
     let velocity = both(&|q, v| kind.velocity(v, q, Vector3::zeros()));
     let mut all = vec![("place", "m", place), ("velocity", "m/s", velocity)];

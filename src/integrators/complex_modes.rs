@@ -170,6 +170,9 @@ fn with_rates(Motions { inertial, following }: &Motions) -> WholeBasis {
     WholeBasis { basis: both(&inertial.basis, &following.basis), dual: both(&inertial.dual, &following.dual) }
 }
 
+/// Pairs with the values nearest to zero, the shift, and the operator's matrix in the basis of a small model.
+type NearZero = (Vec<Eigenpair>, f64, Option<DMatrix<f64>>);
+
 /// A search for modes.
 struct Search<'m> {
     operator: Operator<'m>,
@@ -200,7 +203,7 @@ impl Search<'_> {
     }
 
     /// Those with the values nearest to zero, and the shift: of the size of what is sought, as rates are counted by it.
-    fn near_zero(&mut self, sought: usize, first: f64) -> Result<(Vec<Eigenpair>, f64, Option<DMatrix<f64>>), RunError> {
+    fn near_zero(&mut self, sought: usize, first: f64) -> Result<NearZero, RunError> {
         let mut shift = first;
         for attempt in 1.. {
             let (pairs, matrix) = self.pairs(sought, shift)?;

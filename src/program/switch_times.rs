@@ -1,5 +1,8 @@
 //! When a formula passes from one piece to another where the time alone decides.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::running::ProgramWork;
 use super::switches::{Side, Switches};
 

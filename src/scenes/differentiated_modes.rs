@@ -92,6 +92,9 @@ fn is_same(one: &Mode, other: &Mode) -> bool {
 /// A mode, with its derivatives where they were asked for.
 type Measured = (Mode, Option<ModeGradient>);
 
+/// What is made of modes for a measure.
+type Make<'m, T> = &'m dyn Fn(&[Measured], &ModeMeasure) -> Result<T, RunError>;
+
 impl Prepared<'_> {
     /// What is measured of modes.
     ///
@@ -135,7 +138,7 @@ impl Prepared<'_> {
     fn measured<T>(
         &self,
         measures: &[ModeMeasure],
-        make: &dyn Fn(&[Measured], &ModeMeasure) -> Result<T, RunError>,
+        make: Make<T>,
         find: &dyn Fn(usize, bool) -> Result<DifferentiatedModes, RunError>,
     ) -> Result<Vec<T>, RunError> {
         let mut all: Vec<Option<T>> = measures.iter().map(|_| None).collect();

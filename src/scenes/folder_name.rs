@@ -62,7 +62,7 @@ fn refused(name: &str) -> Option<String> {
             Some("it cannot begin with a dot, or end with a dot or a blank".into())
         }
         _ if name.len() > MOST_BYTES => Some(format!("it has {} bytes, and at most {MOST_BYTES} are possible", name.len())),
-        _ if DEVICES.contains(&stem) || NUMBERED_DEVICES.iter().any(|device| is_numbered(&device)) => {
+        _ if DEVICES.contains(&stem) || NUMBERED_DEVICES.iter().any(is_numbered) => {
             Some("on some systems it belongs to a device".into())
         }
         _ if COMPARISON.contains(&&*lower) => Some("the comparison of scenarios is written there".into()),

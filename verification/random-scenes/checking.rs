@@ -1,6 +1,8 @@
 //! What a run of a drawn scene says, and whether it is right: the program runs as a user runs it, and is held against references that share
 //! neither method, steps nor derivatives with it.
 
+// functionals are told by their numbers
+#![allow(clippy::needless_range_loop)]
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 

@@ -44,7 +44,7 @@ fn instead(given: &str) -> Option<&'static str> {
     let given = given.to_lowercase();
     let is_word =
         |word: &&str| given.split(['_', '-', ' ', '.']).any(|part| part.strip_suffix('s').unwrap_or(part) == *word);
-    ELSEWHERE.iter().find(|(words, _)| words.iter().any(|word| is_word(&word))).map(|own| own.1)
+    ELSEWHERE.iter().find(|(words, _)| words.iter().any(&is_word)).map(|own| own.1)
 }
 
 /// Says that `given` is no known `kind`, with what serves for it or the nearest name.
