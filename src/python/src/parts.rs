@@ -118,9 +118,9 @@ fn node_kind(word: &str) -> Result<NodeKind, String> {
         "cable" => Ok(NodeKind::Slope),
         "coordinate" => Ok(NodeKind::Coordinates(1)),
         "state" => Ok(NodeKind::States(1)),
-        _ => {
-            Err(format!("there are no nodes \"{word}\"; take \"point\", \"body\", \"natural\", \"cable\", \"coordinate\" or \"state\""))
-        }
+        _ => Err(format!(
+            "there are no nodes \"{word}\"; take \"point\", \"body\", \"natural\", \"cable\", \"coordinate\" or \"state\""
+        )),
     }
 }
 
