@@ -110,7 +110,7 @@ impl Krylov {
 /// # Errors
 /// Numbers that are not finite.
 pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
-    let (mut krylov, length) = (Krylov::default(), space.size());
+    let (mut krylov, length, mut examined) = (Krylov::default(), space.size(), 0);
     for k in 0..(count + spare).min(length) {
         let vector = space.first(&(0..length).map(|i| noise(i, k)).collect::<Vec<f64>>());
         krylov.extend(space, vector);
@@ -123,6 +123,11 @@ pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -
             krylov.columns.push(column);
         }
         let size = krylov.columns.len();
+        // values of all these vectors take longer than a few more of them
+        if krylov.basis.len() > size && 8 * size < 9 * examined {
+            continue;
+        }
+        examined = size;
         let entry = |i: usize, j: usize| krylov.columns[j].get(i).copied().unwrap_or(0.0);
         let mut pairs = projected_pairs(space.is_symmetric(), size, entry)?;
         pairs.sort_by(|a, b| magnitude(b).total_cmp(&magnitude(a)));
