@@ -35,6 +35,10 @@ const GROWTH: f64 = 30.0;
 const FAR: f64 = 3.0;
 /// lambda^2 below this share of the square of the shift is not told from zero.
 const ZERO: f64 = 1e-10;
+/// By how much lambda may be larger than the shift at which it is found.
+const RANGE: f64 = 1e3;
+/// Values that are zero of a body that nothing holds: it has six motions, each with a rate that stays.
+const FREE: usize = 12;
 /// Share of K x in (K + s C + s^2 M) x up to which x may be rigid.
 const RIGID: f64 = 1e-3;
 /// theta below this share of the largest one is none.
@@ -123,7 +127,7 @@ pub(crate) fn complex_modes(
     let mut search = Search { operator, stiffness, damping, whole: motions.as_ref().map(with_rates), shift: first };
     let mut is_state = vec![false; problem.model.dofs];
     problem.model.state_dofs().for_each(|dof| is_state[dof] = true);
-    let mut sought = count;
+    let mut sought = count + FREE;
     loop {
         let (ritz, shift, matrix) = search.near_zero(sought, first)?;
         let is_all = ritz.len() < sought;
@@ -136,7 +140,7 @@ pub(crate) fn complex_modes(
             }
         }
         let placed = match matrix {
-            Some(_) => in_order((ritz, shift), 2 * count, &place, &mut |shift| Ok(search.pairs(sought, shift)?.0))?,
+            Some(_) => in_order((ritz, shift), (2 * count, RANGE), &place, &mut |shift| Ok(search.pairs(sought, shift)?.0))?,
             None => ritz.into_iter().map(|pair| (pair, shift)).collect(),
         };
         for (pair, shift) in &placed {

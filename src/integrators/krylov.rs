@@ -206,23 +206,20 @@ fn follow(space: &mut dyn Space, basis: &[Vec<f64>], pair: &mut Eigenpair) {
     pair.vector = [part(&re, &im, 1.0), part(&im, &re, -1.0)];
 }
 
-/// By how much a value may be larger than the shift at which it is found: what is left of its digits.
-const RANGE: f64 = 1e5;
-
-/// Shifts, each larger than the one before by this.
+/// Most shifts.
 const MOST_SLICES: usize = 8;
 
 /// A pair with the shift at which it was found.
 pub(super) type Placed = (Eigenpair, f64);
 
 /// The first `count` of all pairs in the order of a place, which is negative for those that come first of all, each from a shift from which its
-/// size is not too far: those known at one and, beyond, those found at larger ones.
+/// size is not farther than by a range, which leaves digits to it: those known at one and, beyond, those found at larger ones.
 ///
 /// # Errors
 /// Those of the search.
 pub(super) fn in_order(
     (mut pairs, mut shift): (Vec<Eigenpair>, f64),
-    count: usize,
+    (count, range): (usize, f64),
     place: &dyn Fn(&Eigenpair, f64) -> f64,
     find: &mut dyn FnMut(f64) -> Result<Vec<Eigenpair>, RunError>,
 ) -> Result<Vec<Placed>, RunError> {
@@ -237,18 +234,21 @@ pub(super) fn in_order(
             if passed <= known {
                 continue;
             }
-            if own.abs() <= RANGE * shift {
+            if own > 0.0 && taken.len() >= count {
+                continue;
+            }
+            if own.abs() <= range * shift {
                 known = passed;
                 taken.push((pair, shift));
             } else {
-                is_done &= own > 0.0 && taken.len() >= count;
+                is_done = false;
             }
         }
         // what is far from all of these is infinitely fast
         if is_done || slice == MOST_SLICES {
             break;
         }
-        shift *= RANGE;
+        shift *= range;
         pairs = find(shift)?;
     }
     Ok(taken)

@@ -84,6 +84,8 @@ const MOST_SHIFTS: usize = 6;
 const FAR: [f64; 2] = [1e-2, 10.0];
 /// omega^2 is not told from zero below this share of the shift.
 const ZERO: f64 = 1e-10;
+/// By how much omega^2 may be larger than the shift at which it is found.
+const RANGE: f64 = 1e5;
 /// Another shift where it is.
 const SMALLER: f64 = 1e-6;
 /// x^T K x is round-off of zero below this share of the sum of |x_i K_ij x_j|: a thousand units of the last digit of K.
@@ -165,7 +167,7 @@ pub(crate) fn vibrations(
                     }
                 }
             };
-            (in_order((ritz, shift), count, &place, &mut |shift| find(&mut operator, shift))?, true)
+            (in_order((ritz, shift), (count, RANGE), &place, &mut |shift| find(&mut operator, shift))?, true)
         }
         None => {
             let proved = operator.complete(&mut ritz, (count, shift, largest), &stiffness)?;

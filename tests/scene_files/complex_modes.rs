@@ -143,8 +143,8 @@ fn whirls_have_the_sense_of_their_circles() {
 fn free_pair(damping: f64, more: &str) -> String {
     format!(
         "version = 1\nsettings = {{ end = 1, steps = 10 }}\n\
-         [[body]]\nname = \"left\"\nmass = 1.3\ninertia = [0.2, 0.3, 0.4]\n\
-         [[body]]\nname = \"right\"\nposition = [1, 0, 0]\nmass = 1.3\ninertia = [0.2, 0.3, 0.4]\n\
+         body = [{{ name = \"left\", mass = 1.3, inertia = [0.2, 0.3, 0.4] }}, \
+         {{ name = \"right\", position = [1, 0, 0], mass = 1.3, inertia = [0.2, 0.3, 0.4] }}]\n\
          [[spring]]\nname = \"bushing\"\ntype = \"bushing\"\nbetween = [\"left\", \"right\"]\npoint = [0.5, 0, 0]\n\
          stiffness = [100, 200, 300, 40, 50, 60]\ndamping = [{damping}, 0, 0, 0, 0, 0]\n{more}"
     )
