@@ -725,8 +725,7 @@ name = "mass {i}"
 for = { i = { from = 1, to = 3 } }
 nodes = { x = "c{i}" }
 kinetic = "0.5 * x.rate^2"
-force = { x = "2^24 * min(1, max(0, 1e9 * (t - 1.1 / 1024))) * x.value" }
-breakpoints = []
+force = { x = "2^23 * (1 + tanh(1e9 * (t - 1.1 / 1024))) * x.value" }
 "#;
 
 #[test]
