@@ -126,11 +126,11 @@ pub(super) fn products(
         let (rates, lists) = inputs[layout.extra()..].split_at(6);
         // adjoints of x (and y) stand behind as many adjoint variables as there are reactions
         let (lambda, lists) = lists.split_at(reactions.len());
-        let (unknowns, bars) = lists.split_at(reactions.len());
+        let (unknowns, seeds) = lists.split_at(reactions.len());
         let curvature = graph.reverse(&reactions, lambda, &inputs[n..2 * n]);
-        let mut bars = bars.to_vec();
+        let mut seeds = seeds.to_vec();
         if !parts_reactions {
-            (0..n).for_each(|dof| bars[5 * n + dof] = graph.add(bars[5 * n + dof], curvature[dof]));
+            (0..n).for_each(|dof| seeds[5 * n + dof] = graph.add(seeds[5 * n + dof], curvature[dof]));
         }
         // what is left of the adjoints along the eliminated directions belongs to the equations inside the node
         let mut left = Vec::new();
@@ -139,7 +139,7 @@ pub(super) fn products(
             let (first, start) = if place < n { (0, own) } else { (2, graph.add(own, lambda[place])) };
             let moved = (first..3).flat_map(|kind| [kind, 3 + kind]);
             left.push(moved.fold(start, |sum, kind| {
-                let term = graph.mul(rates[kind], bars[kind * n + place % n]);
+                let term = graph.mul(rates[kind], seeds[kind * n + place % n]);
                 graph.add(sum, term)
             }));
         }

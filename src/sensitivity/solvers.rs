@@ -39,14 +39,14 @@ impl<'m> StepSolvers<'m> {
         let are_shared = rayon::current_num_threads() > 2 || stage.multiplications() > SHARED;
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
             true if is_large => None,
-            true => Some(stage.another()?),
+            true => Some(stage.clone_analysis()?),
             false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.alone_like(&stage)),
         };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, are_shared, has_care: false };
         if are_apart {
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
             for _ in 1..method.table.stages.len().max(starter) {
-                solvers.stages.push(solvers.stages[0].another()?);
+                solvers.stages.push(solvers.stages[0].clone_analysis()?);
             }
         }
         Ok(solvers)
@@ -56,9 +56,9 @@ impl<'m> StepSolvers<'m> {
     ///
     /// # Errors
     /// As for [`StepSolvers::new`].
-    pub fn another(&self) -> Result<Self, RunError> {
-        let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
-        let plain = self.plain.as_ref().map(TransposedSolver::another).transpose()?;
+    pub fn clone_analysis(&self) -> Result<Self, RunError> {
+        let stages = self.stages.iter().map(TransposedSolver::clone_analysis).collect::<Result<Vec<_>, _>>()?;
+        let plain = self.plain.as_ref().map(TransposedSolver::clone_analysis).transpose()?;
         Ok(StepSolvers { stages, plain, are_apart: self.are_apart, are_shared: self.are_shared, has_care: false })
     }
 
