@@ -42,17 +42,17 @@
 // much of what the command line draws on is used by nothing else
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
-pub mod scalar;
+pub use costate_program::scalar;
 
-mod program;
+use costate_program as program;
 
 mod design;
 
 pub mod elements;
 
-mod exchange;
+use costate_linalg::exchange;
 
-pub mod linalg;
+pub use costate_linalg as linalg;
 
 mod assembly;
 

@@ -17,19 +17,19 @@ pub struct OwnUnknowns {
 
 impl OwnUnknowns {
     /// Of ranks that have all unknowns together, each once.
-    pub(crate) fn new(exchange: &'static dyn Exchange, mut of_rank: Vec<Vec<u32>>) -> Self {
+    pub fn new(exchange: &'static dyn Exchange, mut of_rank: Vec<Vec<u32>>) -> Self {
         of_rank.iter_mut().for_each(|own| own.sort_unstable());
         let owners = Arc::new(Owners::new(&of_rank));
         OwnUnknowns { exchange, of_rank, owners }
     }
 
     /// The rank of each.
-    pub(crate) fn owners(&self) -> &Arc<Owners> {
+    pub fn owners(&self) -> &Arc<Owners> {
         &self.owners
     }
 
     /// This rank.
-    pub(crate) fn rank(&self) -> usize {
+    pub fn rank(&self) -> usize {
         self.exchange.rank()
     }
 

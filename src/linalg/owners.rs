@@ -19,27 +19,27 @@ impl Owners {
     }
 
     /// How many they are.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.count
     }
 
     /// How many unknowns there are.
-    pub(crate) fn unknowns(&self) -> usize {
+    pub fn unknowns(&self) -> usize {
         self.owners.len()
     }
 
     /// The owner of an unknown.
-    pub(crate) fn of(&self, unknown: usize) -> usize {
+    pub fn of(&self, unknown: usize) -> usize {
         self.owners[unknown] as usize
     }
 
     /// Whether an owner has any of some unknowns.
-    pub(crate) fn has_any(&self, owner: usize, mut unknowns: Range<usize>) -> bool {
+    pub fn has_any(&self, owner: usize, mut unknowns: Range<usize>) -> bool {
         unknowns.any(|unknown| self.of(unknown) == owner)
     }
 
     /// Whether an owner has all of some unknowns.
-    pub(crate) fn has_all(&self, owner: usize, mut unknowns: Range<usize>) -> bool {
+    pub fn has_all(&self, owner: usize, mut unknowns: Range<usize>) -> bool {
         unknowns.all(|unknown| self.of(unknown) == owner)
     }
 }

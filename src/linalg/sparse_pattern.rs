@@ -28,7 +28,7 @@ impl SparsePattern {
     }
 
     /// Writes values where they stand in a dense matrix of zeros, column by column.
-    pub(crate) fn spread(&self, values: &[f64], dense: &mut [f64]) {
+    pub fn spread(&self, values: &[f64], dense: &mut [f64]) {
         for column in 0..self.size {
             for place in self.column_starts[column]..self.column_starts[column + 1] {
                 dense[self.rows[place] as usize + column * self.size] = values[place];

@@ -18,8 +18,7 @@ thread_local! {
 }
 
 /// Whether a panic of this thread comes from a formula that is recorded, and becomes an error.
-#[cfg(feature = "mpi")]
-pub(crate) fn panic_is_caught() -> bool {
+pub fn panic_is_caught() -> bool {
     IS_CAUGHT.get()
 }
 

@@ -79,7 +79,7 @@ impl Recorded {
     }
 
     /// True for the constant 0: what a recording is made of may depend on it, as it holds for all arguments.
-    pub(crate) fn is_known_zero(self) -> bool {
+    pub fn is_known_zero(self) -> bool {
         self.place == CONSTANT && self.value == 0.0
     }
 

@@ -53,4 +53,4 @@ pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
 pub use prediction::{OnRanks, predicted};
 pub(super) use product::Target;
-pub(crate) use symbolic::SMALL_FILL;
+pub use symbolic::SMALL_FILL;

@@ -67,7 +67,7 @@ impl MultifrontalLu {
 
     /// Shared by ranks, whatever its size.
     #[cfg(test)]
-    pub(crate) fn on(pattern: &SparsePattern, world: &'static dyn Exchange) -> Self {
+    pub fn on(pattern: &SparsePattern, world: &'static dyn Exchange) -> Self {
         let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
         let stretches = balanced(&symbolic, world.ranks());
         Self::shared(symbolic, stretches, 1, world)
@@ -84,7 +84,7 @@ impl MultifrontalLu {
     }
 
     /// Ranks that share a factorization.
-    pub(crate) fn ranks(&self) -> usize {
+    pub fn ranks(&self) -> usize {
         match &self.work {
             Work::Alone(..) => 1,
             Work::Shared(share) => share.ranks(),
@@ -92,7 +92,7 @@ impl MultifrontalLu {
     }
 
     /// Unknowns of each rank, where some share a factorization: the rows and columns of its own are all that it needs of a matrix.
-    pub(crate) fn own_unknowns(&self) -> Option<OwnUnknowns> {
+    pub fn own_unknowns(&self) -> Option<OwnUnknowns> {
         match &self.work {
             Work::Alone(..) => None,
             Work::Shared(share) => Some(share.own_unknowns(&self.symbolic)),
@@ -100,7 +100,7 @@ impl MultifrontalLu {
     }
 
     /// To which thread each unknown belongs, where several share solutions.
-    pub(crate) fn thread_owners(&self) -> Option<Owners> {
+    pub fn thread_owners(&self) -> Option<Owners> {
         match &self.work {
             Work::Alone(_, Some(threads)) => threads.owners(&self.symbolic),
             _ => None,

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// Entries of L and U up to which factors count as small: a few megabytes, of which ranks do all by themselves. A solution takes a millisecond
 /// there, and messages a tenth of that.
-pub(crate) const SMALL_FILL: usize = 1_000_000;
+pub const SMALL_FILL: usize = 1_000_000;
 
 /// What a factorization will take, known before it is done; delayed pivots come on top.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -46,7 +46,7 @@ impl NativeCode {
     }
 
     /// As [`compile`](Self::compile), with the instructions of one level only and sections of a length in bytes.
-    pub(in crate::program) fn compile_for(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Self> {
+    pub fn compile_for(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Self> {
         if !level.is_available(width) {
             return None;
         }

@@ -3,7 +3,7 @@
 use std::slice::Iter;
 
 /// Written as numbers, and read from them with the same bits.
-pub(crate) trait Sent: Sized {
+pub trait Sent: Sized {
     /// Adds its numbers.
     fn write(&self, numbers: &mut Vec<f64>);
     /// Takes as many as it has added.
@@ -115,6 +115,7 @@ impl<const N: usize> Sent for [usize; N] {
 }
 
 /// Sends a structure by its fields.
+#[macro_export]
 macro_rules! sent_by_fields {
     ($name:ident { $($field:ident),* $(,)? }) => {
         impl $crate::exchange::Sent for $name {
@@ -130,6 +131,7 @@ macro_rules! sent_by_fields {
 }
 
 /// Sends one of several variants by its number and its fields.
+#[macro_export]
 macro_rules! sent_by_variants {
     ($name:ident { $($number:literal $variant:ident { $($field:tt: $bound:ident),* }),* $(,)? }) => {
         impl $crate::exchange::Sent for $name {
@@ -150,7 +152,6 @@ macro_rules! sent_by_variants {
         }
     };
 }
-pub(crate) use {sent_by_fields, sent_by_variants};
 
 #[cfg(test)]
 mod tests {

@@ -12,11 +12,12 @@ mod mpi;
 mod sent;
 mod threads;
 
-pub(crate) use dealt::{gather_work, of_first_at_work, see_work};
-pub(crate) use sent::{Sent, sent_by_fields, sent_by_variants};
-#[cfg(test)]
-pub(crate) use threads::{STARTED_AT_MOST, on_ranks, on_ranks_within};
-pub(crate) use threads::{new_thread, on_threads};
+pub use crate::{sent_by_fields, sent_by_variants};
+pub use dealt::{gather_work, of_first_at_work, see_work};
+pub use sent::Sent;
+/// Threads as ranks, for tests.
+pub use threads::{STARTED_AT_MOST, on_ranks, on_ranks_within};
+pub use threads::{new_thread, on_threads};
 
 use std::time::Duration;
 
@@ -33,13 +34,13 @@ pub struct Traffic {
 }
 
 /// Time of a message on the way, and for each number in it \[ns\]: a network of 2 microseconds and 10 GB/s.
-pub(crate) const MESSAGE: f64 = 2000.0;
-pub(crate) const NUMBER: f64 = 0.8;
+pub const MESSAGE: f64 = 2000.0;
+pub const NUMBER: f64 = 0.8;
 
 /// Messages among ranks, each of which calls the same functions in the same order as far as they concern another one.
 ///
 /// No call returns an error: a rank that is gone, or that others wait for in vain, is the end of the program.
-pub(crate) trait Exchange: Sync {
+pub trait Exchange: Sync {
     /// Number of this rank, from zero on.
     fn rank(&self) -> usize;
     /// Number of all.
@@ -125,7 +126,7 @@ impl Exchange for Alone {
 }
 
 /// All ranks of this program that share the work of now.
-pub(crate) fn world() -> &'static dyn Exchange {
+pub fn world() -> &'static dyn Exchange {
     #[cfg(feature = "mpi")]
     if let Some(ranks) = mpi::started() {
         return match group::now() {
@@ -137,13 +138,13 @@ pub(crate) fn world() -> &'static dyn Exchange {
 }
 
 /// Runs what several threads do at once, so that no order of messages is the same on all ranks: each rank does all of it for itself.
-pub(crate) fn apart<R>(work: impl FnOnce() -> R) -> R {
+pub fn apart<R>(work: impl FnOnce() -> R) -> R {
     let world = world();
     group::in_group(world, world.rank()..world.rank() + 1, |_| work())
 }
 
 /// How many processes `mpirun` started, whatever they do now.
-pub(crate) fn processes() -> usize {
+pub fn processes() -> usize {
     #[cfg(feature = "mpi")]
     if let Some(ranks) = mpi::started() {
         return ranks.ranks();
@@ -152,7 +153,7 @@ pub(crate) fn processes() -> usize {
 }
 
 /// Whether this process prints, and writes files: the first of all ranks.
-pub(crate) fn is_first() -> bool {
+pub fn is_first() -> bool {
     #[cfg(feature = "mpi")]
     if let Some(ranks) = mpi::started() {
         return ranks.rank() == 0;
@@ -161,7 +162,7 @@ pub(crate) fn is_first() -> bool {
 }
 
 /// Whether this process is one of several ranks.
-pub(crate) fn is_shared() -> bool {
+pub fn is_shared() -> bool {
     #[cfg(feature = "mpi")]
     return mpi::started().is_some();
     #[cfg(not(feature = "mpi"))]
@@ -179,13 +180,13 @@ pub fn traffic() -> Traffic {
 }
 
 /// The number that the first rank gives, where ranks share the work: each may have another one of its own, and all are to do the same.
-pub(crate) fn of_first(own: f64) -> f64 {
+pub fn of_first(own: f64) -> f64 {
     let world = world();
     if world.ranks() == 1 { own } else { world.gather(&[own], &vec![1; world.ranks()])[0] }
 }
 
 /// A number by which ranks tell whether they have the same ones: 52 bits that depend on all bits of all numbers.
-pub(crate) fn digest(values: &[f64]) -> f64 {
+pub fn digest(values: &[f64]) -> f64 {
     const PRIME: u64 = 0x9e37_79b9_7f4a_7c15;
     let mix = |state: u64, value: f64| (state ^ value.to_bits()).wrapping_mul(PRIME).rotate_left(29);
     // four that do not wait for each other
@@ -203,18 +204,15 @@ pub(crate) fn digest(values: &[f64]) -> f64 {
 ///
 /// # Errors
 /// What the environment says of ranks and is no number.
-#[cfg(feature = "cli")]
-pub(crate) fn start() -> Result<Started, String> {
+pub fn start() -> Result<Started, String> {
     #[cfg(feature = "mpi")]
     mpi::start()?;
     Ok(Started(()))
 }
 
 /// Ranks at work.
-#[cfg(feature = "cli")]
-pub(crate) struct Started(());
+pub struct Started(());
 
-#[cfg(feature = "cli")]
 impl Started {
     /// Waits for the other ranks at the end of the program, with its exit code and the message of an error that the first rank has printed. One
     /// that failed alone says so, and ends them all.

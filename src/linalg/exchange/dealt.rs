@@ -18,7 +18,7 @@ const DONE: f64 = 2.0;
 
 /// Does the work of a team of ranks, which share it, while the others do theirs, and returns what came of all, by ranks. Messages between ranks of a
 /// team are those of its work; the others tell each other that they are at it.
-pub(crate) fn gather_work<T: Sent>(
+pub fn gather_work<T: Sent>(
     world: &'static dyn Exchange,
     team: Range<usize>,
     work: impl FnOnce(&'static dyn Exchange) -> T,
@@ -38,7 +38,7 @@ pub(crate) fn gather_work<T: Sent>(
 /// Does the work of this rank while the others do theirs. The first one sees each result as soon as it is there, with its number, until it
 /// wants no more; true if it saw all. The function that the work is given shows them. [`of_first_at_work`] has to follow, which reads what signs
 /// of life the first one has sent.
-pub(crate) fn see_work<T: Sent>(
+pub fn see_work<T: Sent>(
     world: &'static dyn Exchange,
     work: impl FnOnce(&(dyn Fn(usize, T) + Sync)),
     see: impl FnMut(usize, T) -> bool + Send,
@@ -90,7 +90,7 @@ pub(crate) fn see_work<T: Sent>(
 }
 
 /// What the first rank tells all, as soon as it has done its work; its signs of life have come so long.
-pub(crate) fn of_first_at_work<T: Sent>(world: &dyn Exchange, own: Option<T>) -> T {
+pub fn of_first_at_work<T: Sent>(world: &dyn Exchange, own: Option<T>) -> T {
     if own.is_some() {
         tell(world, &own);
     }

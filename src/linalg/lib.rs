@@ -3,34 +3,39 @@
 //! Only `f64` is factored; derivative parts are solved with the same factors. `Factorization` scales rows and columns,
 //! chooses the backend by size, refines solutions, and names the unknown of a singular system.
 
+extern crate self as linalg;
+use costate_program::scalar;
+
+pub mod exchange;
+
 mod column_groups;
 mod dense;
 mod eigen;
-pub(crate) mod factorization;
-pub(crate) mod multifrontal;
+pub mod factorization;
+pub mod multifrontal;
 #[cfg(feature = "mumps")]
 mod mumps;
-pub(crate) mod own_unknowns;
-pub(crate) mod owners;
+pub mod own_unknowns;
+pub mod owners;
 mod rank;
 mod scaling;
 mod simd;
 mod sparse_pattern;
 mod vectors;
 
-pub(crate) use column_groups::{AT_ONCE, is_shared_by_threads, ranges_where};
+pub use column_groups::{AT_ONCE, is_shared_by_threads, ranges_where};
 pub use dense::DenseLu;
-pub(crate) use eigen::{Eigenpair, complex_eigenvalues, eigenpairs, least_singular_value, symmetric_part_eigenpairs};
+pub use eigen::{Eigenpair, complex_eigenvalues, eigenpairs, least_singular_value, symmetric_part_eigenpairs};
 pub use factorization::Backend;
-pub(crate) use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
-pub(crate) use multifrontal::SMALL_FILL;
+pub use factorization::{Factorization, Signs, SolverPlan, TransposedSolution};
+pub use multifrontal::SMALL_FILL;
 pub use multifrontal::{Inertia, MultifrontalLu};
 #[cfg(feature = "mumps")]
 pub use mumps::MumpsLu;
-pub(crate) use own_unknowns::OwnUnknowns;
-pub(crate) use owners::Owners;
-pub(crate) use rank::{SparseRow, independent_rows, sign_of_determinant};
-pub(crate) use simd::{Kernel, dispatch};
+pub use own_unknowns::OwnUnknowns;
+pub use owners::Owners;
+pub use rank::{SparseRow, independent_rows, sign_of_determinant};
+pub use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;
 
 /// A singular or non-finite matrix: the unknown that it does not determine.

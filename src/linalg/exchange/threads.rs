@@ -106,7 +106,7 @@ impl Exchange for Thread<'_> {
 ///
 /// # Errors
 /// A thread that the system does not start: what others have done until then is of no use.
-pub(crate) fn on_threads<T: Send>(all: &mut [T], work: impl Fn(&dyn Exchange, &mut T) + Sync) -> io::Result<()> {
+pub fn on_threads<T: Send>(all: &mut [T], work: impl Fn(&dyn Exchange, &mut T) + Sync) -> io::Result<()> {
     let post = Post::new(LONGEST_WAIT, all.len());
     let Some((first, others)) = all.split_first_mut() else { return Ok(()) };
     std::thread::scope(|scope| {
@@ -128,21 +128,13 @@ pub(crate) fn on_threads<T: Send>(all: &mut [T], work: impl Fn(&dyn Exchange, &m
     })
 }
 
-/// A thread to be started, which the system may refuse.
-#[cfg(not(test))]
-pub(crate) fn new_thread() -> Builder {
-    Builder::new()
-}
-
-#[cfg(test)]
 thread_local! {
     /// How many threads the system still starts for this one.
-    pub(crate) static STARTED_AT_MOST: std::cell::Cell<usize> = const { std::cell::Cell::new(usize::MAX) };
+    pub static STARTED_AT_MOST: std::cell::Cell<usize> = const { std::cell::Cell::new(usize::MAX) };
 }
 
-/// The same; there is no room for the stack of one too many.
-#[cfg(test)]
-pub(crate) fn new_thread() -> Builder {
+/// A thread to be started, which the system may refuse: there is no room for the stack of one too many.
+pub fn new_thread() -> Builder {
     match STARTED_AT_MOST.replace(STARTED_AT_MOST.get().saturating_sub(1)) {
         0 => Builder::new().stack_size(isize::MAX as usize),
         _ => Builder::new(),
@@ -150,14 +142,12 @@ pub(crate) fn new_thread() -> Builder {
 }
 
 /// What each of some ranks gives, which all run the same.
-#[cfg(test)]
-pub(crate) fn on_ranks<R: Send>(ranks: usize, run: impl Fn(&'static dyn Exchange) -> R + Sync) -> Vec<R> {
+pub fn on_ranks<R: Send>(ranks: usize, run: impl Fn(&'static dyn Exchange) -> R + Sync) -> Vec<R> {
     on_ranks_within(LONGEST_WAIT, ranks, run)
 }
 
 /// The same for ranks that do not wait longer for each other.
-#[cfg(test)]
-pub(crate) fn on_ranks_within<R: Send>(
+pub fn on_ranks_within<R: Send>(
     longest_wait: Duration,
     ranks: usize,
     run: impl Fn(&'static dyn Exchange) -> R + Sync,

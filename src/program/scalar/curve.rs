@@ -118,12 +118,12 @@ impl Curve {
     }
 
     /// Of its pieces, one more than knots.
-    pub(crate) fn of_pieces(knots: &[f64], pieces: Vec<[f64; 4]>, is_closed: bool) -> Self {
+    pub fn of_pieces(knots: &[f64], pieces: Vec<[f64; 4]>, is_closed: bool) -> Self {
         Curve { knots: knots.to_vec(), pieces, is_closed, has_kinks: false, has_breakpoints: false }
     }
 
     /// Says how smooth what is made of it is at its knots.
-    pub(crate) fn joined_by(self, interpolant: Interpolant) -> Self {
+    pub fn joined_by(self, interpolant: Interpolant) -> Self {
         let has_kinks = interpolant.has_kinks();
         let curvature_jumps = interpolant == Interpolant::Monotone && self.knots.len() <= MOST_BREAKPOINTS;
         Curve { has_kinks, has_breakpoints: has_kinks || curvature_jumps, ..self }
@@ -135,27 +135,27 @@ impl Curve {
     }
 
     /// Slopes before the first knot and behind the last.
-    pub(crate) fn slopes_beyond(&self) -> [f64; 2] {
+    pub fn slopes_beyond(&self) -> [f64; 2] {
         [self.pieces[0][1], self.pieces[self.pieces.len() - 1][1]]
     }
 
     /// The highest power that a piece has.
-    pub(crate) fn degree(&self) -> u32 {
+    pub fn degree(&self) -> u32 {
         (1..4).rev().find(|&power| self.pieces.iter().any(|piece| piece[power as usize] != 0.0)).unwrap_or(0)
     }
 
     /// Whether value or slope jump at the knots.
-    pub(crate) fn has_kinks(&self) -> bool {
+    pub fn has_kinks(&self) -> bool {
         self.has_kinks
     }
 
     /// Whether steps end at its knots where it is a function of time.
-    pub(crate) fn has_breakpoints(&self) -> bool {
+    pub fn has_breakpoints(&self) -> bool {
         self.has_breakpoints
     }
 
     /// Number of the piece at `t`, from 0 before the first knot on.
-    pub(crate) fn piece(&self, t: f64) -> usize {
+    pub fn piece(&self, t: f64) -> usize {
         let last = self.knots.len() - 1;
         if self.is_closed && t == self.knots[last] { last } else { self.knots.partition_point(|&own| own <= t) }
     }

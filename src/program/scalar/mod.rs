@@ -19,20 +19,20 @@ mod complex;
 mod curve;
 mod duals;
 mod jet;
-pub(crate) mod moving;
+pub mod moving;
 mod real;
-pub(crate) mod rotation;
+pub mod rotation;
 mod slopes;
 mod vector;
 
 pub use complex::COMPLEX_STEP;
-pub(crate) use curve::check_knots;
+pub use curve::check_knots;
 pub use curve::{Curve, Interpolant, MOST_BREAKPOINTS};
 pub use duals::{TANGENTS, Tangents};
-pub(crate) use moving::Moving;
-pub(crate) use real::larger;
+pub use moving::Moving;
+pub use real::larger;
 pub use rotation::Quaternion;
-pub(crate) use rotation::{angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
+pub use rotation::{angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub use vector::SpatialVector;
 
 pub use nalgebra::{Matrix3, Vector3};
@@ -151,7 +151,7 @@ pub trait Scalar:
 
 /// Which of `count` numbers stands at place `x`.
 #[inline(always)]
-pub(crate) fn gathered_place(x: f64, count: usize) -> usize {
+pub fn gathered_place(x: f64, count: usize) -> usize {
     // what is no number counts as 0
     (x as usize).min(count - 1)
 }

@@ -55,6 +55,6 @@ impl Scalar for f64 {
 }
 
 /// The larger one, or what is no number: that is not hidden behind others.
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
+pub fn larger(a: f64, b: f64) -> f64 {
     if b <= a || a.is_nan() { a } else { b }
 }

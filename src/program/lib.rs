@@ -6,6 +6,10 @@
 //! * [`Program`]: a listing that is executed, by a loop in any scalar or as machine code for one or several elements at a time
 //! * [`Formula`]: a recording shared by all elements whose recordings are equal, with its programs
 
+extern crate self as program;
+
+pub mod scalar;
+
 mod arguments;
 mod assemble;
 #[cfg(test)]
@@ -25,14 +29,12 @@ mod refused;
 mod running;
 mod switch_times;
 mod switches;
-#[cfg(feature = "cli")]
 mod table_arguments;
 mod undefined;
 
 pub use arguments::ArgumentKind;
 pub use digest::Digest;
-#[cfg(feature = "mpi")]
-pub(crate) use formula::panic_is_caught;
+pub use formula::panic_is_caught;
 pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
@@ -43,5 +45,4 @@ pub use refused::refuses_machine_code;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
 pub use switch_times::SwitchTime;
 pub use switches::{PassBuffers, Reads, SwitchKind, Switches, between};
-#[cfg(feature = "cli")]
-pub(crate) use table_arguments::TableRange;
+pub use table_arguments::TableRange;
