@@ -42,7 +42,15 @@
 // much of what the command line draws on is used by nothing else
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
-pub use costate_program::scalar;
+/// The number types: one formula in, every derivative out.
+pub mod scalar {
+    pub(crate) use costate_program::scalar::*;
+    #[doc(inline)]
+    pub use costate_program::scalar::{
+        COMPLEX_STEP, Complex64, Curve, Interpolant, MOST_BREAKPOINTS, Matrix3, Quaternion, Scalar, SpatialVector, TANGENTS,
+        Tangents, Vector3,
+    };
+}
 
 use costate_program as program;
 
@@ -52,7 +60,15 @@ pub mod elements;
 
 use costate_linalg::exchange;
 
-pub use costate_linalg as linalg;
+/// Linear systems: analyse a pattern once, factor values, solve, solve transposed.
+pub mod linalg {
+    pub(crate) use costate_linalg::*;
+    #[doc(inline)]
+    pub use costate_linalg::{Backend, DenseLu, Inertia, LinearSolver, MultifrontalLu, Singular, SparsePattern};
+    #[cfg(feature = "mumps")]
+    #[doc(inline)]
+    pub use costate_linalg::MumpsLu;
+}
 
 mod assembly;
 
