@@ -28,7 +28,7 @@ pub use crate::history::{
 };
 pub use crate::integrators::{
     adaptive::march_adaptive, dividing::march_dividing, given::march, march::Problem, march::Run, record::Recorder,
-    systems::Systems, tables::table_named,
+    tables::table_named,
 };
 #[cfg(feature = "cli")]
 pub use crate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};

@@ -99,7 +99,8 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--longest-step", "0.1"], &["--tolerance"]),
         (&["run", "pendulum", "--output-step", "-1"], &["--output-step", "'-1'", "above 0"]),
         (&["run", "pendulum", "--output-step", "1e-9"], &["--output-step", "10000000"]),
-        (&["run", "pendulum", "--constraint-level", "index3"], &["--constraint-level \"index3\"", "velocity"]),
+        (&["run", "pendulum", "--constraint-level", "index3"], &["--constraint-level \"index3\"", "acceleration"]),
+        (&["run", "pendulum", "--constraint-level", "velocity"], &["not known any more", "\"acceleration\" has"]),
         (&["run", "pendulum", "--set", "lenght=2"], &["--set lenght=2", "\"length\"?", "mass, length, gravity"]),
         (&["run", "pendulum", "--set", "length"], &["--set \"length\"", "NAME=VALUE"]),
         (&["run", "pendulum", "--set", "length=long"], &["\"long\" is not a number", "between 0.1 and 10 m"]),
@@ -1182,7 +1183,7 @@ fn bodies_at_rest_or_brought_to_rest_raise_no_alarm() {
         for (gravity, has_motor) in [(9.81, false), (0.0, false), (0.0, true), (9.81, true)] {
             fs::write(folder.0.join("rest.toml"), bar_on_a_hinge(coordinates, gravity, has_motor)).unwrap();
             for method in ["esdirk3", "esdirk4", "esdirk5", "bdf1", "bdf2", "generalized-alpha", "midpoint", "sdirk2"] {
-                for level in ["position", "velocity", "acceleration"] {
+                for level in ["position", "acceleration"] {
                     let arguments = ["gradient", "rest.toml", "--check", "--no-report", "--json"];
                     let method = ["--method", method, "--constraint-level", level];
                     let output = folder.run(&[&arguments[..], &method[..]].concat());
@@ -1276,13 +1277,13 @@ fn motions_that_end_at_rest_have_gradients_that_are_checked() {
     let folder = Folder::new("dwell");
     let direction = 1.0 / 1.18_f64.sqrt();
     for (name, scene, exact, steps) in [
-        ("dwell.toml", DWELL, -0.5, ["10", "100", "400"]),
-        ("slide.toml", SLIDE, direction, ["10", "11", "40"]),
-        ("push.toml", FADING_PUSH, 1.0, ["20", "100", "200"]),
+        ("dwell.toml", DWELL, -0.5, ["10", "400"]),
+        ("slide.toml", SLIDE, direction, ["10", "40"]),
+        ("push.toml", FADING_PUSH, 1.0, ["20", "200"]),
     ] {
         fs::write(folder.0.join(name), scene).unwrap();
         for method in table_names().iter().filter(|name| **name != STATIC_TABLE) {
-            for (level, steps) in ["position", "velocity", "acceleration"].into_iter().zip(steps) {
+            for (level, steps) in ["position", "acceleration"].into_iter().zip(steps) {
                 let arguments = ["gradient", name, "--check", "--no-report", "--json", "--method", method];
                 let output = folder.run(&[&arguments[..], &["--constraint-level", level, "--steps", steps]].concat());
                 let case = format!("{name}, {method}, {level} level, {steps} steps");

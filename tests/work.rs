@@ -3,7 +3,7 @@
 use costate::elements::{Element, NodeKind, Parameter, State};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method};
-use costate::internals::{Equations, Level, Program, StageCoefficients, Systems, table_named};
+use costate::internals::{Equations, Level, Program, StageCoefficients, table_named};
 use costate::scalar::Scalar;
 use costate::scenes::built_in::FlexiblePendulum;
 use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, built_in};
@@ -74,10 +74,10 @@ fn products_of_a_second_functional_share_what_depends_on_the_state() {
     for name in ["five-bar", "andrews", "plate-pendulum"] {
         let scene = scene(name);
         let prepared = prepared(&*scene, 0.1, 10);
-        let systems = Systems::new(prepared.model(), &prepared.method, &prepared.plan.dropped);
+        let system = prepared.method.system(prepared.model(), &prepared.plan.dropped);
         let equations = Equations::stage(StageCoefficients::new(1.0, 0.01, 1e-4), Level::Acceleration);
         let count = |program: &Program| program.listing().instructions.len();
-        let pairs = systems.stage.part_programs(&equations).into_iter().map(|own| own.products.map(|own| count(&own)));
+        let pairs = system.part_programs(&equations).into_iter().map(|own| own.products.map(|own| count(&own)));
         let shares: Vec<(usize, f64)> = pairs.map(|[one, two]| (one, two as f64 / one as f64)).collect();
         println!("{name}: instructions for one functional, and for two by these: {shares:.2?}");
         let large = shares.iter().filter(|(one, _)| *one > 100);

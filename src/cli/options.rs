@@ -54,7 +54,7 @@ pub struct SceneOptions {
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
     #[arg(long, value_name = "TABLE")]
     method: Option<String>,
-    /// Time derivative on which constraints are kept: position, velocity, acceleration [default: the scene's, else acceleration]
+    /// Time derivative on which constraints are kept: position, acceleration [default: the scene's, else acceleration]
     #[arg(long, value_name = "LEVEL")]
     constraint_level: Option<String>,
     /// When Newton's method stops: at round-off; by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy; or scaled, at a

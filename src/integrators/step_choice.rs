@@ -5,7 +5,7 @@ use super::march::{Method, Problem, Run};
 use super::pause::TakenUp;
 use super::record::{Recorder, StepRecord};
 use super::step::Stepper;
-use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord, Systems};
+use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord};
 use crate::elements::RunScalar;
 
 /// A step that is to be tried.
@@ -76,8 +76,8 @@ pub(super) fn march_by<S: RunScalar, C: StepChoice<S>>(
     (mut choice, mut course): (C, Course),
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
+    let system = method.system(problem.model, &plan.dropped);
+    let mut stepper = Stepper::new(problem, method, &system, plan)?;
     if let Some(clocks) = clocks {
         stepper.clocks.clone_from(clocks);
     }

@@ -88,7 +88,7 @@ fn given_steps_go_on_bit_by_bit() {
     {
         let scene = scene(name);
         for (table, level) in [
-            ("esdirk4", ConstraintLevel::Velocity),
+            ("esdirk4", ConstraintLevel::Position),
             ("bdf3", ConstraintLevel::Acceleration),
             ("generalized-alpha", ConstraintLevel::Position),
             ("variational", ConstraintLevel::Position),
@@ -103,7 +103,7 @@ fn given_steps_go_on_bit_by_bit() {
 fn chosen_and_divided_steps_go_on_bit_by_bit() {
     let scene = scene("five-bar");
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    let method = Method::new(table_by_name("esdirk4").expect("listed"), ConstraintLevel::Velocity);
+    let method = Method::new(table_by_name("esdirk4").expect("listed"), ConstraintLevel::Acceleration);
     let settings = Settings { end: 2.5, ..scene.settings().without_method() };
     let chosen = settings.clone().choosing_steps(StepControl::new(1e-3));
     let mut chosen = Prepared::with(&*scene, &x, method, chosen).expect("a sound scene");
@@ -123,7 +123,7 @@ fn chosen_and_divided_steps_go_on_bit_by_bit() {
     // load steps that grow and are given up
     let scene = super::scene("princeton-beam");
     let settings = scene.settings().without_method().choosing_steps(StepControl { longest: 0.1, ..StepControl::new(1e-3) });
-    let method = Method::new(table_named("static").expect("listed").expect("listed"), ConstraintLevel::Velocity);
+    let method = Method::new(table_named("static").expect("listed").expect("listed"), ConstraintLevel::Acceleration);
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     goes_on(&mut Prepared::with(&*scene, &x, method, settings).expect("a sound scene"), "load steps");
 }

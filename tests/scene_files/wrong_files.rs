@@ -185,7 +185,8 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("steps = 10", "steps = 10\ntolerance = 1e-6", "26:13", &["steps and tolerance"]),
     ("steps = 10", "steps = 10\nlongest_step = 0.1", "26:16", &["means nothing without the key tolerance"]),
     ("steps = 10\n", "steps = 10\n[output]\nstep = 1e-300\n", "27:8", &["step of [output] is", "fit into 1 s"]),
-    ("steps = 10", "steps = 10\nconstraint_level = \"velocty\"", "26:20", &["did you mean \"velocity\"?"]),
+    ("steps = 10", "steps = 10\nconstraint_level = \"positon\"", "26:20", &["did you mean \"position\"?"]),
+    ("steps = 10", "steps = 10\nconstraint_level = \"velocity\"", "26:20", &["not known any more", "\"acceleration\" has"]),
     ("steps = 10", "steps = 10\nsolver = \"sparse\"", "26:10", &["automatic, dense, multifrontal"]),
     ("steps = 10", "steps = 10\nnewton = 3", "26:10", &["newton of [settings]", "round-off, residual"]),
     // soft joints and sections that change

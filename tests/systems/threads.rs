@@ -2,7 +2,7 @@
 
 use costate::history::Watch;
 use costate::integrators::StepRecord;
-use costate::internals::{Jacobian, Owners, Residual, StageSystem, Systems};
+use costate::internals::{Jacobian, Owners, Residual, StageSystem};
 use costate::scenes::built_in::all;
 use costate::scenes::{AnyScene, Prepared};
 use std::sync::Arc;
@@ -19,8 +19,7 @@ fn matrix(scene: &dyn AnyScene, threads: Option<usize>) -> Option<Vec<f64>> {
     });
     let _ = prepared.analysis().observed(&prepared.x, &mut watch);
     let (record, dropped) = first?;
-    let systems = Systems::new(problem.model, &prepared.method, &dropped);
-    let system = &systems.stage;
+    let system = &*prepared.method.system(problem.model, &dropped);
     let at = StageSystem { equations: &record.equations, base: &record.base, p: &problem.p, t: record.t };
     let (mut residual, mut unknowns) = (Residual::default(), record.unknowns.clone());
     residual.start(system, at);

@@ -2,7 +2,7 @@
 
 use crate::verification::phases::{Effort, OfMumps, Phases, Times, USUAL, prepare};
 use crate::verification::{Form, Report, Study};
-use costate::internals::{OnRanks, Systems, of_all_ranks, predicted, traffic};
+use costate::internals::{OnRanks, of_all_ranks, predicted, traffic};
 use costate::scenes::built_in::{PlatePendulum, Thicknesses};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -295,8 +295,8 @@ impl Subject {
         }
         if std::env::var_os(WITH_MODEL).is_some() {
             let one = prepare(&plate, 1, 1).map_err(|error| error.to_string())?;
-            let systems = Systems::new(one.problem().model, &one.method, &[]);
-            let (all, bound) = predicted(&systems.stage.pattern, &RANKS, &THREADS);
+            let system = one.method.system(one.problem().model, &[]);
+            let (all, bound) = predicted(&system.pattern, &RANKS, &THREADS);
             for OnRanks { ranks, threads, speed, sent } in all {
                 let layout = Layout { ranks, threads, is_crowded: false };
                 report.inform(predicted_on(&layout), speed);

@@ -481,7 +481,7 @@ class Model:
         tolerance: Scalar | None = None,
         velocity_tolerance: Scalar | None = None,
         longest_step: Scalar | None = None,
-        constraint_level: Literal['position', 'velocity', 'acceleration'] | None = None,
+        constraint_level: Literal['position', 'acceleration'] | None = None,
         newton: Literal['round-off', 'residual', 'scaled'] | None = None,
         solver: Literal['automatic', 'dense', 'multifrontal'] | None = None,
         start: Literal['given', 'equilibrium', 'steady'] | None = None,
@@ -497,7 +497,7 @@ class Model:
         * ``tolerance`` (number or formula, optional): steps are chosen by their error: relative and absolute; steps of equal size [-]
         * ``velocity_tolerance`` (number or formula, optional): the same for velocities; tolerance [-]
         * ``longest_step`` (number or formula, optional): longest step that tolerance may choose; any [s]
-        * ``constraint_level`` ("position" or "velocity" or "acceleration", optional): time derivative on which constraints are kept; acceleration
+        * ``constraint_level`` ("position" or "acceleration", optional): time derivative on which constraints are kept; acceleration
         * ``newton`` ("round-off" or "residual" or "scaled", optional): when Newton's method stops, as for --newton; round-off
         * ``solver`` ("automatic" or "dense" or "multifrontal", optional): solver of the linear systems; automatic
         * ``start`` ("given" or "equilibrium" or "steady", optional): where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in the frame that turns with what `[[spin]]` names; given

@@ -78,7 +78,7 @@ const OF_ALL: &[Section] = &[
             may("longest_step", Fixed("s", Positive), "longest step that tolerance may choose; any"),
             may(
                 "constraint_level",
-                Choice(&["position", "velocity", "acceleration"]),
+                Choice(&["position", "acceleration"]),
                 "time derivative on which constraints are kept; acceleration"
             ),
             may(
