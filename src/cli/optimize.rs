@@ -169,12 +169,11 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let (optimized, mut files) = optimized(options, (&optimization, &*optimizer), &start, recorded, &folder, &guard)?;
     let report = Report::new(&optimization, &*optimizer, &optimized)?;
     let charts = optimization_charts::charts(&optimization, &optimized.history);
-    files.extend(optimization_charts::write(&charts, &folder)?);
     let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
     files.extend([page.clone(), summary.clone()]);
     let motion = report.best_motion();
     let crossings = motion.as_ref().map_or(&[][..], |(_, _, crossings)| crossings);
-    let mut shown = report.page(&charts.concat(), &motion);
+    let mut shown = report.page(&charts, &motion);
     let warnings: Vec<String> = crossings.iter().map(ToString::to_string).collect();
     warnings.iter().for_each(|warning| shown.warning(format!("best design: {warning}")));
     shown.write(&page, &files)?;

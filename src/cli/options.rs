@@ -43,8 +43,8 @@ pub struct SceneOptions {
     /// derivatives by the thickness of each shell element
     #[arg(long)]
     vtk: bool,
-    /// Write the motion as a film, too: film.png (APNG, which browsers play)
-    #[arg(long)]
+    // it was an option, and its error says what serves instead
+    #[arg(long, hide = true)]
     film: bool,
     /// Write no report.html, and differentiate by nothing that only its colours show
     #[arg(long)]
@@ -334,6 +334,9 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed.
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
+        if self.film {
+            return Err(Failure::input("--film: the report plays the motion, report.html among the results"));
+        }
         let mut settings = scene.settings();
         let own = settings.method.take();
         let name = self.method.as_deref().or(own.as_deref()).unwrap_or(DEFAULT_TABLE);
@@ -384,7 +387,7 @@ impl SceneOptions {
     /// What is written: by the options, else by the scene.
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
         let own = scene.output();
-        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, film: self.film || own.film, ..own }
+        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, ..own }
     }
 
     /// Whether equilibria have to be stable.
@@ -402,7 +405,7 @@ impl SceneOptions {
     /// # Errors
     /// An option that asks for it; `what` has none.
     pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
-        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk), ("--film", self.film)];
+        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
         given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {
             Err(Failure::input(format!("{option}: {what} writes no histories of motions; leave it out")))
         })

@@ -57,7 +57,7 @@ pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 use scene::built;
 pub use scene::{AnyScene, Output, Scenario, Scene, Settings};
 pub use signal::Signal;
-pub(crate) use sketch::{Drawn, NodePoint};
+pub(crate) use sketch::{Drawn, NodePoint, Sketch};
 pub use solid::{Solid, SolidShape};
 pub(crate) use solids::Solids;
 pub use statics::Equilibrium;

@@ -27,10 +27,6 @@ impl NodePoint {
     pub fn identity(&self) -> (usize, [u64; 3]) {
         (self.dofs.start, self.local.map(f64::to_bits))
     }
-    /// Whether two points move with one node.
-    pub fn is_on_node_of(&self, other: &NodePoint) -> bool {
-        self.dofs == other.dofs
-    }
     /// Coordinates of its node among those of the whole mechanism.
     pub fn coordinates<'q>(&self, q: &'q [f64]) -> &'q [f64] {
         &q[self.dofs.clone()]

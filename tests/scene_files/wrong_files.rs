@@ -184,6 +184,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("steps = 10", "steps = 10\nmethod = \"variational:2\"", "26:10", &["variational:2", "from 0 to 1"]),
     ("steps = 10", "steps = 10\ntolerance = 1e-6", "26:13", &["steps and tolerance"]),
     ("steps = 10", "steps = 10\nlongest_step = 0.1", "26:16", &["means nothing without the key tolerance"]),
+    ("steps = 10\n", "steps = 10\n[output]\nfilm = true\n", "27:1", &["film", "report.html, plays"]),
     ("steps = 10\n", "steps = 10\n[output]\nstep = 1e-300\n", "27:8", &["step of [output] is", "fit into 1 s"]),
     ("steps = 10", "steps = 10\nconstraint_level = \"positon\"", "26:20", &["did you mean \"position\"?"]),
     ("steps = 10", "steps = 10\nconstraint_level = \"velocity\"", "26:20", &["not known any more", "\"acceleration\" has"]),

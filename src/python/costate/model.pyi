@@ -511,14 +511,12 @@ class Model:
         step: Scalar | None = None,
         histories: Sequence[str] | None = None,
         vtk: bool | None = None,
-        film: bool | None = None,
     ) -> str:
         """What a run writes where the command line does not say otherwise.
 
         * ``step`` (number or formula, optional): histories at multiples of this time; at the steps [s]
         * ``histories`` (list of text, optional): what has columns in them, by names: nodes ("crank", "beam[4]", "beam.end", "plate[2,0]"), members with all their nodes, joints, springs, dampers, elements, states, functionals, and "energy"; everything
         * ``vtk`` (True or False, optional): meshes for ParaView; false
-        * ``film`` (True or False, optional): the motion as a film, film.png; false
         """
     def optimization(
         self,

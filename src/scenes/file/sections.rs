@@ -119,7 +119,6 @@ const OF_ALL: &[Section] = &[
                  nodes, joints, springs, dampers, elements, states, functionals, and \"energy\"; everything"
             ),
             may("vtk", Flag, "meshes for ParaView; false"),
-            may("film", Flag, "the motion as a film, film.png; false"),
         ],
     },
     Section {
