@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 pub struct OptimizeOptions {
     #[command(flatten)]
     scene: SceneOptions,
-    /// Optimizer: sqp, and with the feature `nlopt` nlopt-slsqp, nlopt-mma, nlopt-ccsaq, nlopt-auglag
+    /// Optimizer: sqp; SciPy and others take values and gradients through Python
     #[arg(long, value_name = "NAME", default_value = "sqp")]
     optimizer: String,
     /// Where gradients come from: adjoint, complex-step, or difference:SHARE, one simulation for each variable at that share more of
@@ -272,8 +272,8 @@ fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
     let known: Vec<String> = optimizers().iter().map(|optimizer| optimizer.name().into()).collect();
     optimizers().into_iter().find(|optimizer| optimizer.name() == name).ok_or_else(|| {
         let mut message = unknown("--optimizer", name, &known);
-        if name.starts_with("nlopt") && cfg!(not(feature = "nlopt")) {
-            message += "; those of NLopt need a program built with --features nlopt";
+        if name.starts_with("nlopt") {
+            message += "; in place of NLopt's, SciPy, IPOPT and others take values and gradients through Python";
         }
         Failure::input(message)
     })
