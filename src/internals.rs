@@ -24,7 +24,7 @@ pub use crate::functionals::{
     quantity::MeasuredQuantity, weights::QuadratureWeights,
 };
 pub use crate::history::{
-    checkpoints::Checkpoints, file::FileHistory, memory::Memory, nothing::Nothing, rerun::Rerun, schedule::recomputed_steps,
+    checkpoints::Checkpoints, file::FileHistory, nothing::Nothing, rerun::Rerun, schedule::recomputed_steps,
 };
 pub use crate::integrators::{
     adaptive::march_adaptive, dividing::march_dividing, given::march, march::Problem, march::Run, record::Recorder,
