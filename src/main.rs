@@ -1,14 +1,10 @@
-//! The command line of costate: its built-in scenes, and the studies of `verification`.
-
-mod allocations;
-#[path = "../verification/mod.rs"]
-mod verification;
+//! The command line of costate with its built-in scenes.
 
 use costate::cli::CommandLine;
 use costate::scenes::built_in;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let (scenes, studies) = (built_in::all(), verification::all());
-    CommandLine::new(scenes.iter().map(|scene| &**scene)).with_studies(studies.iter().map(|study| &**study)).main()
+    let scenes = built_in::all();
+    CommandLine::new(scenes.iter().map(|scene| &**scene)).main()
 }

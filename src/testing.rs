@@ -32,7 +32,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, ProductBars, ProductPoint,
+    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, ProductPoint, ProductSeeds,
     Products, Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
@@ -689,10 +689,10 @@ impl<'s> Assembled<'s> {
             let (mut bar, mut bar_p) = (vec![0.0; 3 * self.at.q.len()], vec![0.0; self.p.len()]);
             let mut products = Products::new(active);
             let point = ProductPoint { at: &self.at, p: &self.p, t };
-            let mut bars = [ProductBars { avq: &mut bar, p: &mut bar_p }];
+            let mut seeds = [ProductSeeds { avq: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
-            products.add_elements(&system, adjoints, (Force::Residual, 1.0), point, &mut bars);
-            products.add_constraints(&system, (equations, ConstraintPart::Both), adjoints, &unknowns, point, &mut bars);
+            products.add_elements(&system, adjoints, (Force::Residual, 1.0), point, &mut seeds);
+            products.add_constraints(&system, (equations, ConstraintPart::Both), adjoints, &unknowns, point, &mut seeds);
             (bar, bar_p)
         };
         self.compare_products(&format!("{equations:?}"), found, &mut product_of)
@@ -720,9 +720,9 @@ impl<'s> Assembled<'s> {
         let found = |active: &[bool]| {
             let (mut bar, mut bar_p) = (vec![0.0; 3 * self.at.q.len()], vec![0.0; self.p.len()]);
             let point = ProductPoint { at: &self.at, p: &self.p, t };
-            let mut bars = [ProductBars { avq: &mut bar, p: &mut bar_p }];
+            let mut seeds = [ProductSeeds { avq: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
-            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(impulse), 1.0), point, &mut bars);
+            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(impulse), 1.0), point, &mut seeds);
             (bar, bar_p)
         };
         self.compare_products("impulse", found, &mut product_of)

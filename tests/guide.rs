@@ -116,10 +116,8 @@ fn commands_on_the_pages_run() {
     }
     fs::remove_dir_all(&folder).unwrap();
     assert!(run > 20, "only {run} commands");
-    let known = costate(root(), &["verify".into()]);
-    let known = String::from_utf8(known.stdout).unwrap();
-    let unknown: Vec<_> =
-        studies.iter().filter(|study| !known.lines().any(|line| line.split(' ').any(|own| own == *study))).collect();
+    let is_study = |study: &&String| root().join("verification").join(study).join("study.rs").is_file();
+    let unknown: Vec<_> = studies.iter().filter(|study| !is_study(study)).collect();
     assert!(studies.len() > 10 && unknown.is_empty(), "no studies: {unknown:?}");
 }
 

@@ -225,7 +225,11 @@ fn a_sweep_that_was_cut_off_goes_on_and_ends_with_the_same_table() {
     // what is not of this sweep stays as it is
     let cases: [(&[&str], String, &str); 7] = [
         (&[], "my notes".into(), "it is no table of a sweep"),
-        (&["--method", "dirk2"], format!("{whole}torn"), "design 1 follows from other laws, numbers, methods or settings"),
+        (
+            &["--method", "dirk2"],
+            format!("{whole}torn"),
+            "design 1 follows from other formulas, numbers, methods or settings",
+        ),
         (&["--set", "mass=2"], whole.clone(), "the file is of another scene, method or version"),
         (&["--vary", "mass=1:2:2"], whole.clone(), "of another scene or variation"),
         (&[], format!("{whole}{}\n", lines[3]), "line 10: the design 3 stands there twice"),
@@ -286,8 +290,8 @@ fn tables_of_other_laws_are_not_gone_on_with_and_stay_where_they_are() {
         assert!(PUSHED.contains(what), "{what}");
         folder.write("s.toml", &PUSHED.replace(what, by));
         for (arguments, message) in [
-            (&sweep[..], "other laws, numbers, methods or settings than it would here"),
-            (&optimize, "of the history follows from other laws, numbers, methods or settings"),
+            (&sweep[..], "other formulas, numbers, methods or settings than it would here"),
+            (&optimize, "of the history follows from other formulas, numbers, methods or settings"),
         ] {
             let said = text(&folder.run(2, &[arguments, &["--resume"]].concat()).stderr);
             assert!(said.contains(message), "{by}: {said}");

@@ -2,9 +2,9 @@
 
 use super::constraint_programs::ConstraintLayout;
 use super::element_programs::{ElementLayout, Force};
+use super::gather_map::{GatherMap, Starts};
 use super::null_spaces::places_of_numbers;
 use super::numbering::{DofMap, System};
-use super::places::{Places, Starts};
 use super::reduction::{NodeReduction, RotationCoordinates};
 use crate::elements::ConstraintPhysics;
 use crate::program::{Formula, ProgramCache};
@@ -15,16 +15,16 @@ use std::sync::Arc;
 
 /// Parts whose formulas are the same and whose nodes are of the same kinds.
 pub(super) struct Batch<L> {
-    /// Places of the parts in their list.
+    /// GatherMap of the parts in their list.
     pub parts: Vec<usize>,
     /// Kinds of their nodes.
     pub nodes: Box<[NodeReduction]>,
     /// The formula.
     pub formula: Arc<Formula>,
-    /// Places of arguments.
+    /// GatherMap of arguments.
     pub layout: L,
     /// Where the numbers of the parts stand.
-    pub places: Places,
+    pub places: GatherMap,
     /// Where the numbers of the bases of each node begin, those of N_L and of N_R alike.
     pub bases: SmallVec<[Starts; 3]>,
     /// Its programs.
@@ -69,7 +69,7 @@ fn sorted<'p, L>(
                 nodes,
                 formula,
                 layout: layout(part),
-                places: Places::default(),
+                places: GatherMap::default(),
                 bases: SmallVec::new(),
                 programs: ProgramCache::default(),
             });
@@ -78,7 +78,7 @@ fn sorted<'p, L>(
         batches[place].parts.push(part);
     }
     for batch in &mut batches {
-        batch.places = Places::of(batch.parts.iter().map(|&part| numbers(part)));
+        batch.places = GatherMap::of(batch.parts.iter().map(|&part| numbers(part)));
         let of_node =
             |node: usize| Starts::of_parts(batch.parts.iter().map(|&part| bases[numbers(part).0.nodes[node]].clone()));
         batch.bases = (0..batch.places.nodes.len()).map(of_node).collect();

@@ -4,8 +4,8 @@
 //! respect to v), and time derivatives follow along the motion.
 
 use super::element_programs::gradient;
+use super::gather_map::GatherMap;
 use super::lanes::Lanes;
-use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, VectorsAvq};
 use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives};
@@ -66,7 +66,7 @@ impl ConstraintLayout {
     }
 }
 
-impl Places {
+impl GatherMap {
     /// Writes the arguments for constraints side by side.
     #[inline(always)]
     pub fn write_constraints<S: RunScalar>(

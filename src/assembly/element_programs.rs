@@ -1,7 +1,7 @@
 //! Programs of elements: residual or impulse, its matrix along reduced columns, and products with adjoint variables.
 
+use super::gather_map::GatherMap;
 use super::lanes::Lanes;
-use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
@@ -58,7 +58,7 @@ impl ElementLayout {
     }
 }
 
-impl Places {
+impl GatherMap {
     /// Writes the arguments of the formula for elements side by side; a momentum by the size of the step counts `pace` times.
     #[inline(always)]
     pub fn write_elements<S: RunScalar>(

@@ -1,7 +1,7 @@
 //! Programs of many parts, some side by side, on all threads, and on all ranks.
 
+use super::gather_map::MOST_LANES;
 use super::lanes::{LaneResults, Lanes};
-use super::places::MOST_LANES;
 use crate::elements::RunScalar;
 use crate::exchange::{Exchange, world};
 use crate::program::{Program, ProgramWork};
@@ -35,44 +35,44 @@ impl<S: RunScalar> Aligned<S> {
 #[derive(Clone, Debug)]
 pub(crate) struct BatchWork<S> {
     groups: Vec<Group<S>>,
-    desks: Vec<Desk<S>>,
-    spread: Spread,
+    workspaces: Vec<ThreadWorkspace<S>>,
+    parallelism: Parallelism,
 }
 
 /// Who evaluates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Spread {
+enum Parallelism {
     Thread,
     Threads,
     Ranks,
 }
 
 impl<S> BatchWork<S> {
-    fn new(spread: Spread) -> Self {
-        BatchWork { groups: Vec::new(), desks: Vec::new(), spread }
+    fn new(parallelism: Parallelism) -> Self {
+        BatchWork { groups: Vec::new(), workspaces: Vec::new(), parallelism }
     }
 
     /// For evaluations that all ranks make in the same order: they share long ones.
     pub fn shared() -> Self {
-        Self::new(Spread::Ranks)
+        Self::new(Parallelism::Ranks)
     }
 
     /// For evaluations that other threads make others beside.
     pub fn on_one_thread() -> Self {
-        Self::new(Spread::Thread)
+        Self::new(Parallelism::Thread)
     }
 
-    /// Some groups and desks, made where they are not there yet.
-    fn first(&mut self, groups: usize, desks: usize) -> (&mut [Group<S>], &mut [Desk<S>]) {
+    /// Some groups and workspaces, made where they are not there yet.
+    fn first(&mut self, groups: usize, workspaces: usize) -> (&mut [Group<S>], &mut [ThreadWorkspace<S>]) {
         self.groups.resize_with(self.groups.len().max(groups), Group::default);
-        self.desks.resize_with(self.desks.len().max(desks), Desk::default);
-        (&mut self.groups[..groups], &mut self.desks[..desks])
+        self.workspaces.resize_with(self.workspaces.len().max(workspaces), ThreadWorkspace::default);
+        (&mut self.groups[..groups], &mut self.workspaces[..workspaces])
     }
 }
 
 impl<S> Default for BatchWork<S> {
     fn default() -> Self {
-        Self::new(Spread::Threads)
+        Self::new(Parallelism::Threads)
     }
 }
 
@@ -91,16 +91,16 @@ impl<S> Default for Group<S> {
 
 /// What one group after the other is evaluated with, so that it stays in the caches.
 #[derive(Clone, Debug)]
-struct Desk<S> {
+struct ThreadWorkspace<S> {
     /// Arguments, one element after the other, where they are written so.
     apart: Vec<S>,
     inputs: Aligned<S>,
     work: ProgramWork<S>,
 }
 
-impl<S> Default for Desk<S> {
+impl<S> Default for ThreadWorkspace<S> {
     fn default() -> Self {
-        Desk { apart: Vec::new(), inputs: Aligned::default(), work: ProgramWork::default() }
+        ThreadWorkspace { apart: Vec::new(), inputs: Aligned::default(), work: ProgramWork::default() }
     }
 }
 
@@ -139,7 +139,7 @@ pub(crate) fn run_lanes<S: RunScalar>(
 ) {
     let instructions = program.listing().instructions.len();
     let is_long = count * instructions >= SHARED[0] && instructions >= SHARED[1] * program.outputs();
-    if work.spread == Spread::Ranks && is_long && S::PARTS == 0 && world().ranks() > 1 {
+    if work.parallelism == Parallelism::Ranks && is_long && S::PARTS == 0 && world().ranks() > 1 {
         run_on_ranks(world(), program, count, work, write, read);
     } else {
         run_parts(program, 0..count, work, write, read);
@@ -191,27 +191,30 @@ fn run_parts<S: RunScalar>(
     let (begin, count) = (parts.start, parts.len());
     let lanes = S::lanes();
     let (inputs, outputs) = (program.inputs(), program.outputs());
-    let fill = |(group, desk): (&mut Group<S>, &mut Desk<S>)| {
+    let fill = |(group, workspace): (&mut Group<S>, &mut ThreadWorkspace<S>)| {
         let (parts, width) = next_group(count - group.first, lanes);
-        let numbers = desk.inputs.first(inputs * width);
-        write(Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 }, &mut desk.apart);
+        let numbers = workspace.inputs.first(inputs * width);
+        write(
+            Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 },
+            &mut workspace.apart,
+        );
     };
-    let run = |section: usize, (group, desk): (&mut Group<S>, &mut Desk<S>)| {
+    let run = |section: usize, (group, workspace): (&mut Group<S>, &mut ThreadWorkspace<S>)| {
         let width = next_group(count - group.first, lanes).1;
-        let (arguments, results) = (desk.inputs.first(inputs * width), group.outputs.first(outputs * width));
+        let (arguments, results) = (workspace.inputs.first(inputs * width), group.outputs.first(outputs * width));
         match (width, section) {
-            (1, 0) => S::run(program, arguments, results, &mut desk.work),
+            (1, 0) => S::run(program, arguments, results, &mut workspace.work),
             (1, _) => {}
-            _ => S::run_section(program, section, arguments, results, &mut desk.work),
+            _ => S::run_section(program, section, arguments, results, &mut workspace.work),
         }
     };
     let sections = if count * 3 > lanes { S::sections(program) } else { 1 };
-    // as many groups together as desks
-    let evaluate = |groups: &mut [Group<S>], desks: &mut [Desk<S>]| {
-        for groups in groups.chunks_mut(desks.len()) {
-            groups.iter_mut().zip(&mut *desks).for_each(fill);
+    // as many groups together as workspaces
+    let evaluate = |groups: &mut [Group<S>], workspaces: &mut [ThreadWorkspace<S>]| {
+        for groups in groups.chunks_mut(workspaces.len()) {
+            groups.iter_mut().zip(&mut *workspaces).for_each(fill);
             for section in 0..sections {
-                groups.iter_mut().zip(&mut *desks).for_each(|both| run(section, both));
+                groups.iter_mut().zip(&mut *workspaces).for_each(|both| run(section, both));
             }
         }
     };
@@ -226,26 +229,26 @@ fn run_parts<S: RunScalar>(
         let next = groups.iter_mut().zip(&mut firsts);
         next.map(|(group, first)| group.first = first).count()
     };
-    let alone = work.spread == Spread::Thread || rayon::current_num_threads() == 1 || count < 2 * lanes;
+    let alone = work.parallelism == Parallelism::Thread || rayon::current_num_threads() == 1 || count < 2 * lanes;
     if alone || count * program.listing().instructions.len() < PARALLEL {
-        let (groups, desks) = work.first(together, together);
+        let (groups, workspaces) = work.first(together, together);
         loop {
             let ready = set_firsts(groups);
             if ready == 0 {
                 return;
             }
-            evaluate(&mut groups[..ready], desks);
+            evaluate(&mut groups[..ready], workspaces);
             groups[..ready].iter_mut().for_each(&mut take);
         }
     }
     let at_once = (RESULTS / (outputs * lanes).max(1)).clamp(GROUPS, GROUPS.max(count / lanes));
     let chunk = at_once.div_ceil(CHUNKS * rayon::current_num_threads()).next_multiple_of(together);
-    let (groups, desks) = work.first(2 * at_once, at_once.div_ceil(chunk) * together);
+    let (groups, workspaces) = work.first(2 * at_once, at_once.div_ceil(chunk) * together);
     let (mut now, mut next) = groups.split_at_mut(at_once);
     let mut start = |groups: &mut [Group<S>]| {
         let ready = set_firsts(groups);
-        let chunks = groups[..ready].par_chunks_mut(chunk).zip(desks.par_chunks_mut(together));
-        chunks.for_each(|(groups, desks)| evaluate(groups, desks));
+        let chunks = groups[..ready].par_chunks_mut(chunk).zip(workspaces.par_chunks_mut(together));
+        chunks.for_each(|(groups, workspaces)| evaluate(groups, workspaces));
         ready
     };
     let mut ready = start(now);
@@ -259,7 +262,7 @@ fn run_parts<S: RunScalar>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::places::Starts;
+    use super::super::gather_map::Starts;
     use super::*;
     use crate::exchange::on_ranks;
     use crate::program::Formula;

@@ -1,8 +1,8 @@
 //! Arguments and results of parts that are evaluated side by side.
 
 use super::batches::Batch;
+use super::gather_map::{MOST_LANES, Starts};
 use super::null_spaces::{LEFT, NullSpaces, RIGHT};
-use super::places::{MOST_LANES, Starts};
 use crate::elements::RunScalar;
 use std::ops::Range;
 

@@ -59,7 +59,7 @@ pub struct Attached<P> {
 pub struct Spin {
     /// The nodes.
     pub nodes: Vec<NodeId>,
-    /// Places in p of a point of the axis \[m\], its direction, and the rate of the turn [rad/s].
+    /// GatherMap in p of a point of the axis \[m\], its direction, and the rate of the turn [rad/s].
     pub parameters: Range<usize>,
 }
 

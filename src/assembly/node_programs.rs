@@ -108,18 +108,18 @@ pub(super) fn products(
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, false));
         let (rates, lists) = inputs[layout.extra()..].split_at(6);
         let (lambda, lists) = lists.split_at(n);
-        let (unknowns, bars) = lists.split_at(n);
+        let (unknowns, seeds) = lists.split_at(n);
         let curvature = graph.reverse(&reactions, lambda, &inputs[n..2 * n]);
-        let mut bars = bars.to_vec();
+        let mut seeds = seeds.to_vec();
         if !parts_reactions {
-            (0..n).for_each(|dof| bars[5 * n + dof] = graph.add(bars[5 * n + dof], curvature[dof]));
+            (0..n).for_each(|dof| seeds[5 * n + dof] = graph.add(seeds[5 * n + dof], curvature[dof]));
         }
         // what is left of the adjoints along the eliminated directions belongs to the equations inside the node
         let mut left = Vec::new();
         for (place, &own) in unknowns.iter().enumerate() {
             let moved = (0..3).flat_map(|kind| [kind, 3 + kind]);
             left.push(moved.fold(own, |sum, kind| {
-                let term = graph.mul(rates[kind], bars[kind * n + place]);
+                let term = graph.mul(rates[kind], seeds[kind * n + place]);
                 graph.add(sum, term)
             }));
         }

@@ -296,7 +296,7 @@ pub struct System<'m> {
     pub model: &'m Model,
     /// The choices.
     pub options: SystemOptions,
-    /// Places of the matrix entries.
+    /// GatherMap of the matrix entries.
     pub pattern: Arc<SparsePattern>,
     pub(super) nodes: Vec<NodeUnknowns>,
     /// The same, by nodes of a kind that follow each other.
@@ -398,7 +398,7 @@ impl<'m> System<'m> {
         &self.node_blocks[self.locals[local].block].1
     }
 
-    /// Places of the multipliers of a constraint.
+    /// GatherMap of the multipliers of a constraint.
     pub(super) fn equations_of(&self, part: usize) -> Range<usize> {
         match self.model.constraints.get(part) {
             Some(joint) => joint.equations.clone(),

@@ -2,12 +2,12 @@ use super::batches::Batch;
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::evaluation::{BatchWork, run_lanes};
+use super::gather_map::{GatherMap, Starts};
 use super::inside_nodes::PRODUCTS;
 use super::jacobian::numbers_of;
 use super::lanes::{LaneResults, Run};
 use super::node_programs;
 use super::numbering::{DofMap, System};
-use super::places::{Places, Starts};
 use super::{Equations, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::program::Program;
@@ -56,7 +56,7 @@ pub struct ProductPoint<'p, S = f64> {
 }
 
 /// Where products go, for one functional.
-pub struct ProductBars<'b, S = f64> {
+pub struct ProductSeeds<'b, S = f64> {
     /// Adjoint of a, v and q, one behind the other.
     pub avq: &'b mut [S],
     /// Adjoint of the parameters.
@@ -72,7 +72,7 @@ struct Selection {
     /// Parts.
     parts: Vec<usize>,
     /// Where their numbers stand, unless they are the whole batch.
-    own: Option<Places>,
+    own: Option<GatherMap>,
     /// For one pair of functionals after the other.
     chosen: Vec<Chosen>,
     programs: HashMap<u32, ProductProgram>,
@@ -85,12 +85,17 @@ struct Chosen {
     now: Vec<usize>,
     /// Some that were chosen before, and where their numbers stand.
     before: Vec<usize>,
-    places: Places,
+    places: GatherMap,
 }
 
 impl Chosen {
     /// Chooses among so many parts; returns how many are, and where their numbers stand, given where those of all do.
-    fn places<'p>(&'p mut self, all: &'p Places, parts: usize, is_chosen: impl Fn(usize) -> bool) -> (usize, &'p Places) {
+    fn places<'p>(
+        &'p mut self,
+        all: &'p GatherMap,
+        parts: usize,
+        is_chosen: impl Fn(usize) -> bool,
+    ) -> (usize, &'p GatherMap) {
         self.now.clear();
         self.now.extend((0..parts).filter(|&part| is_chosen(part)));
         if self.now.len() == parts {
@@ -188,8 +193,8 @@ impl ProductProgram {
 
     /// Adds the results for some parts, times a factor.
     #[inline(always)]
-    fn add<S: RunScalar>(&self, results: &LaneResults<S>, places: &Places, factor: f64, bars: &mut [ProductBars<S>]) {
-        for (k, bar) in bars.iter_mut().enumerate() {
+    fn add<S: RunScalar>(&self, results: &LaneResults<S>, places: &GatherMap, factor: f64, seeds: &mut [ProductSeeds<S>]) {
+        for (k, bar) in seeds.iter_mut().enumerate() {
             let first = k * self.count;
             results.add_runs(first, &self.coordinates, &places.nodes, factor, bar.avq);
             let (own, offsets) = &self.parameters;
@@ -228,7 +233,7 @@ impl<S: RunScalar> Products<S> {
         adjoints: &[Adjoints<S>],
         (force, sign): (Force, f64),
         ProductPoint { at, p, t }: ProductPoint<S>,
-        bars: &mut [ProductBars<S>],
+        seeds: &mut [ProductSeeds<S>],
     ) {
         let batches = system.element_batches(force);
         let Products { elements, active, work, .. } = self;
@@ -238,8 +243,8 @@ impl<S: RunScalar> Products<S> {
             let (layout, n) = (batch.layout, batch.layout.n);
             let all = own.as_ref().unwrap_or(&batch.places);
             chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
-            let pairs = adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER));
-            for ((adjoints, bars), chosen) in pairs.zip(chosen) {
+            let pairs = adjoints.chunks(TOGETHER).zip(seeds.chunks_mut(TOGETHER));
+            for ((adjoints, seeds), chosen) in pairs.zip(chosen) {
                 let own = programs.entry(adjoints.len() as u32).or_insert_with(|| {
                     let program = element_programs::products(&batch.formula, layout, asked, adjoints.len());
                     ProductProgram::new(program, layout.t(), (system.model.dofs, &all.nodes), |place| match place {
@@ -257,7 +262,7 @@ impl<S: RunScalar> Products<S> {
                         places.write_elements(&mut lanes, (at, p, t.into()), (force, S::one()));
                         adjoints.iter().for_each(|adjoint| lanes.gather_nodes(&places.nodes, [&adjoint.f]));
                     },
-                    |results| own.add(&results, places, sign, bars),
+                    |results| own.add(&results, places, sign, seeds),
                 );
             }
         }
@@ -271,7 +276,7 @@ impl<S: RunScalar> Products<S> {
         adjoints: &[Adjoints<S>],
         unknowns: &Unknowns<S>,
         ProductPoint { at, p, t }: ProductPoint<S>,
-        bars: &mut [ProductBars<S>],
+        seeds: &mut [ProductSeeds<S>],
     ) {
         let batches = system.constraint_batches();
         let Products { constraints, active, work, .. } = self;
@@ -283,8 +288,8 @@ impl<S: RunScalar> Products<S> {
             let n = layout.n;
             let all = own.as_ref().unwrap_or(&batch.places);
             chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
-            let pairs = adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER));
-            for ((adjoints, bars), chosen) in pairs.zip(chosen) {
+            let pairs = adjoints.chunks(TOGETHER).zip(seeds.chunks_mut(TOGETHER));
+            for ((adjoints, seeds), chosen) in pairs.zip(chosen) {
                 let code = asked.short_code([false; 3]) * (TOGETHER + 1) as u32 + adjoints.len() as u32;
                 let own = programs.entry(code).or_insert_with(|| {
                     let program = constraint_programs::products(physics, asked, parameters, adjoints.len());
@@ -316,7 +321,7 @@ impl<S: RunScalar> Products<S> {
                             }
                         }
                     },
-                    |results| own.add(&results, places, factor, bars),
+                    |results| own.add(&results, places, factor, seeds),
                 );
             }
         }
@@ -330,7 +335,7 @@ fn any<S: Scalar>(part: &DofMap, values: &[S]) -> bool {
 }
 
 /// What goes through the constraints inside nodes, for one functional.
-pub struct NodeBars<'b> {
+pub struct NodeSeeds<'b> {
     /// Adjoint of the solution x of the system.
     pub x: &'b [f64],
     /// Adjoint variables.
@@ -352,7 +357,7 @@ impl Products {
         equations: &Equations,
         unknowns: &Unknowns<f64>,
         at: &VectorsAvq<f64>,
-        functionals: &mut [NodeBars],
+        functionals: &mut [NodeSeeds],
     ) {
         let (asked, scale) = Asked::at(equations, false);
         let parts_reactions = equations.parts_reactions();
@@ -364,7 +369,7 @@ impl Products {
             let (places, physics) = (&batch.places, system.constraint_inside(batch));
             let program =
                 batch.programs.get(code, || node_programs::products(physics, batch.layout, asked, parts_reactions));
-            for NodeBars { x, adjoints, elements, constraints, reactions } in &mut *functionals {
+            for NodeSeeds { x, adjoints, elements, constraints, reactions } in &mut *functionals {
                 inside_nodes.clear();
                 inside_nodes.resize(4 * all, 0.0);
                 run_lanes(
@@ -376,8 +381,8 @@ impl Products {
                         places.write_constraints(&mut lanes, (at, &[], 0.0), &unknowns.local_mu, scale);
                         rates.iter().for_each(|&rate| lanes.spread(rate));
                         lanes.gather_nodes(&places.nodes, [&adjoints.f[..], x]);
-                        for bars in [elements, &**constraints] {
-                            lanes.gather_nodes(&places.nodes, [&bars[..all], &bars[all..2 * all], &bars[2 * all..]]);
+                        for seeds in [elements, &**constraints] {
+                            lanes.gather_nodes(&places.nodes, [&seeds[..all], &seeds[all..2 * all], &seeds[2 * all..]]);
                         }
                     },
                     |results| {
@@ -389,7 +394,7 @@ impl Products {
                 );
                 let (own, of_reactions) = inside_nodes.split_at(3 * all);
                 constraints.iter_mut().zip(own).for_each(|(bar, own)| *bar += own);
-                let reactions = reactions.iter_mut().flat_map(|bars| &mut bars[2 * all..]);
+                let reactions = reactions.iter_mut().flat_map(|seeds| &mut seeds[2 * all..]);
                 reactions.zip(of_reactions).for_each(|(bar, own)| *bar += own);
             }
         }

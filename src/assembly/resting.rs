@@ -11,7 +11,7 @@ pub(crate) struct RestingModel {
     pub model: Model,
     /// For each of its parameters the one of the moving model.
     sources: Vec<usize>,
-    /// Places of states that the moving model has elsewhere, in v.
+    /// GatherMap of states that the moving model has elsewhere, in v.
     states: Vec<usize>,
 }
 
@@ -87,7 +87,7 @@ impl Model {
         held
     }
 
-    /// Places of all states.
+    /// GatherMap of all states.
     pub(crate) fn state_dofs(&self) -> impl Iterator<Item = usize> {
         self.nodes.iter().filter(|node| node.kind.is_of_states()).flat_map(|node| node.dofs.clone())
     }
@@ -177,8 +177,8 @@ impl Model {
         for node in spin.nodes.iter().map(|node| &self.nodes[node.0]) {
             let own = node.dofs.clone();
             let gradient = turn_gradient(node.kind, &q[own.clone()], &p[spin.parameters.clone()], &v_bar[own.clone()]);
-            let bars = q_bar[own.clone()].iter_mut().chain(&mut p_bar[spin.parameters.clone()]);
-            bars.zip(gradient).for_each(|(bar, own)| *bar += own);
+            let seeds = q_bar[own.clone()].iter_mut().chain(&mut p_bar[spin.parameters.clone()]);
+            seeds.zip(gradient).for_each(|(bar, own)| *bar += own);
             v_bar[own].fill(0.0);
         }
     }

@@ -223,6 +223,9 @@ impl<'p> CommandLine<'p> {
     pub fn main(&self) -> ExitCode {
         let matches = wrapped(self.command()).try_get_matches();
         let arguments = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
+        if let (Ok(Arguments { command: Command::Verify(_) }), true) = (&arguments, self.studies.is_empty()) {
+            return verify::hand_over();
+        }
         let ranks = match exchange::start() {
             Ok(ranks) => ranks,
             Err(message) => {
@@ -265,7 +268,6 @@ impl<'p> CommandLine<'p> {
     /// What it understands.
     fn command(&self) -> clap::Command {
         let command = Arguments::command().bin_name(&self.name).display_name(&self.name).version(env!("CARGO_PKG_VERSION"));
-        let command = command.mut_subcommand("verify", |verify| verify.hide(self.studies.is_empty()));
         command.mut_subcommands(|own| {
             let examples = self.examples(own.get_name());
             own.after_help(examples)

@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::{count, json_number, say, say_json, seconds};
+use super::console::{complain, count, json_number, say, say_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::study::{Figure, Form, Report, Study};
@@ -8,6 +8,7 @@ use crate::scenes::unknown;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 /// Options of `costate verify`.
@@ -38,6 +39,31 @@ struct Outcome<'p> {
     report: Report,
     error: Option<String>,
     seconds: f64,
+}
+
+/// The program with the studies of the source tree, which stands beside that without studies.
+const STUDIES: &str = "costate-verify";
+
+/// Lets the program with the studies do what this one was asked for, and ends as it does.
+pub fn hand_over() -> ExitCode {
+    let beside = std::env::current_exe().map(|own| own.with_file_name(format!("{STUDIES}{}", std::env::consts::EXE_SUFFIX)));
+    let missing = || {
+        let build = "cargo build --release -p costate-verification";
+        Failure::input(format!(
+            "the studies are the program {STUDIES}, which is not beside this one: {build}, in the source tree"
+        ))
+    };
+    let ended = beside.ok().filter(|path| path.is_file()).ok_or_else(missing).and_then(|path| {
+        let status = Command::new(&path).args(std::env::args_os().skip(1)).status();
+        status.map_err(|error| Failure::run(format!("{}: {error}", path.display())))
+    });
+    match ended {
+        Ok(status) => ExitCode::from(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1)),
+        Err(failure) => {
+            complain(&failure.message);
+            ExitCode::from(failure.code)
+        }
+    }
 }
 
 /// `costate verify`: lists the studies, or measures one or all.

@@ -218,11 +218,11 @@ mod tests {
             terms.fold([0.0; SUMS], |sums, own| std::array::from_fn(|i| sums[i] + own[i]))
         };
         let sums = sum(&mut VALUES.iter().map(|&(y, w)| of.terms(y, w, offset)));
-        let bars = derivatives(sums, |sums| of.value(Totals { offset, sums }));
+        let seeds = derivatives(sums, |sums| of.value(Totals { offset, sums }));
         let gradient = VALUES.iter().map(|&(y, w)| {
             derivatives([y, w], |[y, w]| {
                 let terms = of.terms(y, w, Tangents::from(offset));
-                terms.into_iter().zip(bars).map(|(term, bar)| term * bar).sum()
+                terms.into_iter().zip(seeds).map(|(term, bar)| term * bar).sum()
             })
         });
         (of.value(Totals { offset, sums }), gradient.collect())
@@ -249,8 +249,8 @@ mod tests {
             let of = Aggregate::new(kind, 8.0);
             let sums = of.terms(0.0, 0.5, of.first_offset());
             assert_eq!(of.value(Totals { offset: of.first_offset(), sums }), 0.0, "{kind:?}");
-            let bars = derivatives(sums, |sums| of.value(Totals { offset: of.first_offset(), sums }));
-            assert_eq!(bars, [0.0; SUMS], "{kind:?}");
+            let seeds = derivatives(sums, |sums| of.value(Totals { offset: of.first_offset(), sums }));
+            assert_eq!(seeds, [0.0; SUMS], "{kind:?}");
         }
     }
 

@@ -1,8 +1,8 @@
 use super::aggregate::{SUMS, Totals};
 use super::load::JointLoad;
 use super::measured_group::GroupWork;
-use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
-use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars, Times};
+use super::reactions::{AdjointSeeds, add_least_multipliers_transposed, least_multipliers};
+use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleSeeds, Times};
 use crate::assembly::{Clock, ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::{Place, StartRecord, StepRecord, SwitchWatch};
@@ -135,8 +135,8 @@ impl Sample<f64> {
         if !self.solved_mu.is_empty() && mu_bar.iter().any(|&bar| bar != 0.0) {
             let shared = mu_bar.to_vec();
             mu_bar.fill(0.0);
-            let bars = Bars { q: q_bar, mu: mu_bar, p: p_bar };
-            add_least_multipliers_transposed(model, &self.dropped, (p, &self.at.q, &self.solved_mu), self.t, &shared, bars);
+            let seeds = AdjointSeeds { q: q_bar, mu: mu_bar, p: p_bar };
+            add_least_multipliers_transposed(model, &self.dropped, (p, &self.at.q, &self.solved_mu), self.t, &shared, seeds);
         }
     }
 }
@@ -340,14 +340,14 @@ impl Measured {
     }
 
     /// Adds `factor` times the gradient of its only value at a sample; a group has a way of its own.
-    pub(super) fn add_gradient(&self, model: &Model, sample: &Sample<f64>, p: &[f64], factor: f64, bars: &mut SampleBars) {
+    pub(super) fn add_gradient(&self, model: &Model, sample: &Sample<f64>, p: &[f64], factor: f64, seeds: &mut SampleSeeds) {
         let Some(reading) = self.reading(model) else { return };
         reading.add_gradient(sample, p, factor, |place, entry| match place {
-            Place::A(dof) => bars.at.a[dof] += entry,
-            Place::V(dof) => bars.at.v[dof] += entry,
-            Place::Q(dof) => bars.at.q[dof] += entry,
-            Place::Mu(row) => bars.mu[row] += entry,
-            Place::P(index) => bars.p[index] += entry,
+            Place::A(dof) => seeds.at.a[dof] += entry,
+            Place::V(dof) => seeds.at.v[dof] += entry,
+            Place::Q(dof) => seeds.at.q[dof] += entry,
+            Place::Mu(row) => seeds.mu[row] += entry,
+            Place::P(index) => seeds.p[index] += entry,
             Place::Time => {}
         });
     }

@@ -5,7 +5,7 @@ use crate::assembly::{Model, VectorsAvq};
 use crate::scalar::Tangents;
 
 /// Where the gradient at a sample goes.
-pub struct SampleBars<'b> {
+pub struct SampleSeeds<'b> {
     /// Accelerations, velocities, coordinates.
     pub at: &'b mut VectorsAvq<f64>,
     /// Multipliers.
@@ -19,7 +19,7 @@ pub struct FunctionalGradient<'f> {
     /// The functional.
     pub functional: &'f Functional,
     /// Derivatives of its value by its sums.
-    bars: [f64; SUMS],
+    seeds: [f64; SUMS],
     /// Offset of these sums.
     offset: f64,
     group: Option<GroupGradient>,
@@ -30,25 +30,25 @@ impl<'f> FunctionalGradient<'f> {
     pub fn new(functional: &'f Functional, model: &Model, totals: &Totals<f64>, active: &[bool]) -> Self {
         let Functional { over, measured, .. } = functional;
         let offset = totals.offset;
-        let bars = derivatives(totals.sums, |sums| over.value(Totals { offset, sums }));
+        let seeds = derivatives(totals.sums, |sums| over.value(Totals { offset, sums }));
         let group = match measured {
             Measured::Group(group) => Some(group.gradient(model, over, active)),
             Measured::Energy(group) => Some(group.gradient(model, &Over::Integral, active)),
             _ => None,
         };
-        FunctionalGradient { functional, bars, offset, group }
+        FunctionalGradient { functional, seeds, offset, group }
     }
 
     /// Adds the share of a sample with a weight in time.
-    pub fn add(&mut self, model: &Model, sample: &Sample<f64>, p: &[f64], weight: f64, bars: &mut SampleBars) {
+    pub fn add(&mut self, model: &Model, sample: &Sample<f64>, p: &[f64], weight: f64, seeds: &mut SampleSeeds) {
         // where the value does not depend on its sums, no sample counts
-        if weight == 0.0 || self.bars == [0.0; SUMS] {
+        if weight == 0.0 || self.seeds == [0.0; SUMS] {
             return;
         }
         let Functional { over, measured, .. } = self.functional;
-        let weighted = self.bars.map(|bar| bar * weight);
+        let weighted = self.seeds.map(|bar| bar * weight);
         if let (Some(group), Measured::Group(_)) = (&mut self.group, measured) {
-            group.add(sample, p, (weighted, self.offset), bars.at, bars.p);
+            group.add(sample, p, (weighted, self.offset), seeds.at, seeds.p);
             return;
         }
         // a sum is linear in what it adds up
@@ -58,8 +58,8 @@ impl<'f> FunctionalGradient<'f> {
             terms.into_iter().zip(weighted).map(|(term, bar)| term * bar).sum()
         });
         match &mut self.group {
-            Some(group) => group.add(sample, p, ([factor, 0.0, 0.0], 0.0), bars.at, bars.p),
-            None => measured.add_gradient(model, sample, p, factor, bars),
+            Some(group) => group.add(sample, p, ([factor, 0.0, 0.0], 0.0), seeds.at, seeds.p),
+            None => measured.add_gradient(model, sample, p, factor, seeds),
         }
     }
 }

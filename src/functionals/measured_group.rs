@@ -515,12 +515,12 @@ impl GroupBatch {
             let sum = continued(graph, &all, |x| {
                 let (points, rest) = x.split_at(values.len() + weights.len());
                 let (y, w) = points.split_at(values.len());
-                let (bars, offset) = rest.split_at(SUMS);
+                let (seeds, offset) = rest.split_at(SUMS);
                 let mut sum = Recorded::from(0.0);
                 for (place, &y) in y.iter().enumerate() {
                     let weight = w.get(place).copied().unwrap_or(Recorded::from(1.0));
                     let terms = over.terms(y, weight, offset[0]);
-                    sum = terms.into_iter().zip(bars).fold(sum, |sum, (term, &bar)| sum + term * bar);
+                    sum = terms.into_iter().zip(seeds).fold(sum, |sum, (term, &bar)| sum + term * bar);
                 }
                 vec![sum]
             });
@@ -568,12 +568,12 @@ pub(super) struct GroupGradient {
 }
 
 impl GroupGradient {
-    /// Adds the gradient of bars . (N, D, M) at a sample, with the offset of these sums.
+    /// Adds the gradient of seeds . (N, D, M) at a sample, with the offset of these sums.
     pub fn add(
         &mut self,
         sample: &Sample<f64>,
         p: &[f64],
-        (bars, offset): ([f64; SUMS], f64),
+        (seeds, offset): ([f64; SUMS], f64),
         at_bar: &mut VectorsAvq<f64>,
         p_bar: &mut [f64],
     ) {
@@ -585,7 +585,7 @@ impl GroupGradient {
                 work,
                 |mut lanes, _| {
                     arguments.gather(places, sample, p, &mut lanes);
-                    lanes.spread_at(*extra, &bars);
+                    lanes.spread_at(*extra, &seeds);
                     lanes.spread_at(*extra + SUMS, &[offset]);
                 },
                 |lanes| results.add(places, &lanes, at_bar, p_bar),

@@ -31,7 +31,7 @@ pub(crate) use element_sum::ElementSum;
 pub use extremes::{Extreme, Extremes};
 pub(crate) use functional::Measured;
 pub use functional::{Functional, Sample};
-pub(crate) use gradient::{FunctionalGradient, SampleBars};
+pub(crate) use gradient::{FunctionalGradient, SampleSeeds};
 pub use load::LoadKind;
 pub(crate) use load::{JointLoad, joint_force_and_moment};
 pub(crate) use measured_group::{GroupFormula, GroupPart, MeasuredGroup};

@@ -40,7 +40,7 @@ fn combination<S: Scalar>(rows: &[Vec<(usize, S)>], weights: &[S], length: usize
 /// Entries of a square matrix: row, column and value, none twice.
 type Entries<S> = Vec<(usize, usize, S)>;
 
-/// Patterns that are kept: least multipliers' own and that of [`Sharing::outside`].
+/// Patterns that are kept: least multipliers' own and that of [`MinimumNormReactions::outside`].
 const PATTERNS: usize = 2;
 
 /// A pattern that was analysed.
@@ -85,7 +85,7 @@ fn solve<S: RunScalar>(size: usize, entries: &[(usize, usize, S)], right: &[Vec<
     let Some(mut analysed) = known.or_else(|| Analysed::new(size, entries)) else { return singular() };
     let mut values = vec![0.0; analysed.count];
     analysed.positions.iter().zip(entries).for_each(|(&place, entry)| values[place] = entry.2.value());
-    analysed.factors.start_afresh(false);
+    analysed.factors.reset_scaling(false);
     let solved = match analysed.factors.factor(&values) {
         Ok(()) => right.iter().map(|rhs| corrected(&mut analysed.factors, entries, rhs)).collect(),
         Err(_) => singular(),
@@ -173,13 +173,13 @@ impl<S: Scalar> Length<S> {
 
 impl Length<f64> {
     /// Adds its derivatives by the parameters, times a factor.
-    fn add_by_parameters(&self, p: &[f64], factor: f64, bars: &mut [f64]) {
+    fn add_by_parameters(&self, p: &[f64], factor: f64, seeds: &mut [f64]) {
         let sum: f64 = self.places.iter().map(|&place| p[place] * p[place]).sum();
         let count = self.places.len().max(1) as f64;
         let [by_sum] = derivatives([sum], |[sum]| (sum / Tangents::from(count)).sqrt());
         for &place in &self.places {
             let [by_parameter] = derivatives([p[place]], |[own]| own * own);
-            bars[place] += factor * by_sum * by_parameter;
+            seeds[place] += factor * by_sum * by_parameter;
         }
     }
 }
@@ -231,7 +231,7 @@ fn rows<S: RunScalar>(model: &Model, joints: &[usize], columns: &Columns, (p, q,
 }
 
 /// What stands between multipliers as solved and those of least norm.
-struct Sharing<S> {
+struct MinimumNormReactions<S> {
     /// Joints that may share loads with those of a redundant equation.
     joints: Vec<usize>,
     /// Their equations, in the numbering of the model. All that follows has those of here.
@@ -247,7 +247,7 @@ struct Sharing<S> {
 }
 
 /// Part of the solution of the sparse system.
-struct Shares<S> {
+struct MinimumNormSolution<S> {
     /// The multipliers of least norm.
     mu: Vec<S>,
     /// y.
@@ -258,7 +258,7 @@ struct Shares<S> {
     weights: Vec<S>,
 }
 
-impl<S: RunScalar> Sharing<S> {
+impl<S: RunScalar> MinimumNormReactions<S> {
     fn new(model: &Model, dropped: &[usize], p: &[S], q: &[S], t: S) -> Self {
         let joints = joints_with_those_of(model, dropped, p);
         let equations: Vec<usize> = joints.iter().flat_map(|&joint| model.constraints[joint].equations.clone()).collect();
@@ -274,7 +274,7 @@ impl<S: RunScalar> Sharing<S> {
             row.iter_mut().filter(|(column, _)| is_moment[*column]).for_each(|(_, x)| *x /= length.value);
         }
         let kept = (0..rows.len()).filter(|&row| dropped.binary_search(&equations[row]).is_err()).collect();
-        Sharing { joints, equations, columns, length, are_moments, rows, kept }
+        MinimumNormReactions { joints, equations, columns, length, are_moments, rows, kept }
     }
 
     /// Of numbers of all equations those of its own.
@@ -289,7 +289,7 @@ impl<S: RunScalar> Sharing<S> {
     }
 
     /// Solves mu - A y = g, s - A^T mu = 0, y - K^T w = 0, -K s = h for each (g, h).
-    fn shares<const N: usize>(&self, right: [[Vec<S>; 2]; N]) -> [Shares<S>; N] {
+    fn shares<const N: usize>(&self, right: [[Vec<S>; 2]; N]) -> [MinimumNormSolution<S>; N] {
         let (equations, columns, kept) = (self.rows.len(), self.columns.count, self.kept.len());
         let (along, force, weight) = (equations, equations + columns, equations + 2 * columns);
         let mut entries: Entries<S> = (0..weight).map(|unknown| (unknown, unknown, S::one())).collect();
@@ -311,7 +311,7 @@ impl<S: RunScalar> Sharing<S> {
         std::array::from_fn(|number| {
             let (solved, mut weights) = (&solved[number], vec![S::zero(); equations]);
             self.kept.iter().zip(&solved[weight..]).for_each(|(&equation, &own)| weights[equation] = own);
-            Shares {
+            MinimumNormSolution {
                 mu: solved[..equations].to_vec(),
                 along: solved[along..force].to_vec(),
                 force: solved[force..weight].to_vec(),
@@ -328,7 +328,7 @@ impl<S: RunScalar> Sharing<S> {
 
     /// mu*, as forces.
     fn least(&self, mu: &[S]) -> Vec<S> {
-        let [Shares { mu, .. }] = self.shares([self.of_least(mu)]);
+        let [MinimumNormSolution { mu, .. }] = self.shares([self.of_least(mu)]);
         mu
     }
 
@@ -340,7 +340,7 @@ impl<S: RunScalar> Sharing<S> {
     }
 }
 
-impl Sharing<f64> {
+impl MinimumNormReactions<f64> {
     /// d (alpha . A beta) / d L.
     fn by_length(&self, alpha: &[f64], beta: &[f64]) -> f64 {
         let mut of_moments = vec![0.0; self.columns.count];
@@ -354,10 +354,10 @@ impl Sharing<f64> {
 
 /// The multipliers of least norm with the same forces as `mu`, which are zero for `dropped` equations.
 pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: S) -> Vec<S> {
-    let sharing = Sharing::new(model, dropped, p, q, t);
-    let own = sharing.measured(&sharing.least(&sharing.measured(&sharing.own(mu), -1)), 1);
+    let minimum = MinimumNormReactions::new(model, dropped, p, q, t);
+    let own = minimum.measured(&minimum.least(&minimum.measured(&minimum.own(mu), -1)), 1);
     let mut all = mu.to_vec();
-    sharing.equations.iter().zip(own).for_each(|(&equation, own)| all[equation] = own);
+    minimum.equations.iter().zip(own).for_each(|(&equation, own)| all[equation] = own);
     all
 }
 
@@ -367,13 +367,13 @@ const DETERMINED: f64 = 1e-9;
 /// Multipliers that change no force, and can be added to those of least norm: a sum of all that there are, which has part in each equation
 /// whose multiplier the forces leave open.
 pub(crate) fn multipliers_without_forces(model: &Model, dropped: &[usize], p: &[f64], q: &[f64], t: f64) -> Vec<f64> {
-    let sharing = Sharing::new(model, dropped, p, q, t);
-    let any: Vec<f64> = unrelated_numbers().take(sharing.rows.len()).collect();
-    let least = sharing.least(&any);
+    let minimum = MinimumNormReactions::new(model, dropped, p, q, t);
+    let any: Vec<f64> = unrelated_numbers().take(minimum.rows.len()).collect();
+    let least = minimum.least(&any);
     let open = |(any, least): (&f64, &f64)| if (any - least).abs() < DETERMINED { 0.0 } else { any - least };
-    let own = sharing.measured(&any.iter().zip(&least).map(open).collect::<Vec<_>>(), 1);
+    let own = minimum.measured(&any.iter().zip(&least).map(open).collect::<Vec<_>>(), 1);
     let mut all = vec![0.0; model.equations];
-    sharing.equations.iter().zip(own).for_each(|(&equation, own)| all[equation] = own);
+    minimum.equations.iter().zip(own).for_each(|(&equation, own)| all[equation] = own);
     all
 }
 
@@ -390,13 +390,13 @@ fn joints_with_those_of<S: RunScalar>(model: &Model, equations: &[usize], p: &[S
 }
 
 /// Where the adjoints of [`least_multipliers`] go.
-pub(super) struct Bars<'b> {
+pub(super) struct AdjointSeeds<'b> {
     pub q: &'b mut [f64],
     pub mu: &'b mut [f64],
     pub p: &'b mut [f64],
 }
 
-/// Adds (d mu*/d(q, mu, p))^T mu*_bar to `bars`: the reverse of the sparse system.
+/// Adds (d mu*/d(q, mu, p))^T mu*_bar to `seeds`: the reverse of the sparse system.
 ///
 /// Its matrix is its own transpose but for the order of blocks, so that the adjoint variables (l1, l2, l3, l4) of its four equations are the
 /// solution (mu, y, s, w) with mu*_bar on the right, and
@@ -410,26 +410,26 @@ pub(super) fn add_least_multipliers_transposed(
     (p, q, solved): (&[f64], &[f64], &[f64]),
     t: f64,
     least_bar: &[f64],
-    bars: Bars,
+    seeds: AdjointSeeds,
 ) {
-    let sharing = Sharing::new(model, dropped, p, q, t);
+    let minimum = MinimumNormReactions::new(model, dropped, p, q, t);
     // what others bear is what was solved for them
     let mut of_others = least_bar.to_vec();
-    sharing.equations.iter().for_each(|&equation| of_others[equation] = 0.0);
-    bars.mu.iter_mut().zip(of_others).for_each(|(bar, other)| *bar += other);
-    let (solved, least_bar) = (&sharing.own(solved)[..], &sharing.own(least_bar)[..]);
-    let mu = &sharing.measured(solved, -1)[..];
-    let right = [sharing.measured(least_bar, 1), vec![0.0; sharing.kept.len()]];
-    let [own, adjoint] = sharing.shares([sharing.of_least(mu), right]);
-    let moved: Vec<f64> = sharing.rows.iter().map(|row| -product(row, &adjoint.along)).collect();
-    let solved_bars = sharing.equations.iter().zip(sharing.measured(&moved, -1));
-    solved_bars.for_each(|(&equation, moved)| bars.mu[equation] += moved);
-    let moments = (0..mu.len()).filter(|&row| sharing.are_moments[row]);
-    let [mut length_bar] = derivatives([sharing.length.value], |[length]| {
+    minimum.equations.iter().for_each(|&equation| of_others[equation] = 0.0);
+    seeds.mu.iter_mut().zip(of_others).for_each(|(bar, other)| *bar += other);
+    let (solved, least_bar) = (&minimum.own(solved)[..], &minimum.own(least_bar)[..]);
+    let mu = &minimum.measured(solved, -1)[..];
+    let right = [minimum.measured(least_bar, 1), vec![0.0; minimum.kept.len()]];
+    let [own, adjoint] = minimum.shares([minimum.of_least(mu), right]);
+    let moved: Vec<f64> = minimum.rows.iter().map(|row| -product(row, &adjoint.along)).collect();
+    let solved_bars = minimum.equations.iter().zip(minimum.measured(&moved, -1));
+    solved_bars.for_each(|(&equation, moved)| seeds.mu[equation] += moved);
+    let moments = (0..mu.len()).filter(|&row| minimum.are_moments[row]);
+    let [mut length_bar] = derivatives([minimum.length.value], |[length]| {
         moments.map(|row| length * (least_bar[row] * own.mu[row]) + Tangents::from(moved[row] * solved[row]) / length).sum()
     });
     let less = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-    let force = combination(&sharing.rows, mu, sharing.columns.count);
+    let force = combination(&minimum.rows, mu, minimum.columns.count);
     let pairs = [
         (&adjoint.mu, &own.along),
         (&less(&own.mu, mu), &adjoint.along),
@@ -437,27 +437,27 @@ pub(super) fn add_least_multipliers_transposed(
         (&adjoint.weights, &less(&own.force, &force)),
     ];
     for (alpha, beta) in pairs {
-        length_bar += sharing.by_length(alpha, beta);
-        let (alpha, beta) = (sharing.measured(alpha, 1), sharing.unmeasured_columns(beta));
-        add_along_rows(model, &sharing, (p, q), t, (&alpha, &beta), (bars.q, bars.p));
+        length_bar += minimum.by_length(alpha, beta);
+        let (alpha, beta) = (minimum.measured(alpha, 1), minimum.unmeasured_columns(beta));
+        add_along_rows(model, &minimum, (p, q), t, (&alpha, &beta), (seeds.q, seeds.p));
     }
-    sharing.length.add_by_parameters(p, length_bar, bars.p);
+    minimum.length.add_by_parameters(p, length_bar, seeds.p);
 }
 
 /// Adds the derivatives of alpha . A(q, p) beta.
 fn add_along_rows(
     model: &Model,
-    sharing: &Sharing<f64>,
+    minimum: &MinimumNormReactions<f64>,
     (p, q): (&[f64], &[f64]),
     t: f64,
     (alpha, beta): (&[f64], &[f64]),
     (q_bar, p_bar): (&mut [f64], &mut [f64]),
 ) {
     let mut first = 0;
-    for joint in sharing.joints.iter().map(|&joint| &model.constraints[joint]) {
+    for joint in minimum.joints.iter().map(|&joint| &model.constraints[joint]) {
         let alpha = &alpha[first..][..joint.equations.len()];
         first += alpha.len();
-        let nodes = || joint.nodes.iter().map(|node| (&model.nodes[node.0], sharing.columns.first[node.0]));
+        let nodes = || joint.nodes.iter().map(|node| (&model.nodes[node.0], minimum.columns.first[node.0]));
         let dofs: Vec<usize> = nodes().flat_map(|(node, _)| node.dofs.clone()).collect();
         let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
         // what stands still moves with nothing
@@ -482,7 +482,7 @@ mod tests {
     fn doubled_ties_bear_half_of_each_force_and_take_the_same_work_for_each() {
         let work = [50, 2000].map(|count| {
             let row = |i: usize| if i == 0 { vec![(0, 1.0)] } else { vec![(i - 1, -1.0), (i, 1.0)] };
-            let sharing = Sharing {
+            let minimum = MinimumNormReactions {
                 joints: Vec::new(),
                 equations: Vec::new(),
                 columns: Columns { first: Vec::new(), count, moments: Vec::new() },
@@ -492,14 +492,14 @@ mod tests {
                 kept: (0..count).map(|tie| 2 * tie).collect(),
             };
             let mu: Vec<f64> = (0..2 * count).map(|row| if row % 2 == 0 { (row as f64).sin() } else { 0.0 }).collect();
-            let [Shares { mu: least, along, weights, .. }] = sharing.shares([sharing.of_least(&mu)]);
+            let [MinimumNormSolution { mu: least, along, weights, .. }] = minimum.shares([minimum.of_least(&mu)]);
             // the condition of the rows of a chain grows with its length
             for (equation, least) in least.iter().enumerate() {
                 let off = (least - 0.5 * mu[equation / 2 * 2]).abs();
                 assert!(off < 1e-14 * count as f64, "equation {equation} of {count}: {off:e}");
             }
             // y = K^T w
-            let of_weights = combination(&sharing.rows, &weights, count);
+            let of_weights = combination(&minimum.rows, &weights, count);
             for (own, other) in along.iter().zip(&of_weights) {
                 assert!((own - other).abs() < 1e-12 * count as f64, "{own} {other}");
             }

@@ -2,8 +2,8 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pace, Pause, Prediction, Renewal,
-    Scheme, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepState, Track,
+    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pause, Prediction, Renewal,
+    Scheme, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState, StepState, Track,
 };
 
 /// Something that is written as bytes.
@@ -241,11 +241,11 @@ flat! {
     Floor { corrections, unknowns }
     KeptFactorization<f64> { factored, at, floors, measured, measured_for, contractions, renewal }
     Checkpoint<f64> { between, kept }
-    Pace { h, last_error, rejected, halvings, left }
+    StepSizeState { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
     StepErrors { worst, sizes, accelerations, orientation, leap, stability }
     Stability { negative, neutral, determinant, turns }
     StabilityCourse { end, lost }
     Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
-    Pause<f64> { checkpoint, t, pace, errors, counters }
+    Pause<f64> { checkpoint, t, step_size, errors, counters }
 }

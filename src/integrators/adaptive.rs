@@ -4,14 +4,14 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::checkpoint::StepState;
-use super::course::Course;
 use super::initial_guess::InitialGuess;
-use super::load_steps::{Loading, first_pace};
+use super::load_steps::{Loading, first_step_size};
 use super::march::{Method, Problem, Run, embedded_difference};
 use super::record::{Recorder, SolveRecord, StepRecord};
+use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::step_choice::{Attempt, Beginning, StepChoice, Tried, march_by};
-use super::{Checkpoint, Embedded, Pace, RunError, Scheme, StartPlan, Table, TimeGrid};
+use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
+use super::{Checkpoint, Embedded, RunError, Scheme, StartPlan, StepSizeState, Table, TimeGrid};
 
 /// Error allowed in one step: absolute + relative times the size of each entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,21 +97,21 @@ pub fn march_adaptive(
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(stretches.times[0], 0);
-    let mut course = Course::new(stretches, &mut grid, FIRST_PACE);
+    let mut interval = RunInterval::new(stretches, &mut grid, FIRST_STEP_SIZE);
     let run = control.check(&method.table).and_then(|()| {
-        let beginning = Beginning::of(plan);
+        let start = RunStart::of(plan);
         if method.table.is_static() {
-            course.pace = first_pace(course.duration());
-            return march_by(problem, method, beginning, (Loading::new(control), course), recorder);
+            interval.step_size = first_step_size(interval.duration());
+            return time_loop(problem, method, start, (Loading::new(control), interval), recorder);
         }
-        let choice = ByError::new(problem, &method.table, control);
-        march_by(problem, method, beginning, (choice, course), recorder)
+        let selection = ByError::new(problem, &method.table, control);
+        time_loop(problem, method, start, (selection, interval), recorder)
     });
     (grid, run)
 }
 
 /// Before a first size is chosen.
-const FIRST_PACE: Pace = Pace { h: 0.0, last_error: 1.0, rejected: 0, halvings: 0, left: 0 };
+const FIRST_STEP_SIZE: StepSizeState = StepSizeState { h: 0.0, last_error: 1.0, rejected: 0, halvings: 0, left: 0 };
 
 /// Steps as long as their error allows.
 struct ByError<'c> {
@@ -171,44 +171,51 @@ impl<'c> ByError<'c> {
     }
 
     /// Whether a step of size `h` with this error is taken; chooses the next size.
-    fn accepts_error(&mut self, error: f64, h: f64, course: &mut Course) -> Result<bool, RunError> {
+    fn accepts_error(&mut self, error: f64, h: f64, interval: &mut RunInterval) -> Result<bool, RunError> {
         let order = self.embedded.order as f64 + 1.0;
         if error <= 1.0 {
             let least = error.max(1e-10);
-            let factor = SAFETY * least.powf(-EXPONENTS[0] / order) * course.pace.last_error.powf(EXPONENTS[1] / order);
+            let factor =
+                SAFETY * least.powf(-EXPONENTS[0] / order) * interval.step_size.last_error.powf(EXPONENTS[1] / order);
             // right after a failure there is no reason to grow
             let most = if self.retried { 1.0 } else { CHANGE[1] };
             self.retried = false;
-            course.pace = Pace { h: h * factor.clamp(CHANGE[0], most), last_error: least, halvings: 0, ..course.pace };
+            interval.step_size =
+                StepSizeState { h: h * factor.clamp(CHANGE[0], most), last_error: least, halvings: 0, ..interval.step_size };
             return Ok(true);
         }
         let factor =
             if error.is_finite() { (SAFETY * error.powf(-1.0 / order)).clamp(CHANGE[0], SAFETY) } else { CHANGE[0] };
-        self.shorten(factor * h, course)?;
+        self.shorten(factor * h, interval)?;
         Ok(false)
     }
 
-    fn shorten(&mut self, h: f64, course: &mut Course) -> Result<(), RunError> {
+    fn shorten(&mut self, h: f64, interval: &mut RunInterval) -> Result<(), RunError> {
         self.retried = true;
-        course.pace.rejected += 1;
-        course.pace.h = h;
-        if h > SHORTEST * course.duration() {
+        interval.step_size.rejected += 1;
+        interval.step_size.h = h;
+        if h > SHORTEST * interval.duration() {
             return Ok(());
         }
-        Err(RunError::StepSize { step: course.grid.steps() + 1, t: course.t(), h })
+        Err(RunError::StepSize { step: interval.grid.steps() + 1, t: interval.t(), h })
     }
 }
 
-impl StepChoice<f64> for ByError<'_> {
+impl StepSelection<f64> for ByError<'_> {
     const GOES_BACK: bool = true;
 
     /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
     ///
     /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.
-    fn begin(&mut self, course: &mut Course, stepper: &mut Stepper<f64>, before: &Checkpoint<f64>) -> Result<(), RunError> {
+    fn begin(
+        &mut self,
+        interval: &mut RunInterval,
+        stepper: &mut Stepper<f64>,
+        before: &Checkpoint<f64>,
+    ) -> Result<(), RunError> {
         let state = &before.between;
         let (q, v, a) = (&state.carried[0], &state.carried[1], state.acceleration());
-        let duration = course.span(f64::INFINITY).1 - course.t();
+        let duration = interval.span(f64::INFINITY).1 - interval.t();
         let StepControl { coordinates, velocities, .. } = *self.control;
         let states = self.ratio(coordinates, q, [q, q]).max(self.ratio(velocities, v, [v, v]));
         let changes = self.ratio(coordinates, v, [q, q]).max(self.ratio(velocities, a, [v, v]));
@@ -217,8 +224,13 @@ impl StepChoice<f64> for ByError<'_> {
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
         let mut later = SolveRecord::empty();
-        let solved =
-            stepper.solve_acceleration((&moved(q, v), &moved(v, a)), course.t() + trial, 0, InitialGuess::Zero, &mut later);
+        let solved = stepper.solve_acceleration(
+            (&moved(q, v), &moved(v, a)),
+            interval.t() + trial,
+            0,
+            InitialGuess::Zero,
+            &mut later,
+        );
         let curvature = match solved {
             Ok(()) => {
                 let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();
@@ -230,31 +242,31 @@ impl StepChoice<f64> for ByError<'_> {
         let fastest: f64 = changes.max(curvature);
         let exponent = 1.0 / (self.embedded.order as f64 + 1.0);
         let h = if fastest > 1e-15 { (0.01 / fastest).powf(exponent) } else { 1e-3 * duration };
-        course.pace.h = h.min(100.0 * trial).min(self.control.longest);
+        interval.step_size.h = h.min(100.0 * trial).min(self.control.longest);
         stepper.resume(before)
     }
 
-    fn next(&mut self, course: &mut Course, _stepper: &Stepper<f64>) -> Result<Attempt<'_>, RunError> {
-        course.pace.h = course.pace.h.min(self.control.longest);
-        Ok(Attempt { h: course.pace.h, scheme: Scheme::Main, guided: None })
+    fn next(&mut self, interval: &mut RunInterval, _stepper: &Stepper<f64>) -> Result<TrialStep<'_>, RunError> {
+        interval.step_size.h = interval.step_size.h.min(self.control.longest);
+        Ok(TrialStep { h: interval.step_size.h, scheme: Scheme::Main, guided: None })
     }
 
     fn accepts(
         &mut self,
-        Tried { span: (t, end), made, .. }: Tried,
-        course: &mut Course,
+        TrialOutcome { span: (t, end), made, .. }: TrialOutcome,
+        interval: &mut RunInterval,
         stepper: &mut Stepper<f64>,
         before: &Checkpoint<f64>,
     ) -> Result<bool, RunError> {
         let h = end - t;
         let Err(failure) = made else {
             let error = self.error(stepper.record(), &before.between, &stepper.between);
-            return self.accepts_error(error, h, course);
+            return self.accepts_error(error, h, interval);
         };
-        course.pace.halvings += 1;
-        if course.pace.halvings > MOST_HALVINGS {
+        interval.step_size.halvings += 1;
+        if interval.step_size.halvings > MOST_HALVINGS {
             return Err(failure.of_all_steps());
         }
-        self.shorten(0.5 * h, course).map(|()| false).map_err(|_| failure.of_all_steps())
+        self.shorten(0.5 * h, interval).map(|()| false).map_err(|_| failure.of_all_steps())
     }
 }

@@ -136,7 +136,7 @@ impl<'p> Amplitudes<'p> {
                 }
             }
         }
-        self.factors.start_afresh(false);
+        self.factors.reset_scaling(false);
         self.factors.factor(&self.values)
     }
 

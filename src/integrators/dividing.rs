@@ -1,11 +1,11 @@
 //! Given steps, divided where Newton's method cannot make them.
 
-use super::course::Course;
 use super::march::{Method, Problem, Run};
 use super::record::Recorder;
+use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::step_choice::{Attempt, Beginning, StepChoice, Tried, march_by};
-use super::{Checkpoint, Pace, RunError, StartPlan, TimeGrid};
+use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
+use super::{Checkpoint, RunError, StartPlan, StepSizeState, TimeGrid};
 
 /// How often a step is halved before the run is given up.
 const MOST_HALVINGS: usize = 8;
@@ -23,32 +23,32 @@ pub fn march_dividing(
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
-    let course = Course::new(steps, &mut grid, WHOLE);
-    let run = march_by(problem, method, Beginning::of(plan), (Dividing, course), recorder);
+    let interval = RunInterval::new(steps, &mut grid, WHOLE);
+    let run = time_loop(problem, method, RunStart::of(plan), (Dividing, interval), recorder);
     (grid, run)
 }
 
 /// A given step is one part of itself until it is halved.
-const WHOLE: Pace = Pace { h: f64::INFINITY, last_error: 0.0, rejected: 0, halvings: 0, left: 1 };
+const WHOLE: StepSizeState = StepSizeState { h: f64::INFINITY, last_error: 0.0, rejected: 0, halvings: 0, left: 1 };
 
 struct Dividing;
 
-impl StepChoice<f64> for Dividing {
+impl StepSelection<f64> for Dividing {
     const GOES_BACK: bool = true;
 
-    fn next(&mut self, course: &mut Course, stepper: &Stepper<f64>) -> Result<Attempt<'_>, RunError> {
-        let h = course.pace.h;
-        Ok(Attempt { h, scheme: course.scheme(&stepper.method.table, h), guided: None })
+    fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<f64>) -> Result<TrialStep<'_>, RunError> {
+        let h = interval.step_size.h;
+        Ok(TrialStep { h, scheme: interval.scheme(&stepper.method.table, h), guided: None })
     }
 
     fn accepts(
         &mut self,
-        Tried { span, reached, made }: Tried,
-        course: &mut Course,
+        TrialOutcome { span, reached, made }: TrialOutcome,
+        interval: &mut RunInterval,
         stepper: &mut Stepper<f64>,
         _before: &Checkpoint<f64>,
     ) -> Result<bool, RunError> {
-        let Pace { rejected, halvings, left, .. } = course.pace;
+        let StepSizeState { rejected, halvings, left, .. } = interval.step_size;
         let stability = if made.is_ok() { stepper.stability() } else { None };
         let is_divided = halvings < MOST_HALVINGS
             && match &made {
@@ -58,15 +58,16 @@ impl StepChoice<f64> for Dividing {
             };
         if is_divided {
             let h = 0.5 * (reached - span.0);
-            course.pace = Pace { h, rejected: rejected + 1, halvings: halvings + 1, left: 2 * left, ..WHOLE };
+            interval.step_size =
+                StepSizeState { h, rejected: rejected + 1, halvings: halvings + 1, left: 2 * left, ..WHOLE };
             return Ok(false);
         }
         made?;
         stepper.note_error();
         stepper.note_stability(stability);
-        course.pace.left -= 1;
-        if course.pace.left == 0 {
-            course.pace = Pace { rejected, ..WHOLE };
+        interval.step_size.left -= 1;
+        if interval.step_size.left == 0 {
+            interval.step_size = StepSizeState { rejected, ..WHOLE };
         }
         Ok(true)
     }

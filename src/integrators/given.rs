@@ -1,11 +1,11 @@
 //! Steps that are given.
 
-use super::course::Course;
 use super::march::{Method, Problem, Run};
 use super::record::{Guide, Recorder, Steps};
+use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::step_choice::{Attempt, Beginning, StepChoice, Tried, march_by};
-use super::{Checkpoint, Clocks, Pace, RunError, StartPlan, TimeGrid};
+use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
+use super::{Checkpoint, Clocks, RunError, StartPlan, StepSizeState, TimeGrid};
 use crate::elements::RunScalar;
 
 /// Runs a problem over a grid and hands every step to the recorder.
@@ -38,36 +38,36 @@ pub fn march_along<S: RunScalar>(
     let (guided, steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     let mut taken = TimeGrid::begin(grid.times[0], grid.asked);
     taken.times.reserve_exact(grid.steps());
-    let course = Course::new(grid, &mut taken, Pace::default());
-    march_by(problem, method, Beginning { plan, clocks: Some(clocks), guided }, (Given { steps }, course), recorder)
+    let interval = RunInterval::new(grid, &mut taken, StepSizeState::default());
+    time_loop(problem, method, RunStart { plan, clocks: Some(clocks), guided }, (Given { steps }, interval), recorder)
 }
 
-/// Each stretch of the course is a step.
+/// Each stretch of the interval is a step.
 struct Given<'g> {
     /// Those of a finished real run.
     steps: Option<&'g mut dyn Steps>,
 }
 
-impl<S: RunScalar> StepChoice<S> for Given<'_> {
+impl<S: RunScalar> StepSelection<S> for Given<'_> {
     const GOES_BACK: bool = false;
 
-    fn next(&mut self, course: &mut Course, stepper: &Stepper<S>) -> Result<Attempt<'_>, RunError> {
+    fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<S>) -> Result<TrialStep<'_>, RunError> {
         let guided = match &mut self.steps {
             Some(steps) => steps.next()?,
             None => None,
         };
         let h = f64::INFINITY;
-        Ok(Attempt { h, scheme: course.scheme(&stepper.method.table, h), guided })
+        Ok(TrialStep { h, scheme: interval.scheme(&stepper.method.table, h), guided })
     }
 
     fn accepts(
         &mut self,
-        tried: Tried,
-        _course: &mut Course,
+        trial: TrialOutcome,
+        _interval: &mut RunInterval,
         stepper: &mut Stepper<S>,
         _before: &Checkpoint<S>,
     ) -> Result<bool, RunError> {
-        tried.made?;
+        trial.made?;
         if self.steps.is_none() {
             stepper.note_error();
             let stability = stepper.stability();

@@ -1,9 +1,9 @@
 //! Load steps as long as Newton's method finds the next equilibrium.
 
-use super::course::Course;
+use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::step_choice::{Attempt, StepChoice, Tried};
-use super::{Checkpoint, Pace, RunError, Scheme, StepControl};
+use super::time_loop::{StepSelection, TrialOutcome, TrialStep};
+use super::{Checkpoint, RunError, Scheme, StepControl, StepSizeState};
 
 /// First step, as a share of the load.
 const FIRST: f64 = 0.1;
@@ -17,8 +17,8 @@ const QUICK: usize = 8;
 const GROWTH: f64 = 2.0;
 
 /// The first step of a load.
-pub(super) fn first_pace(duration: f64) -> Pace {
-    Pace { h: FIRST * duration, ..Pace::default() }
+pub(super) fn first_step_size(duration: f64) -> StepSizeState {
+    StepSizeState { h: FIRST * duration, ..StepSizeState::default() }
 }
 
 /// Steps are halved where Newton's method fails and doubled where it converges quickly; of the control only the longest step counts.
@@ -36,50 +36,50 @@ impl<'c> Loading<'c> {
     }
 }
 
-impl StepChoice<f64> for Loading<'_> {
+impl StepSelection<f64> for Loading<'_> {
     const GOES_BACK: bool = true;
 
-    fn next(&mut self, course: &mut Course, stepper: &Stepper<f64>) -> Result<Attempt<'_>, RunError> {
-        course.pace.h = course.pace.h.min(self.control.longest);
+    fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<f64>) -> Result<TrialStep<'_>, RunError> {
+        interval.step_size.h = interval.step_size.h.min(self.control.longest);
         self.iterations = stepper.counters().iterations;
-        Ok(Attempt { h: course.pace.h, scheme: Scheme::Main, guided: None })
+        Ok(TrialStep { h: interval.step_size.h, scheme: Scheme::Main, guided: None })
     }
 
     fn accepts(
         &mut self,
-        Tried { span, reached, made }: Tried,
-        course: &mut Course,
+        TrialOutcome { span, reached, made }: TrialOutcome,
+        interval: &mut RunInterval,
         stepper: &mut Stepper<f64>,
         _before: &Checkpoint<f64>,
     ) -> Result<bool, RunError> {
         let h = reached - span.0;
         if made.is_ok() {
             let stability = stepper.stability();
-            if h < SHORT * course.duration() || !stepper.loses(stability) {
+            if h < SHORT * interval.duration() || !stepper.loses(stability) {
                 stepper.note_stability(stability);
                 if !self.failed && stepper.counters().iterations - self.iterations <= QUICK {
-                    course.pace.h *= GROWTH;
+                    interval.step_size.h *= GROWTH;
                 }
                 self.failed = false;
                 return Ok(true);
             }
         }
         self.failed = true;
-        course.pace.rejected += 1;
-        course.pace.h = h / GROWTH;
+        interval.step_size.rejected += 1;
+        interval.step_size.h = h / GROWTH;
         match made {
             Err(cause) if !cause.is_of_step() => Err(cause),
-            Err(cause) if course.pace.h < SHORTEST * course.duration() => Err(limit(cause, course)),
+            Err(cause) if interval.step_size.h < SHORTEST * interval.duration() => Err(limit(cause, interval)),
             _ => Ok(false),
         }
     }
 }
 
 /// Why the path ends; the very first equilibrium fails for reasons of its own.
-fn limit(cause: RunError, course: &Course) -> RunError {
-    if course.grid.steps() == 0 {
+fn limit(cause: RunError, interval: &RunInterval) -> RunError {
+    if interval.grid.steps() == 0 {
         return cause;
     }
     let hint = "the load may have reached its limit; follow the path by its arc length, or simulate the motion";
-    RunError::NoEquilibrium { t: course.t(), h: course.pace.h, hint, cause: cause.to_string() }
+    RunError::NoEquilibrium { t: interval.t(), h: interval.step_size.h, hint, cause: cause.to_string() }
 }

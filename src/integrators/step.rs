@@ -14,8 +14,8 @@ use super::start::check_velocities;
 use super::steady_turn;
 use super::step_points::StepRule;
 use super::{
-    Carried, ConstraintLevel, InitialState, Pace, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse,
-    StartPlan, Table, TimeGrid, Verdict,
+    Carried, ConstraintLevel, InitialState, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse, StartPlan,
+    StepSizeState, Table, TimeGrid, Verdict,
 };
 use crate::assembly::{Clock, ConstraintRows, Equations, Residual, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
@@ -111,8 +111,8 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
 /// Solvers of accelerations, of stages with projections, and of the start.
 fn solvers<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<[Newton<'m, S>; 3], RunError> {
     let acceleration = newton(method, system)?;
-    let another = || acceleration.another().map_err(|singular| RunError::of_pattern("start", singular));
-    let (stage, start) = (another()?, another()?);
+    let clone = || acceleration.clone_analysis().map_err(|singular| RunError::of_pattern("start", singular));
+    let (stage, start) = (clone()?, clone()?);
     let mut all = [acceleration, stage, start];
     all.iter_mut().for_each(|newton| newton.counters = Counters::measuring(method.measures_phases));
     Ok(all)
@@ -210,8 +210,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// All that it takes to go on from the end of a step at a time [s].
-    pub(super) fn pause(&self, t: f64, pace: Pace) -> Pause<S> {
-        Pause { checkpoint: self.checkpoint(), t, pace, errors: self.resolution.errors.clone(), counters: self.counters() }
+    pub(super) fn pause(&self, t: f64, step_size: StepSizeState) -> Pause<S> {
+        Pause {
+            checkpoint: self.checkpoint(),
+            t,
+            step_size,
+            errors: self.resolution.errors.clone(),
+            counters: self.counters(),
+        }
     }
 
     /// Goes on from a pause, whose counts go on, too.

@@ -151,7 +151,7 @@ pub struct Factorization {
     /// Largest of the values given last.
     largest: f64,
     /// Whether unknowns that multipliers tie to far stiffer ones count as weak.
-    is_careful: bool,
+    refined_scaling: bool,
     /// Right-hand sides of a transposed solution, and corrections of it.
     given: Vec<f64>,
     correction: Vec<f64>,
@@ -231,7 +231,7 @@ impl Factorization {
             scaled: Vec::new(),
             scaling,
             largest: 0.0,
-            is_careful: false,
+            refined_scaling: false,
             pattern,
             given: Vec::new(),
             correction: Vec::new(),
@@ -248,10 +248,10 @@ impl Factorization {
     ///
     /// # Errors
     /// As for [`Factorization::new`].
-    pub fn another(&self) -> Result<Self, Singular> {
-        let Some(solver) = self.solver.another() else { return Factorization::new(&self.pattern, self.plan.backend) };
-        let another = Self::of(solver, self.plan, self.pattern.clone(), self.scaling.another());
-        Ok(Self { own: self.own.clone(), threads: self.threads.clone(), ..another })
+    pub fn clone_analysis(&self) -> Result<Self, Singular> {
+        let Some(solver) = self.solver.clone_analysis() else { return Factorization::new(&self.pattern, self.plan.backend) };
+        let clone = Self::of(solver, self.plan, self.pattern.clone(), self.scaling.clone_analysis());
+        Ok(Self { own: self.own.clone(), threads: self.threads.clone(), ..clone })
     }
 
     /// Factors values given in the order of the pattern; the first ones are examined for singularity.
@@ -289,13 +289,13 @@ impl Factorization {
     fn factor_finite(&mut self, values: &mut Values) -> Result<(), Singular> {
         (self.is_stale, self.has_factors) = (false, false);
         let factored = self.factor_scaled(values);
-        if factored.is_ok() || self.is_careful {
+        if factored.is_ok() || self.refined_scaling {
             self.has_factors = factored.is_ok();
             return factored;
         }
-        self.is_careful = true;
+        self.refined_scaling = true;
         let again = self.factor_scaled(values);
-        self.is_careful = again.is_ok();
+        self.refined_scaling = again.is_ok();
         self.has_factors = again.is_ok();
         again.or(factored)
     }
@@ -303,11 +303,11 @@ impl Factorization {
     fn factor_scaled(&mut self, values: &mut Values) -> Result<(), Singular> {
         let values = match values {
             Values::Whole(values) => {
-                self.scaling.set(values, self.largest, self.is_careful);
+                self.scaling.set(values, self.largest, self.refined_scaling);
                 *values
             }
             Values::Own(values, own) => {
-                self.scaling.set_own(values, self.largest, self.is_careful, own);
+                self.scaling.set_own(values, self.largest, self.refined_scaling, own);
                 &**values
             }
         };
@@ -322,14 +322,14 @@ impl Factorization {
     }
 
     /// Scales the next values with such care, whatever came before them.
-    pub fn start_afresh(&mut self, is_careful: bool) {
-        self.checked &= is_careful || !self.is_careful;
-        self.is_careful = is_careful;
+    pub fn reset_scaling(&mut self, refined_scaling: bool) {
+        self.checked &= refined_scaling || !self.refined_scaling;
+        self.refined_scaling = refined_scaling;
     }
 
     /// Whether the values factored last needed care: unknowns that multipliers tie to far stiffer ones count as weak.
-    pub fn is_careful(&self) -> bool {
-        self.is_careful
+    pub fn refined_scaling(&self) -> bool {
+        self.refined_scaling
     }
 
     /// Keeps the factors of other values for those given now, if there are any: [`Factorization::solve_transposed`] refines solutions by these
@@ -692,7 +692,7 @@ mod tests {
 
     /// Solutions with factors of its own.
     fn solved(like: &Factorization, values: &[f64], rhs: &[f64]) -> Vec<f64> {
-        let mut own = like.another().unwrap();
+        let mut own = like.clone_analysis().unwrap();
         own.factor(values).unwrap();
         let mut x = rhs.to_vec();
         assert_eq!(own.solve_transposed(&mut x), Ok(TransposedSolution::Found));

@@ -48,7 +48,7 @@ pub trait LinearSolver: Send {
     /// [`Singular`] if a pivot is zero, tiny or not finite and the solver sees it.
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular>;
     /// Another solver of the pattern that has factored nothing yet, where that takes no second analysis.
-    fn another(&self) -> Option<Box<dyn LinearSolver>> {
+    fn clone_analysis(&self) -> Option<Box<dyn LinearSolver>> {
         None
     }
     /// Numbers of positive and negative eigenvalues of a symmetric matrix of the pattern, whatever was factored; so many negative ones are

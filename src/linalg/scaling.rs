@@ -79,7 +79,7 @@ impl Scaling {
     }
 
     /// Another one of the pattern.
-    pub fn another(&self) -> Self {
+    pub fn clone_analysis(&self) -> Self {
         Self::of(self.pattern.clone(), self.layout.clone())
     }
 
@@ -107,19 +107,19 @@ impl Scaling {
     /// Sets the scales for values.
     ///
     /// * `largest`    of the values
-    /// * `is_careful` whether unknowns that multipliers tie to far stiffer ones count as weak
-    pub fn set(&mut self, values: &[f64], largest: f64, is_careful: bool) {
+    /// * `refined_scaling` whether unknowns that multipliers tie to far stiffer ones count as weak
+    pub fn set(&mut self, values: &[f64], largest: f64, refined_scaling: bool) {
         if !self.scale_by_diagonals(values, largest) {
             self.find_weak();
         }
-        if is_careful && self.release(values) {
+        if refined_scaling && self.release(values) {
             self.find_weak();
         }
-        self.scale_weak(values, is_careful);
+        self.scale_weak(values, refined_scaling);
     }
 
     /// The same for values of which each rank has the rows and columns of its own unknowns: those of weak ones are brought together.
-    pub fn set_own(&mut self, values: &mut [f64], largest: f64, is_careful: bool, own: &OwnUnknowns) {
+    pub fn set_own(&mut self, values: &mut [f64], largest: f64, refined_scaling: bool, own: &OwnUnknowns) {
         self.scale_by_diagonals(values, largest);
         own.gather(&mut self.rows);
         self.columns.copy_from_slice(&self.rows);
@@ -128,11 +128,11 @@ impl Scaling {
             self.find_weak();
         }
         own.complete(values, &self.pattern, &self.weak_entries, &self.weak);
-        if is_careful && self.release(values) {
+        if refined_scaling && self.release(values) {
             self.find_weak();
             own.complete(values, &self.pattern, &self.weak_entries, &self.weak);
         }
-        self.scale_weak(values, is_careful);
+        self.scale_weak(values, refined_scaling);
     }
 
     /// Returns whether unknowns without a scale by their diagonal are those that are listed.
@@ -142,8 +142,8 @@ impl Scaling {
         dispatch_vectors(ByDiagonals { scaling: self, values, largest })
     }
 
-    fn scale_weak(&mut self, values: &[f64], is_careful: bool) {
-        if !is_careful {
+    fn scale_weak(&mut self, values: &[f64], refined_scaling: bool) {
+        if !refined_scaling {
             // listed once as a rule
             self.listed = Vec::new();
         }

@@ -158,7 +158,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         };
         match self.recorded.iter().find(is_other) {
             Some(point) => Err(RunError::Input(format!(
-                "evaluation {} of the history follows from other laws, numbers, methods or settings than it would here: it is of another scene or \
+                "evaluation {} of the history follows from other formulas, numbers, methods or settings than it would here: it is of another scene or \
                  version of the program; {ANEW}",
                 point.evaluation
             ))),

@@ -203,13 +203,13 @@ impl Graph {
             }
         }
         let (guarded, under_roots) = (self.perhaps_left_aside(&needed), self.under_roots(&needed));
-        let mut bars = vec![zero; needed.len()];
+        let mut seeds = vec![zero; needed.len()];
         for (output, &weight) in outputs.iter().zip(weights) {
-            let bar = bars[output.0 as usize];
-            bars[output.0 as usize] = self.add(bar, weight);
+            let bar = seeds[output.0 as usize];
+            seeds[output.0 as usize] = self.add(bar, weight);
         }
         for index in (0..needed.len()).rev() {
-            let bar = bars[index];
+            let bar = seeds[index];
             if !needed[index] || !depends[index] || bar == zero || asked[index] && self.operations()[index].is_input() {
                 continue;
             }
@@ -226,12 +226,12 @@ impl Graph {
                     if guarded[index] && under_roots[index] {
                         term = self.select(bar, term, zero);
                     }
-                    let sum = bars[operand.0 as usize];
-                    bars[operand.0 as usize] = self.add(sum, term);
+                    let sum = seeds[operand.0 as usize];
+                    seeds[operand.0 as usize] = self.add(sum, term);
                 }
             }
         }
-        towards.iter().map(|node| bars.get(node.0 as usize).copied().unwrap_or(zero)).collect()
+        towards.iter().map(|node| seeds.get(node.0 as usize).copied().unwrap_or(zero)).collect()
     }
     /// Numbers of which roots or powers are taken, and those that these are sums, products and quotients of.
     fn under_roots(&self, needed: &[bool]) -> Vec<bool> {

@@ -6,7 +6,7 @@ use crate::integrators::{
     vibrations,
 };
 use crate::scalar::Complex64;
-use crate::sensitivity::{Still, ValueBars, value_rates};
+use crate::sensitivity::{Still, ValueSeeds, value_rates};
 use nalgebra::DMatrix;
 
 /// How the value of a mode, growth + i omega, changes with the design.
@@ -71,8 +71,8 @@ impl Prepared<'_> {
             is_free: is_free || modes.iter().any(|mode| mode.frequency == 0.0 && mode.growth == 0.0),
         };
         let mut gradients: Vec<Option<ModeGradient>> = vec![None; asked];
-        for (group, bars) in vectors.groups.iter().zip(still.gradients()?) {
-            let rows: Vec<[Vec<f64>; 2]> = bars.iter().map(|bars| by_design(&chain, &frame, bars)).collect();
+        for (group, seeds) in vectors.groups.iter().zip(still.gradients()?) {
+            let rows: Vec<[Vec<f64>; 2]> = seeds.iter().map(|seeds| by_design(&chain, &frame, seeds)).collect();
             if let [place] = group.modes[..] {
                 (modes[place].growth, modes[place].frequency) = (group.lambda.re, group.lambda.im);
             }
@@ -172,7 +172,7 @@ impl Prepared<'_> {
 }
 
 /// A gradient by all variables, its real part first.
-fn by_design(chain: &DesignChain, frame: &RestingModel, ValueBars { p, q }: &ValueBars) -> [Vec<f64>; 2] {
+fn by_design(chain: &DesignChain, frame: &RestingModel, ValueSeeds { p, q }: &ValueSeeds) -> [Vec<f64>; 2] {
     let numbers = chain.real();
     [0, 1].map(|part| {
         let zeros = |list: &[f64]| vec![0.0; list.len()];

@@ -283,7 +283,7 @@ impl<'s> Prepared<'s> {
             let changed = laws(self.functionals(), ours).into_iter().find(|own| !others.contains(own));
             changed.map(|(name, _)| format!("functional \"{name}\""))
         };
-        ours.laws().difference(&theirs.laws(), ours).or_else(of_functionals)
+        ours.structural_signature().difference(&theirs.structural_signature(), ours).or_else(of_functionals)
     }
 }
 

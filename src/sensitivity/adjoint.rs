@@ -4,11 +4,11 @@
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
 use super::solvers::StepSolvers;
-use super::transposed::{Backward, SolutionBar, TransposedSolver, add, set_zero_vectors, set_zeros};
+use super::transposed::{Backward, SolutionSeed, TransposedSolver, add, set_zero_vectors, set_zeros};
 use crate::assembly::{System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{
-    Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, StageWeight, Times, Totals,
+    Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
 use crate::history::{History, Rerun};
 use crate::integrators::{
@@ -37,7 +37,7 @@ fn distribute(
     h: f64,
     bar: &[f64],
     carried: &mut [Vec<f64>],
-    stages: &mut [Vec<SolutionBar>],
+    stages: &mut [Vec<SolutionSeed>],
     k: usize,
 ) {
     for ((target, kind), coefficient) in carried.iter_mut().zip(&table.carried).zip(&combination.carried) {
@@ -91,8 +91,8 @@ struct Sweep<'m> {
     counters: Counters,
     /// Workspace of a step: adjoints of the solutions of each stage and of a projection, and of what functionals read at a stage, for one
     /// functional after the other; adjoints of what was carried out of the step.
-    stages: Vec<Vec<SolutionBar>>,
-    projected: Vec<SolutionBar>,
+    stages: Vec<Vec<SolutionSeed>>,
+    projected: Vec<SolutionSeed>,
     measured: Vec<Measured>,
     updated: Vec<Vec<f64>>,
     sample: Sample<f64>,
@@ -114,7 +114,7 @@ impl<'m> Sweep<'m> {
             .collect();
         let mut solvers = StepSolvers::new(&self.system, self.method, self.active)?;
         if solvers.are_apart {
-            let ahead = solvers.another()?;
+            let ahead = solvers.clone_analysis()?;
             // on a thread that shares its work with the others
             rayon::scope(|_| self.steps_ahead(rerun, history, &mut back, &mut solvers, ahead))?;
         } else {
@@ -124,18 +124,18 @@ impl<'m> Sweep<'m> {
         let start = history.start_record().ok_or_else(missing)?;
         self.select(&start.dropped, &mut solvers, None)?;
         solvers.end_steps(&mut self.counters);
-        let bars = self.start_bars(start, &mut back);
+        let seeds = self.start_bars(start, &mut back);
         if !self.method.table.is_static() {
-            self.acceleration(&start.acceleration, bars, &mut back, &mut solvers)?;
+            self.acceleration(&start.acceleration, seeds, &mut back, &mut solvers)?;
         }
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
-                let bars: Vec<SolutionBar> = back
+                let seeds: Vec<SolutionSeed> = back
                     .iter()
-                    .map(|back| SolutionBar { x: back.carried[carried].clone(), mu: vec![0.0; multipliers] })
+                    .map(|back| SolutionSeed { x: back.carried[carried].clone(), mu: vec![0.0; multipliers] })
                     .collect();
                 let solver = solvers.plain();
-                let bases = solver.through(record, &self.problem.p, &bars, &mut back, &mut self.counters)?;
+                let bases = solver.through(record, &self.problem.p, &seeds, &mut back, &mut self.counters)?;
                 carry(bases, &mut back);
             }
         }
@@ -166,11 +166,11 @@ impl<'m> Sweep<'m> {
         let mut solver = TransposedSolver::new(system, self.method, &active)?;
         let bar = |back: &Backward| {
             let x = resting.coordinates(&back.carried[0], &back.carried[1]);
-            SolutionBar { x, mu: vec![0.0; multipliers] }
+            SolutionSeed { x, mu: vec![0.0; multipliers] }
         };
-        let bars: Vec<SolutionBar> = back.iter().map(bar).collect();
+        let seeds: Vec<SolutionSeed> = back.iter().map(bar).collect();
         let mut own: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(model.parameters)).collect();
-        let bases = solver.through(record, &p, &bars, &mut own, &mut self.counters)?;
+        let bases = solver.through(record, &p, &seeds, &mut own, &mut self.counters)?;
         for ((back, own), base) in back.iter_mut().zip(own).zip(bases) {
             let [q_bar, v_bar, ..] = &mut back.carried[..] else { continue };
             let mut own_bar = resting.coordinates(q_bar, v_bar);
@@ -263,7 +263,7 @@ impl<'m> Sweep<'m> {
             *solvers = StepSolvers::new(&self.system, self.method, self.active)?;
             if let Some(ahead) = ahead {
                 ahead.forget(&mut self.counters);
-                *ahead = solvers.another()?;
+                *ahead = solvers.clone_analysis()?;
             }
         }
         Ok(())
@@ -276,8 +276,8 @@ impl<'m> Sweep<'m> {
         set_zero_vectors(at, model.dofs);
         set_zeros(mu, sample.mu.len());
         if weight != 0.0 {
-            let mut bars = SampleBars { at, mu, p: p_bar };
-            self.functionals[k].add(model, sample, &self.problem.p, weight, &mut bars);
+            let mut seeds = SampleSeeds { at, mu, p: p_bar };
+            self.functionals[k].add(model, sample, &self.problem.p, weight, &mut seeds);
             sample.share_transposed(model, &self.problem.p, mu, &mut at.q, p_bar);
         }
     }
@@ -295,7 +295,7 @@ impl<'m> Sweep<'m> {
     }
 
     /// Adds what a functional reads of a state between steps, whose acceleration is x times a factor.
-    fn read_state(&mut self, k: usize, sample: &Sample<f64>, factor: f64, solved: &mut SolutionBar, back: &mut Backward) {
+    fn read_state(&mut self, k: usize, sample: &Sample<f64>, factor: f64, solved: &mut SolutionSeed, back: &mut Backward) {
         let mut measured = Measured::default();
         self.measure(k, sample, 1.0, &mut measured, &mut back.p);
         let Measured { at, mu } = measured;
@@ -306,27 +306,27 @@ impl<'m> Sweep<'m> {
     }
 
     /// Adjoint of the first acceleration: what the first step carried over, and initial functionals.
-    fn start_bars(&mut self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionBar> {
-        let mut bars = take_carried_acceleration(&self.method.table, back);
+    fn start_bars(&mut self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionSeed> {
+        let mut seeds = take_carried_acceleration(&self.method.table, back);
         let mut sample = Sample::initial(start);
         self.share(&mut sample);
-        for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
+        for (k, (bar, back)) in seeds.iter_mut().zip(back).enumerate() {
             if self.times(k) == Times::Start {
                 self.read_state(k, &sample, 1.0, bar, back);
             }
         }
-        bars
+        seeds
     }
 
     /// Back through an acceleration that was solved for given (q, v).
     fn acceleration(
         &mut self,
         record: &SolveRecord<f64>,
-        bars: Vec<SolutionBar>,
+        seeds: Vec<SolutionSeed>,
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let bases = solvers.plain().through(record, &self.problem.p, &bars, back, &mut self.counters)?;
+        let bases = solvers.plain().through(record, &self.problem.p, &seeds, back, &mut self.counters)?;
         carry(bases, back);
         Ok(())
     }
@@ -381,8 +381,8 @@ impl<'m> Sweep<'m> {
             self.stage(step, (stage, weight), back, &mut stages, solvers)?;
         }
         if let Some(restart) = &step.restart {
-            let bars = take_carried_acceleration(table, back);
-            self.acceleration(restart, bars, back, solvers)?;
+            let seeds = take_carried_acceleration(table, back);
+            self.acceleration(restart, seeds, back, solvers)?;
         }
         self.stages = stages;
         Ok(())
@@ -393,7 +393,7 @@ impl<'m> Sweep<'m> {
         &mut self,
         step: &StepRecord<f64>,
         back: &mut [Backward],
-        last: &mut [SolutionBar],
+        last: &mut [SolutionSeed],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let multipliers = self.system.multipliers();
@@ -420,7 +420,7 @@ impl<'m> Sweep<'m> {
         step: &StepRecord<f64>,
         (stage, weight): (usize, StageWeight),
         back: &mut [Backward],
-        stages: &mut [Vec<SolutionBar>],
+        stages: &mut [Vec<SolutionSeed>],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let table = self.method.table.scheme(step.scheme);
@@ -525,9 +525,9 @@ fn keep(own: &mut Option<StepRecord<f64>>, step: Option<&StepRecord<f64>>) {
 }
 
 /// So many adjoints of solutions, all zero, in the memory that is there.
-fn set_zero_bars(bars: &mut Vec<SolutionBar>, count: usize, (dofs, multipliers): (usize, usize)) {
-    bars.resize_with(count, SolutionBar::default);
-    for SolutionBar { x, mu } in bars {
+fn set_zero_bars(seeds: &mut Vec<SolutionSeed>, count: usize, (dofs, multipliers): (usize, usize)) {
+    seeds.resize_with(count, SolutionSeed::default);
+    for SolutionSeed { x, mu } in seeds {
         set_zeros(x, dofs);
         set_zeros(mu, multipliers);
     }
@@ -542,7 +542,7 @@ fn carry(bases: &[VectorsAvq<f64>], back: &mut [Backward]) {
 }
 
 /// Takes out the adjoints of the accelerations and multipliers that were carried into a step and solved for at its start.
-fn take_carried_acceleration(table: &Table, back: &mut [Backward]) -> Vec<SolutionBar> {
+fn take_carried_acceleration(table: &Table, back: &mut [Backward]) -> Vec<SolutionSeed> {
     back.iter_mut()
         .map(|back| {
             let mut x = vec![0.0; back.carried[0].len()];
@@ -552,7 +552,7 @@ fn take_carried_acceleration(table: &Table, back: &mut [Backward]) -> Vec<Soluti
             }
             let mu = std::mem::take(&mut back.mu);
             back.mu = vec![0.0; mu.len()];
-            SolutionBar { x, mu }
+            SolutionSeed { x, mu }
         })
         .collect()
 }

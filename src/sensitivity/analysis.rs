@@ -3,7 +3,7 @@
 
 use super::adjoint::adjoint;
 use super::signature::Signature;
-use crate::assembly::{Laws, Model};
+use crate::assembly::{Model, StructuralSignature};
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values};
@@ -140,7 +140,7 @@ impl<'m> Analysis<'m> {
     }
 
     /// Tells runs apart: a file goes on with the same laws, numbers, method and steps alone.
-    fn fingerprint(&self, laws: &Laws, numbers: &ModelNumbers<f64>) -> u64 {
+    fn fingerprint(&self, laws: &StructuralSignature, numbers: &ModelNumbers<f64>) -> u64 {
         let Analysis { method, grid, control, divide, plan, .. } = self;
         let version = env!("CARGO_PKG_VERSION");
         let words = format!("{version}{method:?}{control:?}{divide}{plan:?}{:?}", grid.breakpoints);
@@ -161,7 +161,7 @@ impl<'m> Analysis<'m> {
         let are_given = self.control.is_none() && !divides;
         let steps = self.grid.moved_to(&self.breakpoints(&numbers)?.times()).map_err(RunError::Input)?;
         let signature = Signature::of(self);
-        let run = self.fingerprint(&signature.laws, &numbers);
+        let run = self.fingerprint(&signature.structure, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
         let mut switches = SwitchWatch::new(self.model);

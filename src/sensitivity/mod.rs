@@ -18,7 +18,7 @@ mod transposed;
 pub use analysis::{Analysis, Forward, Gradient};
 pub(crate) use breakpoints::Breakpoints;
 pub use checks::{TaylorTest, largest_difference};
-pub(crate) use mode_gradients::{Still, ValueBars, value_rates};
+pub(crate) use mode_gradients::{Still, ValueSeeds, value_rates};
 pub use over_time::GradientCourse;
 pub use quotients::Quotient;
 pub use switched::SwitchError;

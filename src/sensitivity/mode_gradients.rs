@@ -17,9 +17,9 @@
 //!
 //! Source: Nelson, AIAA Journal 14 (1976); of modes of one value: Ojalvo, AIAA Journal 26 (1988), and Dailey, AIAA Journal 27 (1989).
 
-use super::transposed::{Backward, SolutionBar, TransposedSolver};
+use super::transposed::{Backward, SolutionSeed, TransposedSolver};
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Level, ProductBars, ProductPoint, Products, Residual, StageCoefficients,
+    Adjoints, ConstraintPart, Equations, Force, Level, ProductPoint, ProductSeeds, Products, Residual, StageCoefficients,
     StageSystem, System, Unknowns, VectorsAvq,
 };
 use crate::integrators::{Amplitude, Counters, Method, ModeGroup, ModeVectors, RunError, SolveRecord};
@@ -56,13 +56,13 @@ pub(crate) struct Still<'a> {
 
 /// A complex gradient, towards p and the coordinates of the start.
 #[derive(Clone, Debug)]
-pub(crate) struct ValueBars {
+pub(crate) struct ValueSeeds {
     pub p: [Vec<f64>; 2],
     pub q: [Vec<f64>; 2],
 }
 
 /// The gradient of w^T B z.
-struct Bars {
+struct AdjointSeeds {
     q: Vec<Complex64>,
     mu: Vec<Complex64>,
     p: Vec<Complex64>,
@@ -73,35 +73,35 @@ impl Still<'_> {
     ///
     /// # Errors
     /// An equilibrium that does not follow from its equations.
-    pub fn gradients(&self) -> Result<Vec<Vec<ValueBars>>, RunError> {
+    pub fn gradients(&self) -> Result<Vec<Vec<ValueSeeds>>, RunError> {
         let groups = &self.vectors.groups;
         let mut products = Products::<Complex64>::new(self.active);
-        let mut all: Vec<Bars> = Vec::new();
+        let mut all: Vec<AdjointSeeds> = Vec::new();
         for group in groups {
             for left in &group.left {
-                all.extend(group.right.iter().map(|right| self.bars(&mut products, (left, right), group.lambda)));
+                all.extend(group.right.iter().map(|right| self.seeds(&mut products, (left, right), group.lambda)));
             }
         }
         let parts = |own: &[Complex64]| [own.iter().map(|own| own.re).collect(), own.iter().map(|own| own.im).collect()];
-        let mut bars: Vec<SolutionBar> = Vec::new();
+        let mut seeds: Vec<SolutionSeed> = Vec::new();
         let mut back: Vec<Backward> = Vec::new();
         for own in &all {
             let all: [[Vec<f64>; 2]; 3] = [&own.q, &own.mu, &own.p].map(|own| parts(own));
             let [q, mu, p] = all;
-            bars.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionBar { x, mu }));
+            seeds.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionSeed { x, mu }));
             back.extend(p.map(|p| Backward { p, ..Backward::of_parameters(0) }));
         }
-        self.through_equilibrium(&mut bars, &mut back)?;
-        let mut ends = back.into_iter().zip(bars).map(|(back, bar)| (back.p, bar.x));
+        self.through_equilibrium(&mut seeds, &mut back)?;
+        let mut ends = back.into_iter().zip(seeds).map(|(back, bar)| (back.p, bar.x));
         let mut next = || {
             let [(p, q), (other_p, other_q)] = [(); 2].map(|()| ends.next().unwrap_or_default());
-            ValueBars { p: [p, other_p], q: [q, other_q] }
+            ValueSeeds { p: [p, other_p], q: [q, other_q] }
         };
         Ok(groups.iter().map(|group| (0..group.right.len().pow(2)).map(|_| next()).collect()).collect())
     }
 
     /// Takes gradients towards the solution of E = 0 to those towards parameters, and to what the coordinates of the start still are.
-    fn through_equilibrium(&self, bars: &mut [SolutionBar], back: &mut [Backward]) -> Result<(), RunError> {
+    fn through_equilibrium(&self, seeds: &mut [SolutionSeed], back: &mut [Backward]) -> Result<(), RunError> {
         let (model, groups) = (self.system.model, &self.vectors.groups);
         let lowest = groups.iter().map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
         let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
@@ -116,12 +116,12 @@ impl Still<'_> {
         };
         let mut solver = TransposedSolver::new(self.system.clone(), self.method, self.active)?;
         let largest = |list: &[f64]| list.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-        let mut sizes: Vec<f64> = bars.iter().map(|bar| largest(&bar.x)).collect();
+        let mut sizes: Vec<f64> = seeds.iter().map(|bar| largest(&bar.x)).collect();
         let mut before = f64::INFINITY;
         for _ in 0..MOST_PASSES {
-            let bases = solver.through(&record, self.p, bars, back, &mut Counters::default())?;
+            let bases = solver.through(&record, self.p, seeds, back, &mut Counters::default())?;
             let mut change = 0.0_f64;
-            for ((bar, base), size) in bars.iter_mut().zip(bases).zip(&mut sizes) {
+            for ((bar, base), size) in seeds.iter_mut().zip(bases).zip(&mut sizes) {
                 bar.x.iter_mut().zip(&base.q).for_each(|(bar, base)| *bar += base);
                 bar.mu.fill(0.0);
                 let own = largest(&base.q);
@@ -130,7 +130,7 @@ impl Still<'_> {
             }
             if !self.is_free {
                 // nothing but round-off is left: the place does not depend on the one from which it was looked for
-                bars.iter_mut().for_each(|bar| bar.x.fill(0.0));
+                seeds.iter_mut().for_each(|bar| bar.x.fill(0.0));
                 return Ok(());
             }
             if change <= SETTLED || (change <= UNSETTLED && change > 0.5 * before) {
@@ -146,7 +146,12 @@ impl Still<'_> {
     }
 
     /// The gradient of w^T B z towards (q, mu, p).
-    fn bars(&self, products: &mut Products<Complex64>, (left, right): (&Amplitude, &Amplitude), lambda: Complex64) -> Bars {
+    fn seeds(
+        &self,
+        products: &mut Products<Complex64>,
+        (left, right): (&Amplitude, &Amplitude),
+        lambda: Complex64,
+    ) -> AdjointSeeds {
         let system = &*self.system;
         let dofs = system.model.dofs;
         let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
@@ -157,7 +162,7 @@ impl Still<'_> {
             g: left.mu.iter().map(|own| part(own).into()).collect(),
         });
         let zeros = |count: usize| vec![Complex64::ZERO; count];
-        let mut sum = Bars { q: zeros(dofs), mu: zeros(right.mu.len()), p: zeros(p.len()) };
+        let mut sum = AdjointSeeds { q: zeros(dofs), mu: zeros(right.mu.len()), p: zeros(p.len()) };
         for (of_right, part) in [(Complex64::ONE, (|own| own.re) as fn(&Complex64) -> f64), (Complex64::I, |own| own.im)] {
             let moved = |factor: Complex64| -> Vec<Complex64> {
                 right.x.iter().map(|x| Complex64::new(0.0, COMPLEX_STEP * part(&(x * factor)))).collect()
@@ -169,7 +174,7 @@ impl Still<'_> {
             let mu = mu.map(|(&own, nu)| Complex64::new(own, COMPLEX_STEP * part(nu))).collect();
             let unknowns = Unknowns { mu, ..Residual::<Complex64>::unknowns(system) };
             let mut own = [(); 2].map(|()| (zeros(3 * dofs), zeros(p.len())));
-            let mut into = own.each_mut().map(|(avq, p)| ProductBars { avq, p });
+            let mut into = own.each_mut().map(|(avq, p)| ProductSeeds { avq, p });
             let there = ProductPoint { at: &at, p: &p, t: self.t };
             products.add_elements(system, &adjoints, (Force::of(&equations), 1.0), there, &mut into);
             products.add_constraints(system, (&equations, ConstraintPart::Both), &adjoints, &unknowns, there, &mut into);

@@ -1,13 +1,13 @@
 use super::Analysis;
-use crate::assembly::Laws;
+use crate::assembly::StructuralSignature;
 use crate::integrators::Method;
 use crate::linalg::Backend;
 use crate::program::Digest;
 
-/// What a run follows from beside its numbers: the laws of the model, the method, decisions about the start, and the functionals.
+/// What a run follows from beside its numbers: the structure of the model, the method, decisions about the start, and the functionals.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Signature {
-    pub laws: Laws,
+    pub structure: StructuralSignature,
     method: String,
     functionals: Vec<Option<Digest>>,
 }
@@ -18,7 +18,7 @@ impl Signature {
         // the same run follows from whatever solves its systems, measured or not
         let method = Method { backend: Backend::default(), measures_phases: false, ..(*method).clone() };
         Signature {
-            laws: model.laws(),
+            structure: model.structural_signature(),
             method: format!("{method:?}{plan:?}"),
             functionals: functionals.iter().map(|own| own.law(model)).collect(),
         }
@@ -30,8 +30,8 @@ impl Signature {
         if let Some(foreign) = self.functionals.iter().position(Option::is_none) {
             return Some(format!("functional \"{}\" measures parts of another model", name(foreign)));
         }
-        if let Some(what) = self.laws.difference(&of_run.laws, analysis.model) {
-            return Some(format!("its model has other laws: {what} differs"));
+        if let Some(what) = self.structure.difference(&of_run.structure, analysis.model) {
+            return Some(format!("its model has another structure: {what} differs"));
         }
         if self.method != of_run.method {
             return Some(format!(

@@ -37,12 +37,12 @@ impl<'m> StepSolvers<'m> {
         let stage = TransposedSolver::new(system.clone(), method, active)?;
         let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
         let are_shared = rayon::current_num_threads() > 2 || stage.multiplications() > SHARED;
-        let plain = if stage.is_large() { None } else { Some(stage.another()?) };
+        let plain = if stage.is_large() { None } else { Some(stage.clone_analysis()?) };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, are_shared, has_care: false };
         if are_apart {
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
             for _ in 1..method.table.stages.len().max(starter) {
-                solvers.stages.push(solvers.stages[0].another()?);
+                solvers.stages.push(solvers.stages[0].clone_analysis()?);
             }
         }
         Ok(solvers)
@@ -52,9 +52,9 @@ impl<'m> StepSolvers<'m> {
     ///
     /// # Errors
     /// As for [`StepSolvers::new`].
-    pub fn another(&self) -> Result<Self, RunError> {
-        let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
-        let plain = self.plain.as_ref().map(TransposedSolver::another).transpose()?;
+    pub fn clone_analysis(&self) -> Result<Self, RunError> {
+        let stages = self.stages.iter().map(TransposedSolver::clone_analysis).collect::<Result<Vec<_>, _>>()?;
+        let plain = self.plain.as_ref().map(TransposedSolver::clone_analysis).transpose()?;
         Ok(StepSolvers { stages, plain, are_apart: self.are_apart, are_shared: self.are_shared, has_care: false })
     }
 

@@ -1,7 +1,7 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Equations, Jacobian, Level, NodeBars, ProductBars, ProductPoint, Products, Residual, StageSystem, System,
+    Adjoints, Equations, Jacobian, Level, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
     Term, TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
@@ -12,12 +12,12 @@ use std::sync::Arc;
 
 /// Adjoint of the solution of one system, for one functional.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SolutionBar {
+pub(super) struct SolutionSeed {
     pub x: Vec<f64>,
     pub mu: Vec<f64>,
 }
 
-impl SolutionBar {
+impl SolutionSeed {
     pub fn is_zero(&self) -> bool {
         self.x.iter().chain(&self.mu).all(|&bar| bar == 0.0)
     }
@@ -105,8 +105,8 @@ pub(super) struct TransposedSolver<'m> {
     trials: [Trial; 3],
     /// See [`TransposedSolver::is_alone`].
     is_alone: bool,
-    /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::is_careful`].
-    is_careful: bool,
+    /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::refined_scaling`].
+    refined_scaling: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
     has_projection: Option<(bool, f64)>,
     /// Whether an adjoint of the last system was not zero.
@@ -167,8 +167,8 @@ impl<'m> TransposedSolver<'m> {
     }
 
     /// Another one for the same system.
-    pub fn another(&self) -> Result<Self, RunError> {
-        let factorization = self.factorization.another().map_err(|s| singular(s.unknown, "adjoint"))?;
+    pub fn clone_analysis(&self) -> Result<Self, RunError> {
+        let factorization = self.factorization.clone_analysis().map_err(|s| singular(s.unknown, "adjoint"))?;
         let work = Counters::measuring(self.work.nanoseconds.is_some());
         Ok(Self::of(self.system.clone(), factorization, self.active, self.is_alone, work))
     }
@@ -193,7 +193,7 @@ impl<'m> TransposedSolver<'m> {
             factored: None,
             constant: None,
             trials: [Trial::default(); 3],
-            is_careful: false,
+            refined_scaling: false,
             has_projection: None,
             needed: false,
             work,
@@ -235,7 +235,7 @@ impl<'m> TransposedSolver<'m> {
                 self.work.factorizations += 1;
                 self.has_projection = Some((equations.metric, *t));
                 if !self.is_alone {
-                    self.factorization.start_afresh(self.is_careful);
+                    self.factorization.reset_scaling(self.refined_scaling);
                 }
                 let TransposedSolver { work, jacobian, factorization, .. } = self;
                 work.timed(Phase::Factorization, || jacobian.factor_in(factorization))
@@ -255,12 +255,12 @@ impl<'m> TransposedSolver<'m> {
 
     /// Whether the last matrix needed care to be scaled, if any was factored.
     pub fn has_needed_care(&self) -> Option<bool> {
-        self.has_projection.map(|_| self.factorization.is_careful())
+        self.has_projection.map(|_| self.factorization.refined_scaling())
     }
 
     /// From now on matrices are scaled with such care.
-    pub fn take_care(&mut self, is_careful: bool) {
-        self.is_careful = is_careful;
+    pub fn take_care(&mut self, refined_scaling: bool) {
+        self.refined_scaling = refined_scaling;
     }
 
     /// Whether an adjoint of the last system was not zero.
@@ -280,13 +280,13 @@ impl<'m> TransposedSolver<'m> {
         &mut self,
         record: &SolveRecord<f64>,
         p: &[f64],
-        bars: &[SolutionBar],
+        seeds: &[SolutionSeed],
         back: &mut [Backward],
         counters: &mut Counters,
     ) -> Result<&[VectorsAvq<f64>], RunError> {
         let dofs = self.system.model.dofs;
-        let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
-        self.bases.resize_with(bars.len(), VectorsAvq::default);
+        let asked: SmallVec<[usize; 8]> = (0..seeds.len()).filter(|&k| !seeds[k].is_zero()).collect();
+        self.bases.resize_with(seeds.len(), VectorsAvq::default);
         // those that are asked for are written below
         let others = self.bases.iter_mut().enumerate().filter(|(k, _)| !asked.contains(k));
         others.for_each(|(_, base)| set_zero_vectors(base, dofs));
@@ -299,10 +299,10 @@ impl<'m> TransposedSolver<'m> {
             self.forget(counters);
             return Ok(&self.bases);
         }
-        self.solve_factored(record, p, (&asked, bars), counters)?;
-        self.refine(record, p, (&asked, bars), back, counters)?;
+        self.solve_factored(record, p, (&asked, seeds), counters)?;
+        self.refine(record, p, (&asked, seeds), back, counters)?;
         self.add_products(record, p, &asked, back);
-        self.add_inside_nodes(&record.equations, &asked, bars);
+        self.add_inside_nodes(&record.equations, &asked, seeds);
         self.write_bases(&record.equations, &asked);
         Ok(&self.bases)
     }
@@ -314,7 +314,7 @@ impl<'m> TransposedSolver<'m> {
         &mut self,
         record: &SolveRecord<f64>,
         p: &[f64],
-        (asked, bars): (&[usize], &[SolutionBar]),
+        (asked, seeds): (&[usize], &[SolutionSeed]),
         back: &mut [Backward],
         counters: &mut Counters,
     ) -> Result<(), RunError> {
@@ -327,12 +327,12 @@ impl<'m> TransposedSolver<'m> {
         let mut due = |k: usize| equations.is_static() || back[k].refining.is_due();
         let mut left: Vec<f64> = asked.iter().map(|&k| f64::from(u8::from(due(k)))).collect();
         // of parameters nothing is asked here
-        let mut aside: Vec<Backward> = bars.iter().map(|_| Backward::of_parameters(p.len())).collect();
+        let mut aside: Vec<Backward> = seeds.iter().map(|_| Backward::of_parameters(p.len())).collect();
         while left.iter().any(|&left| left > 0.0) {
             self.add_products(record, p, asked, &mut aside);
-            self.add_inside_nodes(equations, asked, bars);
+            self.add_inside_nodes(equations, asked, seeds);
             let [elements, _, _, constraints, _] = &self.sweep.at;
-            let mut rest: Vec<SolutionBar> = bars.to_vec();
+            let mut rest: Vec<SolutionSeed> = seeds.to_vec();
             for (place, &k) in asked.iter().enumerate() {
                 rest[k].mu.fill(0.0);
                 for (shift, products) in [(equations.residual, elements), (equations.constraint, constraints)] {
@@ -351,9 +351,9 @@ impl<'m> TransposedSolver<'m> {
             for (((own, known), left), &k) in corrections {
                 let correction = std::mem::replace(own, known);
                 let share = size(&correction) / size(own);
-                // in no unit: of what the bars of the solution are multiplied by
+                // in no unit: of what the seeds of the solution are multiplied by
                 let effect = |of: &Adjoints| {
-                    of.f.iter().zip(&bars[k].x).fold(0.0, |effect: f64, (f, bar)| effect.max((f * bar).abs()))
+                    of.f.iter().zip(&seeds[k].x).fold(0.0, |effect: f64, (f, bar)| effect.max((f * bar).abs()))
                 };
                 let is_of_use = effect(&correction) > OF_USE * effect(own);
                 let is_better = share < 0.5 * *left;
@@ -375,7 +375,7 @@ impl<'m> TransposedSolver<'m> {
         &mut self,
         record: &SolveRecord<f64>,
         p: &[f64],
-        (asked, bars): (&[usize], &[SolutionBar]),
+        (asked, seeds): (&[usize], &[SolutionSeed]),
         counters: &mut Counters,
     ) -> Result<(), RunError> {
         let SolveRecord { t, equations, .. } = record;
@@ -391,7 +391,7 @@ impl<'m> TransposedSolver<'m> {
             factored.outcome.map_err(|singular| self.singular_at(singular, *t))?;
             on_trial = factored.on_trial;
         }
-        let refactored = self.solve(asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
+        let refactored = self.solve(asked, seeds).map_err(|singular| self.singular_at(singular, *t))?;
         self.forget(counters);
         counters.systems += 1;
         counters.solves += asked.len();
@@ -409,8 +409,8 @@ impl<'m> TransposedSolver<'m> {
         let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
         let Sweep { adjoints, at: avq, own_p, moved } = sweep;
         let (adjoints, dofs) = (&adjoints[..asked.len()], system.model.dofs);
-        for (bars, point) in avq.iter_mut().zip(TermPoint::ALL) {
-            set_zeros(bars, if equations.is_taken_at(point) { asked.len() * 3 * dofs } else { 0 });
+        for (seeds, point) in avq.iter_mut().zip(TermPoint::ALL) {
+            set_zeros(seeds, if equations.is_taken_at(point) { asked.len() * 3 * dofs } else { 0 });
         }
         // in a metric that is a difference what stiff elements give at both points cancels, and would take other digits along: gathered on its own
         let cancels = equations.is_taken_at(TermPoint::Base);
@@ -446,15 +446,15 @@ impl<'m> TransposedSolver<'m> {
     }
 
     /// Adds the products with what is inside nodes.
-    fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], bars: &[SolutionBar]) {
+    fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], seeds: &[SolutionSeed]) {
         let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
         let all = 3 * system.model.dofs;
         let [elements, _, _, constraints, reactions] = &mut sweep.at;
         let mut reactions = reactions.chunks_exact_mut(all);
         let parts = elements.chunks_exact(all).zip(constraints.chunks_exact_mut(all));
         let at_nodes = asked.iter().zip(&sweep.adjoints).zip(parts);
-        let at_nodes = at_nodes.map(|((&k, adjoints), (elements, constraints))| NodeBars {
-            x: &bars[k].x,
+        let at_nodes = at_nodes.map(|((&k, adjoints), (elements, constraints))| NodeSeeds {
+            x: &seeds[k].x,
             adjoints,
             elements,
             constraints,
@@ -469,7 +469,7 @@ impl<'m> TransposedSolver<'m> {
         let dofs = self.system.model.dofs;
         for (place, &k) in asked.iter().enumerate() {
             let here = place * 3 * dofs..(place + 1) * 3 * dofs;
-            let at = self.sweep.at.each_ref().map(|bars| bars.get(here.clone()).unwrap_or_default());
+            let at = self.sweep.at.each_ref().map(|seeds| seeds.get(here.clone()).unwrap_or_default());
             if equations.parts_reactions() {
                 write_moved_base(equations, at, &mut self.bases[k]);
             } else {
@@ -479,12 +479,12 @@ impl<'m> TransposedSolver<'m> {
     }
 
     /// Solves J^T lambda = -x_bar for each x_bar that is not zero; returns whether the matrix had to be factored for it.
-    fn solve(&mut self, asked: &[usize], bars: &[SolutionBar]) -> Result<bool, Singular> {
+    fn solve(&mut self, asked: &[usize], seeds: &[SolutionSeed]) -> Result<bool, Singular> {
         let system = &*self.system;
         let size = system.size();
         self.reduced.resize(asked.len() * size, 0.0);
         for (&k, reduced) in asked.iter().zip(self.reduced.chunks_exact_mut(size.max(1))) {
-            let SolutionBar { x, mu } = &bars[k];
+            let SolutionSeed { x, mu } = &seeds[k];
             self.jacobian.reduce_adjoint(system, [x, mu], reduced);
         }
         let TransposedSolver { factorization, jacobian, reduced, work, .. } = self;
@@ -524,8 +524,8 @@ fn kind(equations: &Equations) -> usize {
 /// Adjoints of the parameters, for one functional after the other.
 type Parameters<'p> = Vec<&'p mut [f64]>;
 
-fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) -> Vec<ProductBars<'b>> {
-    avq.chunks_exact_mut(3 * dofs).zip(p).map(|(avq, p)| ProductBars { avq, p }).collect()
+fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) -> Vec<ProductSeeds<'b>> {
+    avq.chunks_exact_mut(3 * dofs).zip(p).map(|(avq, p)| ProductSeeds { avq, p }).collect()
 }
 
 /// The adjoint of a base that is the point of all terms, before unknowns move it.

@@ -104,7 +104,7 @@ fn steps_that_were_given_up_leave_no_trace() {
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let mut rejected = 0;
     // each with fewer than 100 steps: one checkpoint means computing them again n^2 / 2 times
-    let members = [("sdirk4", Acceleration), ("esdirk3", Position), ("esdirk4", Position), ("esdirk5", Acceleration)];
+    let members = [("sdirk4", Acceleration), ("esdirk3", Position), ("esdirk4", Acceleration), ("esdirk5", Acceleration)];
     for (table, level) in members {
         let place = format!("{table}, {} level", level.name());
         let method = Method::new(table_by_name(table).expect("listed"), level);

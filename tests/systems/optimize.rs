@@ -660,7 +660,10 @@ fn an_optimization_that_is_resumed_is_the_unbroken_one_bit_for_bit() {
     let mut other = Optimization::of(&scene).unwrap();
     other.cases[0].settings.end = 0.9;
     let error = other.resume(&Sqp, (&header, &rows), &mut ()).unwrap_err().to_string();
-    assert!(error.contains("evaluation 0 of the history follows from other laws, numbers, methods or settings"), "{error}");
+    assert!(
+        error.contains("evaluation 0 of the history follows from other formulas, numbers, methods or settings"),
+        "{error}"
+    );
     let mut other = Optimization::of(&scene).unwrap();
     other.problem.constraints[0].limit = Limit::AtMost(8.0);
     let error = other.resume(&Sqp, (&header, &rows), &mut ()).unwrap_err().to_string();

@@ -292,7 +292,7 @@ impl<'s> Sweep<'s> {
             }
         });
         if let Some(place) = other.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            let what = "follows from other laws, numbers, methods or settings than it would here: the file is of another scene, \
+            let what = "follows from other formulas, numbers, methods or settings than it would here: the file is of another scene, \
                         method or version";
             return Err(refused(format!("design {} {what}", place + 1)));
         }

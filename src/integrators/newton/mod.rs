@@ -143,9 +143,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ///
     /// # Errors
     /// As for [`Newton::new`].
-    pub fn another(&self) -> Result<Self, Singular> {
-        let another = Self::of(self.system.clone(), self.tolerance, self.factorization.another()?);
-        Ok(Newton { divides: self.divides, ..another })
+    pub fn clone_analysis(&self) -> Result<Self, Singular> {
+        let clone = Self::of(self.system.clone(), self.tolerance, self.factorization.clone_analysis()?);
+        Ok(Newton { divides: self.divides, ..clone })
     }
 
     /// The same for systems whose matrix nobody looks at as a whole, but for [`Newton::stability`].
@@ -160,7 +160,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// As for [`Newton::new`].
     pub fn release(&mut self) -> Result<(), Singular> {
         if self.factorization.plan().work.is_some_and(|work| work.fill > LARGE_FILL) {
-            let emptied = self.another()?;
+            let emptied = self.clone_analysis()?;
             let Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, .. } = *self;
             *self = Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, ..emptied };
         }

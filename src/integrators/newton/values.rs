@@ -1,6 +1,6 @@
 //! The values: corrections until what is left is round-off.
 
-use super::convergence::{Convergence, Correction, Lesson, Sizes, Verdict};
+use super::convergence::{Convergence, Correction, RateEstimate, Sizes, Verdict};
 use super::failure::{Failure, FailureKind};
 use super::round_off::{Floor, kind};
 use super::sizes::NEAR;
@@ -42,7 +42,7 @@ impl<S: RunScalar> Newton<'_, S> {
                 }
                 Verdict::GoOn => {}
                 Verdict::NewMatrix => self.factored = None,
-                Verdict::SearchAnew => {
+                Verdict::Restart => {
                     unknowns.clone_from(&self.guess);
                     self.factored = None;
                 }
@@ -67,16 +67,16 @@ impl<S: RunScalar> Newton<'_, S> {
     }
 
     /// Keeps what a search that has ended tells of later ones.
-    fn learn(&mut self, kind: usize, lesson: Lesson, convergence: &Convergence) {
+    fn learn(&mut self, kind: usize, lesson: RateEstimate, convergence: &Convergence) {
         match lesson {
-            Lesson::Nothing => {}
-            Lesson::Rates { is_aged } => {
+            RateEstimate::Nothing => {}
+            RateEstimate::Rates { is_aged } => {
                 self.contractions.note(kind, convergence.seen_rate());
                 if is_aged {
                     self.factored = None;
                 }
             }
-            Lesson::Floor(floor) => self.floors[kind] = Some(floor),
+            RateEstimate::Floor(floor) => self.floors[kind] = Some(floor),
         }
     }
 

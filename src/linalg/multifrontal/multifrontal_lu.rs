@@ -154,7 +154,7 @@ impl LinearSolver for MultifrontalLu {
         }
     }
 
-    fn another(&self) -> Option<Box<dyn LinearSolver>> {
+    fn clone_analysis(&self) -> Option<Box<dyn LinearSolver>> {
         Some(Box::new(Self::of(self.symbolic.clone(), self.threads)))
     }
 

@@ -40,13 +40,13 @@ const RESIDUAL: [f64; 2] = [1e-12, 1e-9];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
     /// The unknowns are accepted.
-    Converged(Lesson),
+    Converged(RateEstimate),
     /// Another correction with the same matrix.
     GoOn,
     /// Another correction, with the matrix at the unknowns.
     NewMatrix,
     /// The search begins again at its first guess, with the matrix there.
-    SearchAnew,
+    Restart,
     /// Stresses stiffen every matrix: they are relieved. The correction by the unknowns.
     Relieve(f64),
     /// There is no solution near by. The correction by the unknowns, or what is no number.
@@ -55,7 +55,7 @@ pub(super) enum Verdict {
 
 /// What a search that has ended tells of later ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Lesson {
+pub(super) enum RateEstimate {
     /// Nothing.
     Nothing,
     /// The rates that were seen are those of the matrix; whether it has become too old for another system.
@@ -161,7 +161,7 @@ impl Convergence {
         }
         let first = *self.first_residual.get_or_insert(size);
         let is_small = self.by_residual && (size <= RESIDUAL[0] || size <= RESIDUAL[1] * first);
-        if is_small { Verdict::Converged(Lesson::Nothing) } else { Verdict::GoOn }
+        if is_small { Verdict::Converged(RateEstimate::Nothing) } else { Verdict::GoOn }
     }
 
     /// Judges a correction that was made.
@@ -178,7 +178,7 @@ impl Convergence {
         let is_known = self.fresh || known > 0.0 && known < STALLED;
         let Seen { share, reaction_share, .. } = seen;
         if is_known && sizes.allows(new.step * share, new.scale, new.reaction_step * reaction_share / new.reactions) {
-            return Verdict::Converged(Lesson::Rates { is_aged: false });
+            return Verdict::Converged(RateEstimate::Rates { is_aged: false });
         }
         // far from a solution, the last bits of large stresses would pass for those of the solution
         seen.is_near = sizes.displacement(new.step) <= NEAR;
@@ -188,7 +188,7 @@ impl Convergence {
         let [settled, reactions_settled] = seen.settles(&mut floor, sizes);
         let verdict =
             if settled { self.judge_settled(&seen, reactions_settled) } else { self.judge_unsettled(&seen, floor, sizes) };
-        if verdict == Verdict::SearchAnew {
+        if verdict == Verdict::Restart {
             (self.previous, self.worst_rate, self.has_rate) = (None, 0.0, false);
         } else {
             (self.previous, self.previous_reaction) = (Some(new.step), Some(new.reaction_step));
@@ -226,7 +226,7 @@ impl Convergence {
         let stalled = reaction_rate >= STALLED && has_previous;
         if reactions_settled || stalled && (self.fresh || reaction_step <= NEARLY * reactions) {
             let is_aged = !self.fresh && self.worst_rate.max(self.worst_reaction_rate) > AGED;
-            return Verdict::Converged(Lesson::Rates { is_aged });
+            return Verdict::Converged(RateEstimate::Rates { is_aged });
         }
         if reaction_rate > SLOW && has_previous { Verdict::NewMatrix } else { Verdict::GoOn }
     }
@@ -251,10 +251,10 @@ impl Convergence {
         // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
         let near = moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON);
         if near && (self.fresh || reaction_step <= NEARLY * reactions) {
-            return Some(Verdict::Converged(Lesson::Nothing));
+            return Some(Verdict::Converged(RateEstimate::Nothing));
         }
         if !self.fresh && rate > ASTRAY {
-            return Some(Verdict::SearchAnew);
+            return Some(Verdict::Restart);
         }
         if self.comparable && is_near && sizes.at_round_off(step, scale) {
             if self.with_matrix > NEW {
@@ -262,7 +262,7 @@ impl Convergence {
                 return Some(Verdict::NewMatrix);
             }
             let corrections = [step, floor.corrections[1].max(reaction_step)];
-            return Some(Verdict::Converged(Lesson::Floor(Floor { corrections, unknowns: [scale, reactions] })));
+            return Some(Verdict::Converged(RateEstimate::Floor(Floor { corrections, unknowns: [scale, reactions] })));
         }
         if !(self.fresh && rate > 1.0) {
             return None;

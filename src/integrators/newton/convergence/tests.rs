@@ -83,7 +83,7 @@ fn judged(series: impl Iterator<Item = Correction>, fresh: bool, mut system: Mad
         }
         let verdict = convergence.judge(new, &mut system);
         verdicts.push(verdict);
-        wanted = matches!(verdict, Verdict::NewMatrix | Verdict::SearchAnew);
+        wanted = matches!(verdict, Verdict::NewMatrix | Verdict::Restart);
         if matches!(verdict, Verdict::Converged(_) | Verdict::Relieve(_) | Verdict::Fail(..)) {
             break;
         }
@@ -91,8 +91,8 @@ fn judged(series: impl Iterator<Item = Correction>, fresh: bool, mut system: Mad
     verdicts
 }
 
-const CONVERGED: Verdict = Verdict::Converged(Lesson::Rates { is_aged: false });
-const AGED_MATRIX: Verdict = Verdict::Converged(Lesson::Rates { is_aged: true });
+const CONVERGED: Verdict = Verdict::Converged(RateEstimate::Rates { is_aged: false });
+const AGED_MATRIX: Verdict = Verdict::Converged(RateEstimate::Rates { is_aged: true });
 
 #[test]
 fn corrections_that_shrink_end_before_the_last_one_is_made() {
@@ -136,13 +136,13 @@ fn stagnation_is_round_off_where_the_floor_or_the_residual_says_so() {
     // by the residual: a new matrix is asked first, and tells with its second correction
     let by_residual = verdicts(&series, true, MadeUp { at_round_off: true, ..SILENT });
     assert_eq!(by_residual[..4], [Verdict::GoOn, Verdict::GoOn, Verdict::GoOn, Verdict::NewMatrix]);
-    let Verdict::Converged(Lesson::Floor(floor)) = by_residual[4] else { panic!("{by_residual:?}") };
+    let Verdict::Converged(RateEstimate::Floor(floor)) = by_residual[4] else { panic!("{by_residual:?}") };
     assert_eq!(floor, Floor { corrections: [1.2e-11, 0.1 * 1.2e-11], unknowns: [1.0; 2] });
     // neither says so: the search goes on
     let neither = verdicts(&series, true, SILENT);
     assert!(neither.iter().all(|verdict| !matches!(verdict, Verdict::Converged(_))), "{neither:?}");
     // nearly all digits are enough, whatever says so
-    assert_eq!(verdicts(&[1e-3, 2e-4, 8e-14, 7e-14], true, SILENT).last(), Some(&Verdict::Converged(Lesson::Nothing)));
+    assert_eq!(verdicts(&[1e-3, 2e-4, 8e-14, 7e-14], true, SILENT).last(), Some(&Verdict::Converged(RateEstimate::Nothing)));
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn corrections_that_grow_diverge_or_are_relieved() {
 #[test]
 fn an_old_matrix_that_leads_astray_is_not_followed() {
     let astray = verdicts(&[1e-3, 1e-2, 1e-3, 1e-9, 1e-16], false, SILENT);
-    assert_eq!(astray, [Verdict::GoOn, Verdict::SearchAnew, Verdict::GoOn, Verdict::GoOn, CONVERGED]);
+    assert_eq!(astray, [Verdict::GoOn, Verdict::Restart, Verdict::GoOn, Verdict::GoOn, CONVERGED]);
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn what_is_no_number_ends_the_search() {
 
 #[test]
 fn a_small_residual_ends_the_search_where_it_is_asked_for() {
-    for (by_residual, last) in [(true, Verdict::Converged(Lesson::Nothing)), (false, Verdict::GoOn)] {
+    for (by_residual, last) in [(true, Verdict::Converged(RateEstimate::Nothing)), (false, Verdict::GoOn)] {
         let mut convergence = Convergence::new(by_residual);
         assert_eq!(convergence.judge_residual(2e3), Verdict::GoOn);
         assert_eq!(convergence.judge_residual(1e-5), Verdict::GoOn);
@@ -254,7 +254,7 @@ fn a_recorded_search_that_an_old_matrix_led_astray() {
     ];
     let system = with_floor([7.3454e-13, 8.9195e-14], [48.55, 37.83]);
     let (on, new) = (Verdict::GoOn, Verdict::NewMatrix);
-    assert_eq!(judged(recorded(series), false, system), [on, Verdict::SearchAnew, on, new, new, on, on, on, CONVERGED]);
+    assert_eq!(judged(recorded(series), false, system), [on, Verdict::Restart, on, new, new, on, on, on, CONVERGED]);
 }
 
 #[test]

@@ -56,7 +56,7 @@ impl Starts {
 
 /// Where coordinates, parameters and multipliers of parts stand.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct GatherMap {
     /// The coordinates of each node.
     pub nodes: SmallVec<[Starts; 3]>,
     /// Parameters.
@@ -65,12 +65,12 @@ pub(super) struct Places {
     pub multipliers: Starts,
 }
 
-impl Places {
+impl GatherMap {
     /// Of parts of one kind, each with the numbers of its multipliers.
     pub fn of<'p>(parts: impl Iterator<Item = (&'p DofMap, Range<usize>)> + Clone) -> Self {
         let nodes = parts.clone().next().map_or(0, |(part, _)| part.segments.len());
         let of_node = |node: usize| Starts::of_parts(parts.clone().map(|(part, _)| part.segments[node].clone()));
-        Places {
+        GatherMap {
             nodes: (0..nodes).map(of_node).collect(),
             parameters: Starts::of_parts(parts.clone().map(|(part, _)| part.parameters.clone())),
             multipliers: Starts::of_parts(parts.map(|(_, multipliers)| multipliers)),
@@ -79,7 +79,7 @@ impl Places {
 
     /// Those of some parts.
     pub fn of_chosen(&self, chosen: &[usize]) -> Self {
-        Places {
+        GatherMap {
             nodes: self.nodes.iter().map(|starts| starts.of_chosen(chosen)).collect(),
             parameters: self.parameters.of_chosen(chosen),
             multipliers: self.multipliers.of_chosen(chosen),

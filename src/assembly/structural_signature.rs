@@ -4,9 +4,9 @@ use super::{Attached, Model};
 use crate::elements::{ConstraintPhysics, ElementPhysics};
 use crate::program::Digest;
 
-/// The laws of a model: kinds of nodes, and of each element and constraint its nodes, the places of its parameters and its recorded formula.
+/// The structure of a model: kinds of nodes, and of each element and constraint its nodes, the places of its parameters and its recorded formula.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Laws {
+pub(crate) struct StructuralSignature {
     nodes: Vec<Digest>,
     spin: Option<Vec<usize>>,
     elements: Vec<Digest>,
@@ -20,22 +20,22 @@ fn law<P>(part: &Attached<P>, own: Digest) -> Digest {
 }
 
 impl Model {
-    /// Its laws.
-    pub(crate) fn laws(&self) -> Laws {
-        self.laws_of(ElementPhysics::law, ConstraintPhysics::law)
+    /// All of it, formulas included.
+    pub(crate) fn structural_signature(&self) -> StructuralSignature {
+        self.structural_signature_of(ElementPhysics::law, ConstraintPhysics::law)
     }
 
     /// The same without formulas: how its parts hang together.
-    pub(crate) fn topology(&self) -> Laws {
-        self.laws_of(|_| Digest::default(), |own| Digest::of(&own.equation_count()))
+    pub(crate) fn topology(&self) -> StructuralSignature {
+        self.structural_signature_of(|_| Digest::default(), |own| Digest::of(&own.equation_count()))
     }
 
-    fn laws_of(
+    fn structural_signature_of(
         &self,
         of_element: impl Fn(&ElementPhysics) -> Digest,
         of_constraint: impl Fn(&ConstraintPhysics) -> Digest,
-    ) -> Laws {
-        Laws {
+    ) -> StructuralSignature {
+        StructuralSignature {
             nodes: self.nodes.iter().map(|node| Digest::of(&(node.kind, node.fixed))).collect(),
             spin: self.spin.as_ref().map(|spin| spin.nodes.iter().map(|node| node.0).collect()),
             elements: self.elements.iter().map(|own| law(own, of_element(&own.physics))).collect(),
@@ -50,9 +50,9 @@ impl Model {
     }
 }
 
-impl Laws {
-    /// What differs from other laws, in words, with the names of the model whose laws these are.
-    pub fn difference(&self, other: &Laws, model: &Model) -> Option<String> {
+impl StructuralSignature {
+    /// What differs from another one, in words, with the names of the model whose signature this is.
+    pub fn difference(&self, other: &StructuralSignature, model: &Model) -> Option<String> {
         let first = |own: &[Digest], other: &[Digest]| own.iter().zip(other).position(|(own, other)| own != other);
         let counts = [&self.nodes, &self.elements, &self.constraints].map(Vec::len);
         let others = [&other.nodes, &other.elements, &other.constraints].map(Vec::len);

@@ -1,7 +1,7 @@
 //! Compiles what the optional feature `mumps` calls, and names its library.
 
 fn main() {
-    println!("cargo::rerun-if-changed=verification/linear-solvers/build.rs");
+    println!("cargo::rerun-if-changed=src/linalg/build.rs");
     #[cfg(feature = "mumps")]
     {
         const SOURCE: &str = "src/linalg/mumps.c";

@@ -1,20 +1,20 @@
-use super::{Pace, Scheme, Table, TimeGrid};
+use super::{Scheme, StepSizeState, Table, TimeGrid};
 
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
-pub(super) struct Course<'c> {
+pub(super) struct RunInterval<'c> {
     stretches: &'c TimeGrid,
     /// Steps taken.
     pub grid: &'c mut TimeGrid,
     /// Index of the stretch's end.
     target: usize,
-    /// What the choice of later steps depends on.
-    pub pace: Pace,
+    /// What the selection of later steps depends on.
+    pub step_size: StepSizeState,
 }
 
-impl<'c> Course<'c> {
+impl<'c> RunInterval<'c> {
     /// At the start of the first stretch, with the steps to be added to `grid`.
-    pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid, pace: Pace) -> Self {
-        Course { stretches, grid, target: 1, pace }
+    pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid, step_size: StepSizeState) -> Self {
+        RunInterval { stretches, grid, target: 1, step_size }
     }
 
     /// End of the last step \[s\].

@@ -1,14 +1,14 @@
-//! Runs that end before their time and are taken up again.
+//! Runs that end early and are resumed.
 
-use super::course::Course;
 use super::record::Recorder;
+use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::{Checkpoint, Counters, RunError, StepErrors};
 use crate::elements::RunScalar;
 
-/// How a run goes on to its next step.
+/// What the selection of the next step size knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pace {
+pub struct StepSizeState {
     /// Size of the next step, where it is chosen \[s\].
     pub h: f64,
     /// Error of the last step, as a share of the allowed one.
@@ -29,21 +29,21 @@ pub struct Pause<S> {
     /// End of the last step \[s\].
     pub t: f64,
     /// The next step.
-    pub pace: Pace,
+    pub step_size: StepSizeState,
     /// Largest estimated errors.
     pub errors: StepErrors,
     /// Work done.
     pub counters: Counters,
 }
 
-/// Where a run is taken up.
-pub(super) struct TakenUp<S> {
+/// A resumed run.
+pub(super) struct Resumed<S> {
     pub pause: Pause<S>,
     /// Starts of the steps before \[s\].
     begins: Vec<f64>,
 }
 
-impl<S: RunScalar> TakenUp<S> {
+impl<S: RunScalar> Resumed<S> {
     /// Brings a run, whose start has reached the recorder, to where the recorder has its steps from; `None` if it has none.
     pub fn by(stepper: &mut Stepper<S>, recorder: &mut dyn Recorder<S>) -> Result<Option<Self>, RunError> {
         let mut begins = Vec::new();
@@ -53,13 +53,13 @@ impl<S: RunScalar> TakenUp<S> {
         })?;
         let Some(pause) = pause else { return Ok(None) };
         stepper.take_up(&pause)?;
-        Ok(Some(TakenUp { pause, begins }))
+        Ok(Some(Resumed { pause, begins }))
     }
 
-    /// Lays the steps before into a course, which goes on at their pace.
-    pub fn follow(&self, course: &mut Course) {
+    /// Lays the steps before into a interval, which goes on at their step_size.
+    pub fn follow(&self, interval: &mut RunInterval) {
         let ends = self.begins.iter().skip(1).chain([&self.pause.t]);
-        ends.take(self.begins.len()).for_each(|&end| course.advance(end));
-        course.pace = self.pause.pace;
+        ends.take(self.begins.len()).for_each(|&end| interval.advance(end));
+        interval.step_size = self.pause.step_size;
     }
 }
