@@ -103,7 +103,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Simulate a scene: functionals, histories, pictures, a report to look at
+    /// Simulate a scene: functionals, histories, a report to look at
     Run(run::RunOptions),
     /// Simulate a scene and differentiate its functionals by the discrete adjoint
     Gradient(gradient::GradientOptions),

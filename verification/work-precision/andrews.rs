@@ -54,7 +54,7 @@ fn angles(prepared: &Prepared, q: &[f64]) -> Vec<f64> {
     angles.into_iter().zip(PUBLISHED).map(near).collect()
 }
 
-/// All tables at acceleration level, the planar angles at the other levels too, and chosen steps, with both rules for Newton's method; a chart
+/// All tables at acceleration level, the planar angles at the other level too, and chosen steps, with both rules for Newton's method; a chart
 /// for each model.
 pub fn report_andrews(report: &mut Report) -> Result<Vec<Chart>, String> {
     let mut charts = Vec::new();
