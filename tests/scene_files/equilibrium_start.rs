@@ -2,7 +2,7 @@
 
 use costate::history::Keep;
 use costate::integrators::Verdict;
-use costate::scenes::{FileScene, Prepared};
+use costate::scenes::{FileScene, Prepared, built_in};
 use costate::sensitivity::{Forward, largest_difference};
 
 /// A mass on a spring that hangs from the ground, 1 m long without load, with more keys and sections; starts at its given place or not.
@@ -171,13 +171,8 @@ fn nothing_moves_at_an_equilibrium() {
 
 /// A scene of the examples that begins at the equilibrium of its first position instead, for a short time.
 fn example(name: &str, steps: usize, end: f64) -> FileScene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes").join(format!("{name}.toml"));
-    let text = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = text.split_once("[settings]").unwrap();
-    let rest = rest.split_once("\n[").map_or("", |(_, rest)| rest);
-    let settings = format!("[settings]\nstart = \"equilibrium\"\nsteps = {steps}\nend = {end}\n");
-    FileScene::parse(&path.display().to_string(), &format!("{before}{settings}\n[{rest}"))
-        .unwrap_or_else(|why| panic!("{why}"))
+    let settings = format!("settings = {{ start = 'equilibrium', steps = {steps}, end = {end} }}");
+    built_in::changed(name, &settings).unwrap_or_else(|why| panic!("{why}"))
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Springs and dampers by laws of one's own.
 
 use super::runge_kutta;
-use costate::scenes::{FileScene, Prepared};
+use costate::scenes::{FileScene, Prepared, built_in};
 
 /// A mass on a line from the origin along x, at 0.5 m, that a spring holds.
 fn text(spring: &str) -> String {
@@ -163,9 +163,7 @@ fn height_of_the_car() -> f64 {
 
 #[test]
 fn the_quarter_of_a_car_moves_as_its_equations_say() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/quarter-car.toml");
-    let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
-    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(built_in::named("quarter-car").unwrap()).unwrap_or_else(|why| panic!("{why}"));
     let values = prepared.analysis().forward(&prepared.x).unwrap().values;
     let exact = height_of_the_car();
     // stops and a tyre that lifts off bend the forces within steps

@@ -1,7 +1,7 @@
 //! Derivatives of frequencies and growth: closed forms, and quotients of whole solutions.
 
 use costate::integrators::{Mode, STATIC_TABLE};
-use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, Prepared};
+use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, Prepared, built_in};
 use num_complex::Complex64;
 
 fn scene(text: &str) -> FileScene {
@@ -166,15 +166,10 @@ fn against_quotients(scene: &dyn AnyScene, (count, damped, statics): (usize, boo
     }
 }
 
-fn example(name: &str) -> FileScene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes").join(name);
-    FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"))
-}
-
 #[test]
 fn loaded_structures_agree_with_quotients() {
-    for name in ["right-angle-cantilever.toml", "von-mises-truss.toml"] {
-        against_quotients(&example(name), (3, false, true), 1e-6);
+    for name in ["right-angle-cantilever", "von-mises-truss"] {
+        against_quotients(built_in::named(name).unwrap(), (3, false, true), 1e-6);
     }
 }
 

@@ -4,7 +4,7 @@ use super::runge_kutta;
 use costate::integrators::Mode;
 use costate::prelude::*;
 use costate::scalar::Complex64;
-use costate::scenes::{AnyScene, FileScene};
+use costate::scenes::{AnyScene, FileScene, built_in};
 
 /// A mass on a rail that a controller with an integral and a lagging actuator brings to a target.
 const CONTROLLED: &str = r#"
@@ -495,9 +495,7 @@ fn what_is_wrong_with_a_state_is_told() {
 
 #[test]
 fn the_controlled_arm_moves_as_its_equations_say() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/controlled-arm.toml");
-    let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
-    let (values, _) = run(&scene);
+    let (values, _) = run(built_in::named("controlled-arm").unwrap());
     let (kp, ki, kd, target, rise, lag) = (60.0, 80.0, 8.0, std::f64::consts::FRAC_PI_3, 0.3, 0.02);
     let (inertia, weight) = ((1.2 / 3.0 + 0.5) * 0.64, (1.2 * 0.4 + 0.5 * 0.8) * 9.81);
     let slope = |_: f64, [angle, rate, command, sum, torque, _]: [f64; 6]| {
