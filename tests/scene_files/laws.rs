@@ -1,6 +1,6 @@
 //! Springs and dampers by laws of one's own.
 
-use super::runge_kutta;
+use super::{parsed, refused, runge_kutta};
 use costate::scenes::{FileScene, Prepared, built_in};
 
 /// A mass on a line from the origin along x, at 0.5 m, that a spring holds.
@@ -23,7 +23,7 @@ const ENERGY: &str = "\n[[functional]]\nname = \"energy\"\ntype = \"energy\"\nov
 
 /// Values at the end for a stiffness, and derivatives by it.
 fn run(text: &str, k: f64) -> [Vec<f64>; 2] {
-    let scene = FileScene::parse("laws.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(text);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let analysis = prepared.analysis();
     let forward = analysis.forward(&[k]).unwrap_or_else(|why| panic!("{why}"));
@@ -101,10 +101,7 @@ fn what_is_wrong_with_a_law_is_told() {
         ("force = { type = \"lines\", points = [1, 0], values = [0, 1] }", "increase"),
         ("stiffness = 3", "key \"stiffness\" is not known"),
     ] {
-        let told = match FileScene::parse("laws.toml", &law(keys)) {
-            Ok(scene) => Prepared::new(&scene).map(drop).expect_err(keys).to_string(),
-            Err(why) => why,
-        };
+        let told = refused(&law(keys));
         assert!(told.contains(part), "{keys}: {told}");
     }
     let hidden = law("force = \"k * s\"").replace("[variable]\n", "[variable]\ns = { initial = 1, bounds = [0, 2] }\n");

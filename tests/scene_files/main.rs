@@ -41,6 +41,21 @@ fn files() -> Vec<PathBuf> {
     files
 }
 
+/// A text as a scene.
+fn parsed(text: &str) -> FileScene {
+    FileScene::parse("scene.toml", text).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// What is said of a scene that cannot be run.
+fn refused(text: &str) -> String {
+    let scene = match FileScene::parse("scene.toml", text) {
+        Ok(scene) => scene,
+        Err(why) => return why,
+    };
+    let run = Prepared::new(&scene).and_then(|prepared| prepared.analysis().forward(&prepared.x).map(drop));
+    run.err().map_or_else(|| "nothing was found".into(), |why| why.to_string())
+}
+
 /// A scene at its initial design with few steps of its own settings, the fewer the more design variables it has.
 fn prepared(scene: &dyn AnyScene) -> Prepared<'_> {
     let mut settings = scene.settings();

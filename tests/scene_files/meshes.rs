@@ -1,5 +1,6 @@
 //! Meshes of scene files against shells on grids, and design variables of faces and nodes against one of all.
 
+use super::parsed;
 use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 
 /// A clamped sheet that falls, with what is between the marks.
@@ -79,7 +80,7 @@ direction = [0, 0, 1]
 over = "terminal"
 "#
     );
-    FileScene::parse("sheet.toml", &text).unwrap_or_else(|why| panic!("{why}"))
+    parsed(&text)
 }
 
 const GRID: &str = r#"

@@ -1,5 +1,6 @@
 //! Modes about motions that repeat themselves: closed forms, and the published case of ground resonance.
 
+use super::parsed;
 use costate::integrators::Mode;
 use costate::scenes::{AnyScene, FileScene, PeriodicModes, Prepared, built_in};
 use std::f64::consts::TAU;
@@ -7,10 +8,6 @@ use std::f64::consts::TAU;
 fn periodic(scene: &FileScene, count: usize) -> Result<PeriodicModes, String> {
     let prepared = Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"));
     prepared.periodic_modes(count).map_err(|why| why.to_string())
-}
-
-fn parsed(text: &str) -> FileScene {
-    FileScene::parse("periodic.toml", text).unwrap_or_else(|why| panic!("{why}"))
 }
 
 /// What stands still repeats itself after any time: the modes are those of a damped mass and of a first-order lag.
