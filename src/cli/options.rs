@@ -6,7 +6,7 @@ use crate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
-use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings};
+use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
 use crate::scenes::{check_folders, unknown};
 use clap::Args;
 use std::ops::Deref;
@@ -154,21 +154,37 @@ impl<'p> Deref for FoundScene<'p> {
 }
 
 impl<'p> CommandLine<'p> {
+    /// Names of its scenes.
+    pub(super) fn names(&self) -> Vec<String> {
+        self.scenes.iter().map(|scene| scene.name()).chain(self.built_in.iter().map(|&name| name.into())).collect()
+    }
+
+    /// Its scenes.
+    pub(super) fn all_scenes(&self) -> Vec<&'p dyn AnyScene> {
+        let built_in = self.built_in.iter().filter_map(|name| built_in::named(name).ok());
+        self.scenes.iter().copied().chain(built_in.map(|scene| scene as &dyn AnyScene)).collect()
+    }
+
+    /// The scene of this name, unless it is that of a file.
+    pub(super) fn own_scene(&self, name: &str) -> Option<&'p dyn AnyScene> {
+        let own = self.scenes.iter().copied().find(|scene| scene.name() == name);
+        let built_in = || built_in::named(self.built_in.iter().find(|own| **own == name)?).ok();
+        own.or_else(|| built_in().map(|scene| scene as &dyn AnyScene))
+    }
+
     /// The scene with a given name, or in a given file.
     pub(super) fn find_scene(&self, name: &str) -> Result<FoundScene<'p>, Failure> {
-        let known: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
-        let found = self.scenes.iter().find(|scene| scene.name() == name);
+        let found = self.own_scene(name);
         if is_path(name) || found.is_none() && Path::new(name).is_file() {
             return Ok(FoundScene::File(Box::new(
                 FileScene::read_with(Path::new(name), &self.parts).map_err(Failure::input)?,
             )));
         }
-        if let Some(scene) = found {
-            check_names(*scene)?;
-        }
-        found
-            .map(|scene| FoundScene::Own(*scene))
-            .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
+        let unknown =
+            || Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &self.names())));
+        let scene = found.ok_or_else(unknown)?;
+        check_names(scene)?;
+        Ok(FoundScene::Own(scene))
     }
 }
 

@@ -7,8 +7,7 @@ use costate::functionals::Over;
 use costate::history::{Keep, Watch};
 use costate::integrators::{ConstraintLevel, Method, StepRecord, Table, tables};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::built_in::Pendulum;
-use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings};
+use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, built_in};
 use costate::sensitivity::Analysis;
 use exact::{Exact, HeavyTop};
 
@@ -78,12 +77,13 @@ struct Problem {
     expected: &'static [Row],
 }
 
-fn problems() -> [Problem; 3] {
-    [
-        Problem { name: "pendulum", scene: Pendulum.as_ref(), exact: exact::pendulum, expected: &FROM_REST },
+fn problems() -> Result<[Problem; 3], String> {
+    let pendulum = built_in::named("pendulum")?;
+    Ok([
+        Problem { name: "pendulum", scene: pendulum, exact: exact::pendulum, expected: &FROM_REST },
         Problem { name: "moving-pendulum", scene: &MovingPendulum, exact: exact::moving_pendulum, expected: &EVENTUALLY },
         Problem { name: "heavy-top", scene: &HeavyTop, exact: HeavyTop::at, expected: &EVENTUALLY },
-    ]
+    ])
 }
 
 impl Problem {
@@ -135,7 +135,7 @@ impl Study for Orders {
         report.at_most("reference/pendulum-against-elliptic-function", worst, 1e-14);
         for table in tables() {
             for level in ConstraintLevel::ALL {
-                for problem in &problems() {
+                for problem in &problems()? {
                     let pair = problem.pair(&table, level);
                     let runs: Result<Vec<_>, String> =
                         STEPS[..pair + 2].iter().map(|&steps| errors(problem, &table, level, steps)).collect();

@@ -1,9 +1,9 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
+use crate::verification::falling::plate;
 use crate::verification::phases::{Effort, OfMumps, Phases, Times, USUAL};
 use crate::verification::{Form, Report, Study};
 use costate::internals::{of_all_ranks, traffic};
-use costate::scenes::built_in::{PlatePendulum, Thicknesses};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -232,7 +232,7 @@ impl Subject {
         let [along, across] = self.elements;
         let threads = of_all_ranks(&[]).len() * rayon::current_num_threads();
         let elements = [if self.is_for_each { along * threads } else { along }, across];
-        let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
+        let plate = plate(elements)?;
         let (before, on_processor) = (traffic(), processor_seconds());
         let effort = match std::env::var_os(CROWDED_RANKS) {
             // what MUMPS sends is on no path here
