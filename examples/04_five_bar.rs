@@ -4,13 +4,14 @@
 //! 0.0882896650, 1.01503782. Run: `cargo run --release --example 04_five_bar`
 
 use costate::prelude::*;
-use costate::scenes::built_in::FiveBar;
+use costate::scenes::{AnyScene, built_in};
 
 fn main() -> Result<(), RunError> {
     let reference = [("L01", 32.757_973_4), ("k1", 0.088_289_665_0), ("c", 1.015_037_82)];
-    let settings = Settings { steps: 1000, ..FiveBar.settings() };
-    let x: Vec<f64> = FiveBar.variables().iter().map(|variable| variable.initial).collect();
-    let scene = Prepared::with(&FiveBar, &x, Prepared::method_of(&settings)?, settings)?;
+    let five_bar = built_in::named("five-bar")?;
+    let settings = Settings { steps: 1000, ..five_bar.settings() };
+    let x: Vec<f64> = five_bar.variables().iter().map(|variable| variable.initial).collect();
+    let scene = Prepared::with(five_bar, &x, Prepared::method_of(&settings)?, settings)?;
     let analysis = scene.analysis();
     let forward = analysis.forward(&x)?;
     let gradient = analysis.adjoint(&x, &forward)?;

@@ -24,17 +24,16 @@ pub use crate::functionals::{
     quantity::MeasuredQuantity, weights::QuadratureWeights,
 };
 pub use crate::history::{
-    checkpoints::Checkpoints, file::FileHistory, memory::Memory, nothing::Nothing, rerun::Rerun, schedule::recomputed_steps,
+    checkpoints::Checkpoints, file::FileHistory, nothing::Nothing, rerun::Rerun, schedule::recomputed_steps,
 };
 pub use crate::integrators::{
     adaptive::march_adaptive, dividing::march_dividing, given::march, march::Problem, march::Run, record::Recorder,
-    systems::Systems, tables::table_named,
+    tables::table_named,
 };
 #[cfg(feature = "cli")]
 pub use crate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};
 pub use crate::io::{read_csv, write_csv};
 pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
-pub use crate::linalg::multifrontal::{OnRanks, predicted};
 pub use crate::linalg::{own_unknowns::OwnUnknowns, owners::Owners};
 pub use crate::program::{
     ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Reads, Recorded, compile_time, lanes,

@@ -33,7 +33,7 @@
 //! sensitivity   backwards: adjoint variables, df/dp, df/dx
 //! scenes        mechanisms as functions of x
 //! optimize      better designs: programs, optimizers, histories
-//! io            plots, pictures, tables, files
+//! io            charts, meshes, tables, files
 //! cli           the command line of any scenes (feature `cli`)
 //! guide         how to use all of this, and what it computes: text alone
 //! python        the package for Python: a crate of its own, which uses this one

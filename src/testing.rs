@@ -503,7 +503,7 @@ fn check_equation<C: AnyConstraint + 'static>(
     let assembled = Assembled::new(samples, |model, node| {
         model.add_constraint("", &[node], Box::new(Shared(Arc::clone(constraint))));
     });
-    for level in [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized] {
+    for level in [Level::Position, Level::Velocity, Level::Acceleration] {
         let equations = Equations::stage(StageCoefficients::new(0.7, 0.4, 1.3), level);
         assembled.check_matrix(&equations)?;
         assembled.check_products(&equations)?;
@@ -591,41 +591,33 @@ impl<'s> Assembled<'s> {
         VectorsAvq { a: lift(&self.at.a), v: lift(&self.at.v), q: lift(&self.at.q) }
     }
 
-    fn system(&self, equations: &Equations) -> System<'_> {
-        let stabilized = equations.level == Level::Stabilized;
-        System::new(&self.model, SystemOptions { stabilized, ..SystemOptions::default() })
+    fn system(&self) -> System<'_> {
+        System::new(&self.model, SystemOptions::default())
     }
 
     /// Multipliers that are not zero.
     fn unknowns(system: &System) -> Unknowns<f64> {
         let mut unknowns = Residual::<f64>::unknowns(system);
-        let values = |numbers: &mut [f64], phase: f64| {
-            numbers.iter_mut().enumerate().for_each(|(i, x)| *x = (1.9 * i as f64 + phase).sin());
-        };
-        values(&mut unknowns.mu, 0.3);
-        values(&mut unknowns.eta, 0.8);
+        unknowns.mu.iter_mut().enumerate().for_each(|(i, x)| *x = (1.9 * i as f64 + 0.3).sin());
         unknowns
     }
 
     fn complex_unknowns(unknowns: &Unknowns<f64>) -> Unknowns<Complex64> {
-        let Unknowns { x, y, mu, eta, local_mu, local_eta } = unknowns;
-        let [x, y, mu, eta, local_mu, local_eta] = [x, y, mu, eta, local_mu, local_eta].map(|own| lift(own));
-        Unknowns { x, y, mu, eta, local_mu, local_eta }
+        Unknowns { x: lift(&unknowns.x), mu: lift(&unknowns.mu), local_mu: lift(&unknowns.local_mu) }
     }
 
-    /// F, Y and both sets of G of one sample, divided by a step's size.
-    fn steps_of(&self, residual: &Residual<Complex64>, index: usize) -> [Vec<f64>; 4] {
+    /// F and G of one sample, divided by a step's size.
+    fn steps_of(&self, residual: &Residual<Complex64>, index: usize) -> [Vec<f64>; 2] {
         let n = self.samples[index].q.len();
         let rows = self.model.equations / self.samples.len();
-        [(&residual.f, n), (&residual.y, n), (&residual.g, rows), (&residual.g_second, rows)]
+        [(&residual.f, n), (&residual.g, rows)]
             .map(|(all, count)| all.iter().skip(index * count).take(count).map(|x| x.im / COMPLEX_STEP).collect())
     }
 
     /// The matrix of Newton's method against complex steps of every unknown.
     fn check_matrix(&self, equations: &Equations) -> Result<(), String> {
-        let system = self.system(equations);
+        let system = self.system();
         let (n, rows) = (self.samples[0].q.len(), self.model.equations / self.samples.len());
-        let copies = if equations.level == Level::Stabilized { 2 } else { 1 };
         for t in self.times() {
             let mut unknowns = Self::unknowns(&system);
             let (mut real, mut jacobian) = (Residual::default(), Jacobian::default());
@@ -633,26 +625,19 @@ impl<'s> Assembled<'s> {
             jacobian.assemble(&system, equations, &real, &unknowns, &self.p, t);
             let mut complex = Residual::default();
             let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
-            // places of the rows of a sample in the matrix: F, Y, G, second set of G
-            let places = |index: usize| -> [Vec<usize>; 4] {
-                let first = copies * n * index;
-                let multipliers = |places: &[Option<usize>]| -> Vec<usize> {
-                    places.iter().skip(index * rows).take(rows).flatten().copied().collect()
-                };
-                let of_y = if copies == 2 { (first + n..first + 2 * n).collect() } else { Vec::new() };
-                let [mu, eta] = [system.multiplier_places(), system.stabilizer_places()].map(multipliers);
-                [(first..first + n).collect(), of_y, mu, eta]
+            // places of the rows of a sample in the matrix: F, G
+            let places = |index: usize| -> [Vec<usize>; 2] {
+                let multipliers = system.multiplier_places().iter().skip(index * rows).take(rows);
+                [(n * index..n * (index + 1)).collect(), multipliers.flatten().copied().collect()]
             };
-            let all: Vec<[Vec<usize>; 4]> = (0..self.samples.len()).map(places).collect();
-            let mut blocks: Vec<[[Vec<f64>; 2]; 4]> = vec![Default::default(); self.samples.len()];
-            for group in 0..4 {
+            let all: Vec<[Vec<usize>; 2]> = (0..self.samples.len()).map(places).collect();
+            let mut blocks: Vec<[[Vec<f64>; 2]; 2]> = vec![Default::default(); self.samples.len()];
+            for group in 0..2 {
                 for column in 0..all[0][group].len() {
                     let mut stepped = Self::complex_unknowns(&unknowns);
-                    let numbers = [&mut stepped.x, &mut stepped.y, &mut stepped.mu, &mut stepped.eta];
+                    let numbers = if group == 0 { &mut stepped.x } else { &mut stepped.mu };
                     let count = all[0][group].len();
-                    for numbers in numbers.into_iter().skip(group).take(1) {
-                        numbers.iter_mut().skip(column).step_by(count).for_each(|x| x.im = COMPLEX_STEP);
-                    }
+                    numbers.iter_mut().skip(column).step_by(count).for_each(|x| x.im = COMPLEX_STEP);
                     complex.evaluate(&system, StageSystem { equations, base: &at, p: &p, t }, &mut stepped);
                     for (index, places) in all.iter().enumerate() {
                         let exact = self.steps_of(&complex, index);
@@ -668,7 +653,7 @@ impl<'s> Assembled<'s> {
                 }
             }
             for (index, block) in blocks.iter().enumerate() {
-                for (what, [own, exact]) in ["F", "Y", "G", "second G"].iter().zip(block) {
+                for (what, [own, exact]) in ["F", "G"].iter().zip(block) {
                     agree(&format!("matrix of {equations:?}, rows of {what} in sample {index}"), own, exact, 0.0)?;
                 }
             }
@@ -678,7 +663,7 @@ impl<'s> Assembled<'s> {
 
     /// Gradients of adjoint variables times the rows of a system against complex steps of every argument.
     fn check_products(&self, equations: &Equations) -> Result<(), String> {
-        let system = self.system(equations);
+        let system = self.system();
         let t = self.samples[0].t;
         let unknowns = Self::unknowns(&system);
         let adjoints = Self::adjoints(&system);
@@ -691,7 +676,7 @@ impl<'s> Assembled<'s> {
             complex.evaluate(&system, StageSystem { equations, base: &at, p: &p, t }, &mut stepped);
             (0..self.samples.len())
                 .map(|index| {
-                    let weights = [&adjoints.f, &adjoints.y, &adjoints.g, &adjoints.g_second];
+                    let weights = [&adjoints.f, &adjoints.g];
                     let steps = self.steps_of(&complex, index);
                     let own = |(all, steps): (&Vec<f64>, Vec<f64>)| -> f64 {
                         all[index * steps.len()..].iter().zip(steps).map(|(weight, step)| weight * step).sum()
@@ -715,8 +700,7 @@ impl<'s> Assembled<'s> {
 
     /// The same for the impulse w_P P + w_F F of elements.
     fn check_impulse_products(&self) -> Result<(), String> {
-        let equations = Equations::acceleration();
-        let system = self.system(&equations);
+        let system = self.system();
         let (t, weights) = (self.samples[0].t, [0.6, -1.7]);
         let adjoints = Self::adjoints(&system);
         let impulse = Impulse { momentum: weights[0], force: weights[1] };
@@ -746,8 +730,8 @@ impl<'s> Assembled<'s> {
 
     fn adjoints(system: &System) -> Adjoints {
         let mut adjoints = Adjoints::zeros(system);
-        let Adjoints { f, y, g, g_second, .. } = &mut adjoints;
-        for (phase, numbers) in [f, y, g, g_second].into_iter().enumerate() {
+        let Adjoints { f, g } = &mut adjoints;
+        for (phase, numbers) in [f, g].into_iter().enumerate() {
             let number = |i: usize| (0.9 * i as f64 + phase as f64 + 0.1).cos();
             numbers.iter_mut().enumerate().for_each(|(i, x)| *x = number(i));
         }

@@ -3,8 +3,7 @@
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, StepRecord, tables};
 use costate::internals::{march, march_adaptive};
-use costate::scenes::built_in::{self, Chain, ChainVariables, FiveBar, HeavyTop};
-use costate::scenes::{AnyScene, Prepared, Settings};
+use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -67,16 +66,15 @@ fn steps_allocate_nothing() {
         "heavy-top",
         "free-body",
         "car-axis",
-        "duffing",
         "flexible-pendulum",
     ] {
-        let Some(scene) = built_in::all().into_iter().find(|scene| scene.name() == name) else { continue };
+        let scene = built_in::named(name).expect("built in");
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         for table in tables() {
             for level in ConstraintLevel::ALL {
                 let settings = Settings { end: 1e-3 * STEPS as f64, steps: STEPS, ..scene.settings().without_method() };
                 let prepared =
-                    Prepared::with(&*scene, &x, Method::new(table.clone(), level), settings).expect("a sound scene");
+                    Prepared::with(scene, &x, Method::new(table.clone(), level), settings).expect("a sound scene");
                 let what = format!("{name}, {} at {} level", table.name, level.name());
                 // the thread's tapes grow once
                 allocations(&prepared).unwrap_or_else(|error| panic!("{what}: {error}"));
@@ -106,9 +104,8 @@ fn functionals_and_long_chains_allocate_nothing() {
     // on this thread, where they are counted
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool of one thread");
     pool.install(|| {
-        let chain = Chain { bodies: 300, variables: ChainVariables::Common };
-        let scenes: [&dyn AnyScene; 3] = [&chain, FiveBar.as_ref(), HeavyTop.as_ref()];
-        for scene in scenes {
+        for (name, changes) in [("chain-common", "define.bars = 300"), ("five-bar", ""), ("heavy-top", "")] {
+            let scene = &built_in::changed(name, changes).expect("sound");
             of_values(scene, 2 * STEPS);
             let [short, long] = [STEPS, 2 * STEPS].map(|steps| of_values(scene, steps));
             assert_eq!(long, short, "{}", scene.name());
@@ -118,10 +115,10 @@ fn functionals_and_long_chains_allocate_nothing() {
 
 #[test]
 fn chosen_steps_allocate_for_their_list_alone() {
-    let scene = HeavyTop;
+    let scene = built_in::named("heavy-top").expect("built in");
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let settings = scene.settings().without_method().choosing_steps(StepControl::new(1e-7));
-    let prepared = Prepared::with(&scene, &x, Prepared::default_method(), settings).expect("a sound scene");
+    let prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");
     let control = prepared.control.expect("chosen steps");
     // the thread's tapes grow once
     prepared.analysis().values(&x).expect("runs");

@@ -9,8 +9,7 @@ use costate::integrators::StepRecord;
 use costate::internals::{AppliedForce, AppliedTorque, STRAINS, TWO, march, table_named};
 use costate::prelude::*;
 use costate::scalar::{COMPLEX_STEP, Complex64};
-use costate::scenes::built_in::{FlexibleFourBar, FlyingRod, PrincetonBeam, RightAngleCantilever, SpinUpBeam};
-use costate::scenes::{AnyScene, BeamLine, BeamMember, NodeId};
+use costate::scenes::{AnyScene, BeamLine, BeamMember, NodeId, built_in};
 use costate::sensitivity::largest_difference;
 use std::fs;
 use std::ops::Range;
@@ -271,8 +270,9 @@ fn invariants(prepared: &Prepared, q: &[f64], v: &[f64]) -> [f64; 7] {
 #[test]
 fn a_free_rod_keeps_the_momentum_that_its_load_gave_it() {
     let settings = Settings::new(7.0, 700);
-    let x: Vec<f64> = Scene::variables(&FlyingRod).iter().map(|variable| variable.initial).collect();
-    let prepared = Prepared::with(FlyingRod.as_ref(), &x, Prepared::default_method(), settings).expect("a sound scene");
+    let scene = built_in::named("flying-rod").expect("built in");
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");
     let mut course = Vec::new();
     let mut watch = Watch(|step: &StepRecord<f64>| {
         course.push((step.t + step.h, invariants(&prepared, &step.q, &step.v)));
@@ -332,9 +332,10 @@ fn at_tying_points_the_section_force_of_a_bent_cantilever_has_the_size_of_the_lo
 
 #[test]
 fn a_beam_in_steady_rotation_is_longer_by_its_centrifugal_force() {
-    let settings = Settings { steps: 1000, ..Scene::settings(&SpinUpBeam) };
-    let x: Vec<f64> = Scene::variables(&SpinUpBeam).iter().map(|variable| variable.initial).collect();
-    let prepared = Prepared::with(SpinUpBeam.as_ref(), &x, Prepared::default_method(), settings).expect("a sound scene");
+    let scene = built_in::named("spin-up-beam").expect("built in");
+    let settings = Settings { steps: 1000, ..scene.settings() };
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");
     let found = prepared.analysis().values(&x).expect("it runs");
     let (stiffness, mass, length, rate) = (2.8e7, 1.2, 10.0, 6.0_f64);
     let first_order = mass * rate * rate * f64::powi(length, 3) / (3.0 * stiffness);
@@ -479,8 +480,7 @@ fn a_run_writes_a_column_for_each_output_of_a_section() {
     let header: Vec<&str> = header.split(',').collect();
     let last: Vec<f64> = lines.next_back().expect("rows").split(',').map(|word| word.parse().expect("a number")).collect();
     assert_eq!(header.len(), last.len());
-    let scene = PrincetonBeam::default();
-    let prepared = Prepared::new(&scene).expect("a sound scene");
+    let prepared = Prepared::new(built_in::named("princeton-beam").expect("built in")).expect("a sound scene");
     let said = String::from_utf8_lossy(&output.stdout);
     let json: serde_json::Value = serde_json::from_str(said.lines().last().expect("JSON")).expect("JSON");
     for (index, functional) in prepared.functionals().iter().enumerate() {
@@ -631,14 +631,15 @@ impl Scene for Mistaken {
 /// but stiffness holds a bar, EA L^2 / EI = 3e5 here: the condition of the matrix.
 #[test]
 fn adjoint_tangent_and_complex_step_agree_for_every_scene_with_beams() {
-    let few: [(&dyn AnyScene, f64, usize); 5] = [
-        (FlexibleFourBar { elements: [2, 2, 2], run: (0.2, 20) }.as_ref(), 0.2, 20),
-        (SpinUpBeam.as_ref(), 4.0, 40),
-        (FlyingRod.as_ref(), 0.5, 10),
-        (RightAngleCantilever { elements: 2 }.as_ref(), 0.5, 10),
-        (PrincetonBeam { elements: 2 }.as_ref(), 1.0, 4),
+    let few = [
+        ("flexible-four-bar", "beam = { AB.elements = 2, BC.elements = 2, CD.elements = 2 }", 0.2, 20),
+        ("spin-up-beam", "", 4.0, 40),
+        ("flying-rod", "", 0.5, 10),
+        ("right-angle-cantilever", "beam = { 'first arm'.elements = 2, 'second arm'.elements = 2 }", 0.5, 10),
+        ("princeton-beam", "beam.beam.elements = 2", 1.0, 4),
     ];
-    for (scene, end, steps) in few {
+    for (name, changes, end, steps) in few {
+        let scene = &built_in::changed(name, changes).expect("sound");
         for table in ["esdirk4", "bdf2"] {
             let mut settings = scene.settings();
             (settings.end, settings.steps) = (end, steps);

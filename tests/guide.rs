@@ -89,11 +89,7 @@ fn commands_on_the_pages_run() {
     for (name, page) in pages() {
         // each page for itself, in the order of its lines
         let here = folder.join(name.replace('/', "-"));
-        fs::create_dir_all(here.join("examples/scenes")).unwrap();
-        for file in ["bracket.toml", "bracket.msh"] {
-            let path = format!("examples/scenes/{file}");
-            fs::copy(root().join(&path), here.join(&path)).unwrap();
-        }
+        fs::create_dir_all(&here).unwrap();
         if blocks(&page, "sh").iter().any(|block| block.contains("arm.toml") && !block.contains("new arm.toml")) {
             assert!(costate(&here, &["new".into(), "arm.toml".into()]).status.success());
         }

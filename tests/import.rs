@@ -289,14 +289,11 @@ fn joints_that_move_nothing_are_held_and_what_cannot_start_is_refused() {
 }
 
 #[test]
-fn histories_of_chosen_parts_are_columns_of_all_and_a_film_is_one_picture_after_the_other() {
+fn histories_of_chosen_parts_are_columns_of_all() {
     let folder = Folder::new("chosen");
     let text = include_str!("scene_files/coverage/solids.toml").replace("tests/scene_files/coverage/", "");
     folder.write("solids.toml", &text);
-    folder.write(
-        "all.toml",
-        &text.replace("histories = [\"hammer\", \"hinge\", \"reach\", \"energy\"]", "").replace("film = true", ""),
-    );
+    folder.write("all.toml", &text.replace("histories = [\"hammer\", \"hinge\", \"reach\", \"energy\"]", ""));
     std::fs::copy("tests/scene_files/coverage/wedge.stl", folder.0.join("wedge.stl")).unwrap();
     for scene in ["solids", "all"] {
         let output = folder.run(&["run", &format!("{scene}.toml"), "--out", scene, "--no-report"]);
@@ -320,11 +317,6 @@ fn histories_of_chosen_parts_are_columns_of_all_and_a_film_is_one_picture_after_
         let other = all_names.iter().position(|own| own == name).unwrap();
         assert!(rows.iter().zip(&all_rows).all(|(own, all)| own[place] == all[other]), "{name}");
     }
-    let film = std::fs::read(folder.0.join("solids/film.png")).unwrap();
-    let count = |word: &[u8]| film.windows(4).filter(|bytes| *bytes == word).count();
-    // one control chunk for each of the rows, which is a frame
-    assert_eq!((count(b"acTL"), count(b"fcTL")), (1, rows.len()));
-    assert!(!folder.0.join("all/film.png").exists());
     folder.write("wrong.toml", &text.replace("\"hinge\", \"reach\"", "\"hing\""));
     let output = folder.run(&["check", "wrong.toml"]);
     assert!(

@@ -27,7 +27,7 @@ fn places(folders: &[&str], own: &str, words: &[&str]) -> Vec<String> {
                 .any(|(at, _)| !text[..at].ends_with(letter) && !text[at + word.len()..].starts_with(letter))
         })
     };
-    let others = all.iter().filter(|path| **path != own && !path.starts_with(root.join("src/scenes/built_in")));
+    let others = all.iter().filter(|path| **path != own);
     let others = others.filter(|path| path.file_name().is_none_or(|name| name != "places.rs"));
     others.filter(|path| names(path)).map(|path| path.display().to_string()).collect()
 }

@@ -32,9 +32,7 @@ fn plate(steps: usize) -> String {
     edited(
         "plate-pendulum",
         &[
-            ("elements = [5, 1]", "elements = [30, 12]"),
-            ("to = 2 }", "to = 24 }"),
-            ("plate[10, 1]", "plate[60, 12]"),
+            ("along = 5\nacross = 1", "along = 30\nacross = 12"),
             ("1e-3 * 20", &format!("{steps} / 1024")),
             ("steps = 20", &format!("steps = {steps}")),
         ],

@@ -198,8 +198,7 @@ fn extremes_correlations_and_pictures_are_those_of_the_rows() {
         assert!(stdout.contains(part), "{part}: {stdout}");
     }
     for name in ["scatter-1", "scatter-2", "sensitivity"] {
-        let svg = folder.read(&format!("out/pendulum/{name}.svg"));
-        assert!(folder.0.join(format!("out/pendulum/{name}.png")).exists() && svg.contains("x at the end"), "{name}");
+        assert!(folder.read(&format!("out/pendulum/{name}.svg")).contains("x at the end"), "{name}");
     }
     assert!(folder.read("out/pendulum/sensitivity.svg").contains("Spearman's rank correlation over 8 designs"));
     // an earlier table is kept
@@ -400,7 +399,7 @@ fn a_sweep_that_is_stopped_or_killed_loses_no_finished_row() {
     let arguments = ["sweep", "pendulum", "--steps", "3000", "--vary", "length=0.5:2:60", "--threads", "2"];
     let file = folder.0.join(FILES[0]);
     let rows = || fs::read_to_string(&file).map_or(0, |text| text.lines().count().saturating_sub(1));
-    let outdated = ["sweep.arrow", "sweep.json", "scatter-1.svg", "scatter-2.png", "sensitivity.png"];
+    let outdated = ["sweep.arrow", "sweep.json", "scatter-1.svg", "scatter-2.svg", "sensitivity.svg"];
     let outdated = outdated.map(|name| format!("out/pendulum/{name}"));
     for (signal, code) in [("-INT", Some(130)), ("-KILL", None), ("-TERM", Some(130))] {
         fs::create_dir_all(folder.0.join("out/pendulum")).expect("a folder");

@@ -3,14 +3,13 @@
 use costate::elements::{Element, NodeKind, Parameter, State};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method};
-use costate::internals::{Equations, Level, Program, StageCoefficients, Systems, table_named};
+use costate::internals::{Equations, Level, Program, StageCoefficients, table_named};
 use costate::scalar::Scalar;
-use costate::scenes::built_in::FlexiblePendulum;
 use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, built_in};
 use costate::sensitivity::largest_difference;
 
-fn scene(name: &str) -> Box<dyn AnyScene> {
-    built_in::all().into_iter().find(|scene| scene.name() == name).expect("a built-in scene")
+fn scene(name: &str) -> &'static dyn AnyScene {
+    built_in::named(name).expect("a built-in scene")
 }
 
 fn prepared<'s>(scene: &'s dyn AnyScene, end: f64, steps: usize) -> Prepared<'s> {
@@ -22,7 +21,7 @@ fn prepared<'s>(scene: &'s dyn AnyScene, end: f64, steps: usize) -> Prepared<'s>
 #[test]
 fn newton_needs_few_iterations_and_few_factorizations() {
     let scene = scene("five-bar");
-    let prepared = prepared(&*scene, 0.5, 50);
+    let prepared = prepared(scene, 0.5, 50);
     let forward = prepared.analysis().forward(&prepared.x).expect("runs");
     let counters = forward.counters;
     // five stages and two projections a step, and the first acceleration
@@ -37,9 +36,10 @@ fn newton_needs_few_iterations_and_few_factorizations() {
 fn a_step_of_cables_takes_few_iterations_and_one_block_an_element() {
     let steps = 200;
     for (elements, most_iterations, most_factorizations) in [(5, 5.0, 0.07), (20, 5.5, 0.2)] {
-        let scene = FlexiblePendulum { elements };
-        let x: Vec<f64> = Scene::variables(&scene).iter().map(|variable| variable.initial).collect();
-        let settings = Settings { end: 1e-3 * steps as f64, steps, ..Scene::settings(&scene) };
+        let changes = format!("cable.pendulum.elements = {elements}");
+        let scene = built_in::changed("flexible-pendulum", &changes).expect("sound");
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.settings() };
         let table = table_named("variational").expect("no mistake").expect("listed");
         let method = Method::new(table, ConstraintLevel::default());
         let prepared = Prepared::with(&scene, &x, method, settings).expect("a sound scene");
@@ -56,7 +56,7 @@ fn a_step_of_cables_takes_few_iterations_and_one_block_an_element() {
 #[test]
 fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functionals() {
     let scene = scene("pendulum");
-    let prepared = prepared(&*scene, 0.5, 50);
+    let prepared = prepared(scene, 0.5, 50);
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).expect("runs");
     let counters = analysis.adjoint(&prepared.x, &forward).expect("has a gradient").counters;
@@ -73,11 +73,11 @@ fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functional
 fn products_of_a_second_functional_share_what_depends_on_the_state() {
     for name in ["five-bar", "andrews", "plate-pendulum"] {
         let scene = scene(name);
-        let prepared = prepared(&*scene, 0.1, 10);
-        let systems = Systems::new(prepared.model(), &prepared.method, &prepared.plan.dropped);
+        let prepared = prepared(scene, 0.1, 10);
+        let system = prepared.method.system(prepared.model(), &prepared.plan.dropped);
         let equations = Equations::stage(StageCoefficients::new(1.0, 0.01, 1e-4), Level::Acceleration);
         let count = |program: &Program| program.listing().instructions.len();
-        let pairs = systems.stage.part_programs(&equations).into_iter().map(|own| own.products.map(|own| count(&own)));
+        let pairs = system.part_programs(&equations).into_iter().map(|own| own.products.map(|own| count(&own)));
         let shares: Vec<(usize, f64)> = pairs.map(|[one, two]| (one, two as f64 / one as f64)).collect();
         println!("{name}: instructions for one functional, and for two by these: {shares:.2?}");
         let large = shares.iter().filter(|(one, _)| *one > 100);
@@ -88,7 +88,7 @@ fn products_of_a_second_functional_share_what_depends_on_the_state() {
 #[test]
 fn one_and_many_threads_give_the_same_bits() {
     let scene = scene("chain-common");
-    let prepared = prepared(&*scene, 0.02, 4);
+    let prepared = prepared(scene, 0.02, 4);
     let on_threads = |count: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
         pool.install(|| {

@@ -5,10 +5,9 @@ mod allocations;
 mod verification;
 
 use costate::cli::CommandLine;
-use costate::scenes::built_in;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let (scenes, studies) = (built_in::all(), verification::all());
-    CommandLine::new(scenes.iter().map(|scene| &**scene)).with_studies(studies.iter().map(|study| &**study)).main()
+    let studies = verification::all();
+    CommandLine::new([]).with_built_in().with_studies(studies.iter().map(|study| &**study)).main()
 }

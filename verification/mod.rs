@@ -10,6 +10,7 @@ mod clock;
 mod complex_step;
 #[path = "element-cost/study.rs"]
 mod element_cost;
+mod falling;
 #[path = "flexible-pendulum/study.rs"]
 mod flexible_pendulum;
 #[path = "four-bar/study.rs"]

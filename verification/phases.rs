@@ -4,9 +4,7 @@ use super::Clock;
 use super::memory::{forget_peak, memory_of_now, peak_memory};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, table_by_name};
-use costate::internals::{
-    Factorization, Jacobian, Residual, StageSystem, Systems, TransposedSolution, of_all_ranks, traffic,
-};
+use costate::internals::{Factorization, Jacobian, Residual, StageSystem, TransposedSolution, of_all_ranks, traffic};
 use costate::linalg::Backend;
 use costate::scenes::{AnyScene, Prepared, Settings};
 use std::time::Instant;
@@ -124,8 +122,7 @@ impl OneSystem {
     fn measure(one: &Prepared, Effort { repeats, with_mumps, .. }: Effort) -> Result<Self, RunError> {
         let solve = last_stage(one)?;
         let problem = one.problem();
-        let systems = Systems::new(problem.model, &one.method, &[]);
-        let system = &systems.stage;
+        let system = &*one.method.system(problem.model, &[]);
         let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
         let (mut residual, mut unknowns) = (Residual::shared(), solve.unknowns.clone());
         residual.start(system, at);

@@ -3,7 +3,7 @@
 use super::constraint_programs::ConstraintLayout;
 use super::element_programs::{ElementLayout, Force};
 use super::gather_map::{GatherMap, Starts};
-use super::null_spaces::{LEFT, RIGHT, starts_of_numbers};
+use super::null_spaces::places_of_numbers;
 use super::numbering::{DofMap, System};
 use super::reduction::{NodeReduction, RotationCoordinates};
 use crate::elements::ConstraintPhysics;
@@ -25,8 +25,8 @@ pub(super) struct Batch<L> {
     pub layout: L,
     /// Where the numbers of the parts stand.
     pub places: GatherMap,
-    /// Where the numbers of the bases of each node begin, N_L and N_R.
-    pub bases: SmallVec<[[Starts; 2]; 3]>,
+    /// Where the numbers of the bases of each node begin, those of N_L and of N_R alike.
+    pub bases: SmallVec<[Starts; 3]>,
     /// Its programs.
     pub programs: ProgramCache,
 }
@@ -36,14 +36,13 @@ pub(super) type ElementBatch = Batch<ElementLayout>;
 impl<L: Copy> Batch<L> {
     /// Some of its parts, by their places in it, whose programs are those of the whole.
     pub fn of_chosen(&self, chosen: &[usize]) -> Self {
-        let bases = self.bases.iter().map(|sides| sides.each_ref().map(|starts| starts.of_chosen(chosen)));
         Batch {
             parts: chosen.iter().map(|&place| self.parts[place]).collect(),
             nodes: self.nodes.clone(),
             formula: self.formula.clone(),
             layout: self.layout,
             places: self.places.of_chosen(chosen),
-            bases: bases.collect(),
+            bases: self.bases.iter().map(|starts| starts.of_chosen(chosen)).collect(),
             programs: ProgramCache::default(),
         }
     }
@@ -58,7 +57,7 @@ fn sorted<'p, L>(
     kind: impl Fn(usize) -> Option<(Arc<Formula>, Box<[NodeReduction]>, bool)>,
     layout: impl Fn(usize) -> L,
     numbers: impl Fn(usize) -> (&'p DofMap, Range<usize>),
-    bases: &[[Range<usize>; 2]],
+    bases: &[Range<usize>],
 ) -> Vec<Batch<L>> {
     let mut batches: Vec<Batch<L>> = Vec::new();
     let mut places: HashMap<(*const Formula, Box<[NodeReduction]>, bool), usize> = HashMap::new();
@@ -80,11 +79,9 @@ fn sorted<'p, L>(
     }
     for batch in &mut batches {
         batch.places = GatherMap::of(batch.parts.iter().map(|&part| numbers(part)));
-        let of_node = |node: usize, side: usize| {
-            Starts::of_parts(batch.parts.iter().map(|&part| bases[numbers(part).0.nodes[node]][side].clone()))
-        };
-        let nodes = 0..batch.places.nodes.len();
-        batch.bases = nodes.map(|node| [LEFT, RIGHT].map(|side| of_node(node, side))).collect();
+        let of_node =
+            |node: usize| Starts::of_parts(batch.parts.iter().map(|&part| bases[numbers(part).0.nodes[node]].clone()));
+        batch.bases = (0..batch.places.nodes.len()).map(of_node).collect();
     }
     batches
 }
@@ -114,7 +111,7 @@ impl System<'_> {
         };
         let layout = |part: usize| ElementLayout::new(&self.model.elements[part].physics, force);
         let numbers = |part: usize| (&self.element_parts[part], 0..0);
-        sorted(self.model.elements.len(), kind, layout, numbers, &starts_of_numbers(self))
+        sorted(self.model.elements.len(), kind, layout, numbers, &places_of_numbers(self))
     }
 
     /// Constraints whose multipliers are unknowns.
@@ -131,7 +128,7 @@ impl System<'_> {
             None => unreachable!("each part has a constraint"),
         };
         let numbers = |part: usize| (&self.constraint_parts[part], self.equations_of(part));
-        sorted(self.constraint_parts.len(), kind, layout, numbers, &starts_of_numbers(self))
+        sorted(self.constraint_parts.len(), kind, layout, numbers, &places_of_numbers(self))
     }
 
     /// Constraints inside nodes that are eliminated.
@@ -143,7 +140,7 @@ impl System<'_> {
             ..ConstraintLayout::of(&own[part].physics)
         };
         let numbers = |part: usize| (&own[part].part, own[part].equations.clone());
-        sorted(own.len(), kind, layout, numbers, &starts_of_numbers(self))
+        sorted(own.len(), kind, layout, numbers, &places_of_numbers(self))
     }
 
     /// The constraint of a batch: its first one stands for all.

@@ -25,8 +25,7 @@ pub(super) enum Order {
     Multiplier,
 }
 
-/// Arguments of a constraint's programs: (v, q), parameters and time of the formula; then a, multipliers, those of rate corrections, and
-/// the scales of both sets of equations.
+/// Arguments of a constraint's programs: (v, q), parameters and time of the formula; then a, multipliers, and the scale of the equations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ConstraintLayout {
     /// Number of coordinates.
@@ -55,15 +54,12 @@ impl ConstraintLayout {
     pub fn mu(&self) -> usize {
         self.a() + self.n
     }
-    pub fn eta(&self) -> usize {
+    pub fn scale(&self) -> usize {
         self.mu() + self.equations
-    }
-    pub fn scales(&self) -> usize {
-        self.eta() + self.equations
     }
     /// Place of what a program adds.
     pub fn extra(&self) -> usize {
-        self.scales() + 2
+        self.scale() + 1
     }
     fn own(&self) -> usize {
         self.a()
@@ -71,26 +67,21 @@ impl ConstraintLayout {
 }
 
 impl GatherMap {
-    /// Writes the arguments for constraints side by side; those of rate corrections stay what they are where there are none.
+    /// Writes the arguments for constraints side by side.
     #[inline(always)]
     pub fn write_constraints<S: RunScalar>(
         &self,
         lanes: &mut Lanes<S>,
         (at, p, t): (&VectorsAvq<S>, &[S], S),
-        ([mu, eta], stabilized): ([&[S]; 2], bool),
-        scales: [f64; 2],
+        mu: &[S],
+        scale: f64,
     ) {
         lanes.gather_nodes(&self.nodes, [&at.v, &at.q]);
         lanes.gather(&self.parameters, p);
         lanes.spread(t);
         lanes.gather_nodes(&self.nodes, [&at.a]);
         lanes.gather(&self.multipliers, mu);
-        if stabilized {
-            lanes.gather(&self.multipliers, eta);
-        } else {
-            lanes.skip(self.multipliers.length);
-        }
-        scales.into_iter().for_each(|scale| lanes.spread(S::from(scale)));
+        lanes.spread(S::from(scale));
     }
 }
 
@@ -115,53 +106,44 @@ impl ConstraintPart {
     }
 }
 
-/// What is asked of a constraint: its two sets of equations, and whether reactions are.
+/// What is asked of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Asked {
-    /// The one or two sets.
-    pub equations: [Option<Order>; 2],
-    /// A^T mu (and -A^T eta).
+    /// Which of its equations, if any.
+    pub equations: Option<Order>,
+    /// A^T mu.
     pub reactions: bool,
 }
 
 impl Asked {
-    /// At a level, with the scales of the two sets.
-    pub fn at(equations: &Equations, nonholonomic: bool) -> (Self, [f64; 2]) {
-        let scales = equations.row_scales();
-        let second = equations.level == Level::Stabilized;
-        if nonholonomic {
-            let order = |second: bool| match equations.nonholonomic(second) {
+    /// At a level, with the scale of the equations.
+    pub fn at(equations: &Equations, nonholonomic: bool) -> (Self, f64) {
+        let (order, scale) = if nonholonomic {
+            match equations.nonholonomic() {
                 None => (Order::Multiplier, 1.0),
                 Some((Level::Acceleration, scale)) => (Order::Second, scale),
                 Some((_, scale)) => (Order::Rate, scale),
+            }
+        } else {
+            let order = match equations.level {
+                Level::Position => Order::Value,
+                Level::Velocity => Order::Rate,
+                Level::Acceleration => Order::Second,
             };
-            let ((first, scale), (other, other_scale)) = (order(false), order(true));
-            let equations = [Some(first), second.then_some(other)];
-            return (Asked { equations, reactions: true }, [scale, other_scale]);
-        }
-        let equations = match equations.level {
-            Level::Position => [Some(Order::Value), None],
-            Level::Velocity => [Some(Order::Rate), None],
-            Level::Acceleration => [Some(Order::Second), None],
-            Level::Stabilized => [Some(Order::Value), Some(Order::Rate)],
+            (order, equations.row_scale())
         };
-        (Asked { equations, reactions: true }, scales)
+        (Asked { equations: Some(order), reactions: true }, scale)
     }
 
     /// The same of a part of the constraint.
-    pub fn part(part: ConstraintPart, equations: &Equations, nonholonomic: bool) -> (Self, [f64; 2]) {
-        let (mut asked, scales) = Self::at(equations, nonholonomic);
+    pub fn part(part: ConstraintPart, equations: &Equations, nonholonomic: bool) -> (Self, f64) {
+        let (mut asked, scale) = Self::at(equations, nonholonomic);
         match part {
             ConstraintPart::Both => {}
             ConstraintPart::Equations => asked.reactions = false,
-            ConstraintPart::Reactions(_) => asked.equations = [None; 2],
+            ConstraintPart::Reactions(_) => asked.equations = None,
         }
-        (asked, scales)
-    }
-
-    /// Whether there are rate corrections.
-    pub fn stabilized(&self) -> bool {
-        self.equations[1].is_some()
+        (asked, scale)
     }
 
     /// A number for what is asked, and which of (a, v, q) move.
@@ -170,17 +152,16 @@ impl Asked {
     }
 
     pub fn code(&self) -> impl Iterator<Item = u32> {
-        let order = |order: Option<Order>| order.map_or(9, |order| order as u32);
-        [order(self.equations[0]), order(self.equations[1]), u32::from(self.reactions)].into_iter()
+        [self.equations.map_or(9, |order| order as u32), u32::from(self.reactions)].into_iter()
     }
 }
 
 /// What a constraint's programs are made of.
 pub(super) struct Parts {
-    /// A^T mu, and -A^T eta with rate corrections; empty where no reactions are asked for.
-    pub reactions: [Vec<Node>; 2],
-    /// Both sets of equations, scaled.
-    pub equations: [Vec<Node>; 2],
+    /// A^T mu; empty where no reactions are asked for.
+    pub reactions: Vec<Node>,
+    /// The equations, scaled; empty where they are not asked for.
+    pub equations: Vec<Node>,
 }
 
 impl Parts {
@@ -191,92 +172,81 @@ impl Parts {
         (asked, nonholonomic): (Asked, bool),
     ) -> Self {
         let of = |first: usize, count: usize| &inputs[first..first + count];
-        let (n, count) = (layout.n, layout.equations);
+        let n = layout.n;
         let (v, q, a) = (of(0, n), of(n, n), of(layout.a(), n));
-        let (mu, eta) = (of(layout.mu(), count), of(layout.eta(), count));
-        let time = inputs[layout.t()];
-        let derivatives = motion_derivatives(graph, outputs, [a, v, q], time);
-        let sets = [(mu, 0), (eta, 1)].map(|(multipliers, set)| {
-            let Some(order) = asked.equations[set] else { return Vec::new() };
-            let values = match (order, nonholonomic) {
-                (Order::Multiplier, _) => return multipliers.to_vec(),
-                (Order::Value, _) | (Order::Rate, true) => &derivatives[0],
-                (Order::Rate, false) | (Order::Second, true) => &derivatives[1],
-                (Order::Second, false) => &derivatives[2],
-            };
-            let scale = inputs[layout.scales() + set];
-            values.iter().map(|&value| graph.mul(value, scale)).collect()
-        });
+        let mu = of(layout.mu(), layout.equations);
+        let derivatives = motion_derivatives(graph, outputs, [a, v, q], inputs[layout.t()]);
+        let mut scaled = |values: &[Node]| -> Vec<Node> {
+            values.iter().map(|&value| graph.mul(value, inputs[layout.scale()])).collect()
+        };
+        let equations = match (asked.equations, nonholonomic) {
+            (None, _) => Vec::new(),
+            (Some(Order::Multiplier), _) => mu.to_vec(),
+            (Some(Order::Value), _) | (Some(Order::Rate), true) => scaled(&derivatives[0]),
+            (Some(Order::Rate), false) | (Some(Order::Second), true) => scaled(&derivatives[1]),
+            (Some(Order::Second), false) => scaled(&derivatives[2]),
+        };
         let towards = if nonholonomic { v } else { q };
-        let mut reactions = [Vec::new(), Vec::new()];
-        if asked.reactions {
-            reactions[0] = graph.reverse(outputs, mu, towards);
-            if asked.stabilized() {
-                let against: Vec<Node> = eta.iter().map(|&eta| graph.neg(eta)).collect();
-                reactions[1] = graph.reverse(outputs, &against, towards);
-            }
-        }
-        Parts { reactions, equations: sets }
+        let reactions = if asked.reactions { graph.reverse(outputs, mu, towards) } else { Vec::new() };
+        Parts { reactions, equations }
     }
 }
 
-/// Reactions of both sets, then both sets of equations.
+/// Reactions, then equations.
 pub(super) fn values(physics: &ConstraintPhysics, asked: Asked) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
     let extra = layout.extra() - layout.own();
     physics.formula().dense_program((ProgramKind::Equations, asked.code().collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
-        reactions.into_iter().chain(equations).flatten().collect()
+        [reactions, equations].concat()
     })
 }
 
-/// The matrix of a constraint: its columns are the reduced columns of its nodes, then its multipliers, then those of rate corrections;
+/// The matrix of a constraint: its columns are the reduced columns of its nodes, then its multipliers;
 /// entries that are not zero, numbered by row + column times size. Behind the other arguments: gamma, beta, alpha, and the numbers of the
 /// nodes' bases.
 pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeReduction], moves: [bool; 3]) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
-    let stabilized = asked.stabilized();
     let code = nodes.iter().map(|node| node.code()).chain(asked.code()).chain(moves.map(u32::from));
-    let (own, sets) = (Columns::count(nodes, stabilized), if stabilized { 2 } else { 1 });
-    let size = own + sets * layout.equations;
-    let extra = layout.extra() - layout.own() + 3 + Columns::numbers(nodes, stabilized);
+    let own = Columns::count(nodes);
+    let size = own + layout.equations;
+    let extra = layout.extra() - layout.own() + 3 + Columns::numbers(nodes);
     physics.formula().sparse_program((ProgramKind::ConstraintMatrix, code.collect()), extra, |graph, inputs, outputs| {
         let rates = &inputs[layout.extra()..];
-        let columns_of = Columns::new(graph, nodes, stabilized, &rates[3..]);
+        let columns_of = Columns::new(graph, nodes, &rates[3..]);
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
         let zero = graph.zero();
         let mut block = vec![zero; size * size];
         let starts = [layout.a(), 0, layout.n];
         let one = graph.constant(1.0);
-        let multipliers = (0..sets * layout.equations).map(|place| vec![(inputs[layout.mu() + place], one)]);
+        let multipliers = (0..layout.equations).map(|place| vec![(inputs[layout.mu() + place], one)]);
         let columns = (0..own).map(|column| {
             columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, |kind, dof| inputs[starts[kind] + dof])
         });
         let all: Vec<Vec<(Node, Node)>> = columns.collect::<Vec<_>>().into_iter().chain(multipliers).collect();
         for (seeds, target) in all.iter().zip(block.chunks_exact_mut(size)) {
-            for (set, reaction) in reactions.iter().enumerate().filter(|(_, reaction)| !reaction.is_empty()) {
-                let moved = graph.forward(reaction, seeds);
-                columns_of.reduce(graph, &moved, set == 1, target);
+            if asked.reactions {
+                let moved = graph.forward(&reactions, seeds);
+                columns_of.reduce(graph, &moved, target);
             }
-            for (set, rows) in equations.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-                let moved = graph.forward(rows, seeds);
-                target[own + set * layout.equations..][..rows.len()].copy_from_slice(&moved);
+            if !equations.is_empty() {
+                target[own..].copy_from_slice(&graph.forward(&equations, seeds));
             }
         }
         block
     })
 }
 
-/// Gradients of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G towards (a, v, q) and those parameters that are asked for, for one set of
-/// adjoint variables after the other: numbered as the arguments before mu, and so many further for the next set. Behind the arguments:
-/// lambda_F, lambda_Y and lambda_G of both sets of equations, each where it is asked for, of each set of adjoint variables.
+/// Gradients of lambda_F . A^T mu + lambda_G . G towards (a, v, q) and those parameters that are asked for, for one set of adjoint variables
+/// after the other: numbered as the arguments before mu, and so many further for the next set. Behind the arguments: lambda_F and lambda_G,
+/// each where it is asked for, of each set of adjoint variables.
 pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[bool], count: usize) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
     let code = asked.code().chain(parameters.iter().map(|&asked| u32::from(asked))).chain([count as u32]);
     let extra = layout.extra() - layout.own() + count * weights(layout, asked);
     physics.formula().sparse_program((ProgramKind::ConstraintProducts, code.collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
-        let all: Vec<Node> = reactions.into_iter().chain(equations).flatten().collect();
+        let all = [reactions, equations].concat();
         let places = || {
             let asked_for = (layout.p()..layout.t()).filter(|place| parameters[place - layout.p()]);
             (0..layout.p()).chain(asked_for).chain(layout.a()..layout.mu())
@@ -288,7 +258,6 @@ pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[
 
 /// Number of adjoint variables of [`products`].
 pub(super) fn weights(layout: ConstraintLayout, asked: Asked) -> usize {
-    let sets = if asked.stabilized() { 2 } else { 1 };
-    let equations = asked.equations.iter().flatten().count() * layout.equations;
-    equations + if asked.reactions { sets * layout.n } else { 0 }
+    let equations = if asked.equations.is_some() { layout.equations } else { 0 };
+    equations + if asked.reactions { layout.n } else { 0 }
 }

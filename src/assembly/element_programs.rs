@@ -114,28 +114,22 @@ impl Force {
 
 /// gamma dR/da + beta dR/dv + alpha dR/dq along the reduced columns of the nodes, reduced by the left bases: entries that are not zero,
 /// numbered by row + column times size. Behind the formula's arguments: gamma, beta, alpha, and the numbers of the nodes' bases.
-pub(super) fn matrix(
-    formula: &Formula,
-    layout: ElementLayout,
-    nodes: &[NodeReduction],
-    stabilized: bool,
-    moves: [bool; 3],
-) -> Arc<Program> {
-    let code = nodes.iter().map(|node| node.code()).chain([u32::from(stabilized)]).chain(moves.map(u32::from));
-    let columns = Columns::count(nodes, stabilized);
-    let extra = 3 + Columns::numbers(nodes, stabilized);
+pub(super) fn matrix(formula: &Formula, layout: ElementLayout, nodes: &[NodeReduction], moves: [bool; 3]) -> Arc<Program> {
+    let code = nodes.iter().map(|node| node.code()).chain(moves.map(u32::from));
+    let columns = Columns::count(nodes);
+    let extra = 3 + Columns::numbers(nodes);
     formula.sparse_program((ProgramKind::Matrix, code.collect()), extra, |graph, inputs, outputs| {
         let rates = &inputs[layout.extra()..];
-        let columns_of = Columns::new(graph, nodes, stabilized, &rates[3..]);
+        let columns_of = Columns::new(graph, nodes, &rates[3..]);
         let zero = graph.zero();
         let mut block = vec![zero; columns * columns];
         let n = layout.n;
-        if let (Some(stages), false) = (&formula.stages, stabilized) {
+        if let Some(stages) = &formula.stages {
             let movements = Movements { n, rates: &rates[..3], moves };
             return in_stages(graph, (inputs, outputs, stages), nodes, &columns_of, movements);
         }
         let forms = graph.linear_forms(outputs, [0, n, 2 * n], n);
-        let interpolated = forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
+        let interpolated = forms.iter().any(|form| form.weights.len() > 1);
         let by_coordinates = interpolated.then(|| along_coordinates(graph, outputs, &forms, (n, &rates[..3], moves)));
         for column in 0..columns {
             let moved = match &by_coordinates {
@@ -146,7 +140,7 @@ pub(super) fn matrix(
                     graph.forward(outputs, &seeds)
                 }
             };
-            columns_of.reduce(graph, &moved, false, &mut block[column * columns..][..columns]);
+            columns_of.reduce(graph, &moved, &mut block[column * columns..][..columns]);
         }
         block
     })
@@ -172,7 +166,7 @@ fn in_stages(
     Movements { n, rates, moves }: Movements,
 ) -> Vec<Node> {
     let (zero, one) = (graph.zero(), graph.constant(1.0));
-    let (numbers, size) = (stages.numbers.concat(), Columns::count(nodes, false));
+    let (numbers, size) = (stages.numbers.concat(), Columns::count(nodes));
     let moving = |graph: &Graph, list: &[Node]| -> Vec<(Node, Node)> {
         list.iter().filter(|&&number| graph.constant_of(number).is_none()).map(|&number| (number, zero)).collect()
     };
@@ -181,7 +175,7 @@ fn in_stages(
     let rows_of = |graph: &mut Graph, number: Node| -> Vec<(usize, Node)> {
         let gradient = graph.reverse(&[number], &[one], &inputs[2 * n..3 * n]);
         let mut rows = vec![zero; size];
-        columns_of.reduce(graph, &gradient, false, &mut rows);
+        columns_of.reduce(graph, &gradient, &mut rows);
         rows.into_iter().enumerate().filter(|(_, weight)| !graph.is_zero(*weight)).collect()
     };
     let rows: Vec<_> = stages.numbers[2].iter().map(|&number| rows_of(graph, number)).collect();
@@ -194,7 +188,7 @@ fn in_stages(
         let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
         // the maps turn while F stays
         let turning = graph.forward(outputs, &[&seeds[..], &fixed].concat());
-        columns_of.reduce(graph, &turning, false, target);
+        columns_of.reduce(graph, &turning, target);
         let mut force = vec![zero; stages.forces.len()];
         for (place, moved) in graph.forward(&numbers, &seeds).into_iter().enumerate() {
             if graph.is_zero(moved) {

@@ -1,17 +1,6 @@
 use super::Variational;
 use crate::scalar::Scalar;
 
-/// A number with its first and second derivative along a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates<S> {
-    /// The number.
-    pub value: S,
-    /// First derivative.
-    pub first: S,
-    /// Second derivative.
-    pub second: S,
-}
-
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageCoefficients {
@@ -45,8 +34,6 @@ pub enum Level {
     Velocity,
     /// d2g/dt2 = 0.
     Acceleration,
-    /// g = 0 and dg/dt = 0 together, with the additional unknowns y and eta (Gear, Gupta, Leimkuhler).
-    Stabilized,
 }
 
 /// One kind of nonlinear system: what moves with the unknowns, and which constraint level is asked for.
@@ -181,43 +168,33 @@ impl Equations {
     }
 
     /// What a nonholonomic constraint h = 0 is asked for here, and the factor of its rows: h at every level but that of accelerations;
-    /// nothing (its multiplier is zero) where coordinates are projected, or as the second set.
-    pub(crate) fn nonholonomic(&self, second: bool) -> Option<(Level, f64)> {
+    /// nothing (its multiplier is zero) where coordinates are projected.
+    pub(crate) fn nonholonomic(&self) -> Option<(Level, f64)> {
         match self.level {
             Level::Position if self.metric => None,
-            Level::Stabilized if second => None,
             Level::Acceleration => Some((Level::Acceleration, 1.0 / self.constraint.gamma)),
-            Level::Position | Level::Velocity | Level::Stabilized => Some((Level::Velocity, 1.0 / self.constraint.beta)),
+            Level::Position | Level::Velocity => Some((Level::Velocity, 1.0 / self.constraint.beta)),
         }
     }
 
-    /// Scaled rows of the one or two sets of constraints towards an unknown x that moves one coordinate, and towards y, from the
-    /// entry of A and its derivatives along the motion.
-    pub(crate) fn row_entries(&self, a: Rates<f64>) -> [[f64; 2]; 2] {
+    /// Weights of A and of its first and second derivative along the motion in the scaled rows of the constraints towards an unknown x that
+    /// moves one coordinate.
+    pub(crate) fn row_weights(&self) -> [f64; 3] {
         let StageCoefficients { gamma, beta, alpha } = self.constraint;
         match self.level {
-            Level::Position => [[a.value, 0.0], [0.0; 2]],
-            Level::Velocity => [[a.value + alpha / beta * a.first, 0.0], [0.0; 2]],
-            Level::Acceleration => [[a.value + (2.0 * beta * a.first + alpha * a.second) / gamma, 0.0], [0.0; 2]],
-            Level::Stabilized => [[a.value, a.value + alpha / beta * a.first], [a.value, alpha / beta * a.first]],
+            Level::Position => [1.0, 0.0, 0.0],
+            Level::Velocity => [1.0, alpha / beta, 0.0],
+            Level::Acceleration => [1.0, 2.0 * beta / gamma, alpha / gamma],
         }
     }
 
-    /// Weights of A and of its first and second derivative along the motion in the first of these.
-    pub(crate) fn row_weights(&self) -> [f64; 3] {
-        let weight = |a: Rates<f64>| self.row_entries(a)[0][0];
-        [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-            .map(|(value, first, second)| weight(Rates { value, first, second }))
-    }
-
-    /// Factors that give the constraint rows (first set, second set) the scale of A x.
-    pub(crate) fn row_scales(&self) -> [f64; 2] {
-        let shift = self.constraint;
+    /// Factor that gives the constraint rows the scale of A x.
+    pub(crate) fn row_scale(&self) -> f64 {
+        let StageCoefficients { gamma, beta, alpha } = self.constraint;
         match self.level {
-            Level::Position => [1.0 / shift.alpha, 0.0],
-            Level::Velocity => [1.0 / shift.beta, 0.0],
-            Level::Acceleration => [1.0 / shift.gamma, 0.0],
-            Level::Stabilized => [1.0 / shift.alpha, 1.0 / shift.beta],
+            Level::Position => 1.0 / alpha,
+            Level::Velocity => 1.0 / beta,
+            Level::Acceleration => 1.0 / gamma,
         }
     }
 }
@@ -240,7 +217,7 @@ impl<S: Scalar> VectorsAvq<S> {
         VectorsAvq { a: zero(), v: zero(), q: zero() }
     }
 
-    /// Writes base + shift x (+ alpha y) to `self`.
+    /// Writes base + shift x to `self`.
     pub fn set_shifted(&mut self, base: &Self, shift: StageCoefficients, unknowns: &Unknowns<S>) {
         let lists =
             [(&mut self.a, &base.a, shift.gamma), (&mut self.v, &base.v, shift.beta), (&mut self.q, &base.q, shift.alpha)];
@@ -251,12 +228,9 @@ impl<S: Scalar> VectorsAvq<S> {
             }
             own.iter_mut().zip(base).zip(&unknowns.x).for_each(|((own, &base), &x)| *own = base + x * factor);
         }
-        for (q, &y) in self.q.iter_mut().zip(&unknowns.y) {
-            *q += y * shift.alpha;
-        }
     }
 
-    /// base + shift x (+ alpha y).
+    /// base + shift x.
     pub fn shifted(base: &Self, shift: StageCoefficients, unknowns: &Unknowns<S>) -> Self {
         let mut point = Self::zeros(base.q.len());
         point.set_shifted(base, shift, unknowns);
@@ -269,16 +243,10 @@ impl<S: Scalar> VectorsAvq<S> {
 pub struct Unknowns<S> {
     /// Accelerations (or scaled increments of a projection).
     pub x: Vec<S>,
-    /// Rate corrections of the stabilized level; empty otherwise.
-    pub y: Vec<S>,
     /// Multipliers, one for each constraint equation; zero for dropped ones.
     pub mu: Vec<S>,
-    /// Multipliers of the rate corrections; empty unless stabilized.
-    pub eta: Vec<S>,
     /// Multipliers of the constraints inside nodes.
     pub local_mu: Vec<S>,
-    /// The same for the rate corrections; empty unless stabilized.
-    pub local_eta: Vec<S>,
 }
 
 /// A record that is empty at first, whatever its numbers are.
@@ -318,22 +286,20 @@ macro_rules! cloned_in_place {
 pub(crate) use cloned_in_place;
 
 clone_fields!(VectorsAvq { a, v, q });
-clone_fields!(Unknowns { x, y, mu, eta, local_mu, local_eta });
+clone_fields!(Unknowns { x, mu, local_mu });
 
 impl<S: Scalar> Unknowns<S> {
     /// Takes over the unknowns of another system, without multipliers inside nodes.
     pub fn set(&mut self, other: &Self) {
         self.x.clone_from(&other.x);
-        self.y.clone_from(&other.y);
         self.mu.clone_from(&other.mu);
-        self.eta.clone_from(&other.eta);
     }
 
     /// Takes over (end - start) factor, without multipliers inside nodes; from zero where there is no start.
     pub fn set_increment(&mut self, start: Option<&Self>, end: &Self, factor: f64) {
-        let Unknowns { x, y, mu, eta, .. } = self;
-        let ends = [(x, &end.x), (y, &end.y), (mu, &end.mu), (eta, &end.eta)];
-        let starts = start.map(|start| [&start.x, &start.y, &start.mu, &start.eta]);
+        let Unknowns { x, mu, .. } = self;
+        let ends = [(x, &end.x), (mu, &end.mu)];
+        let starts = start.map(|start| [&start.x, &start.mu]);
         for (i, (own, end)) in ends.into_iter().enumerate() {
             own.clear();
             match starts {
@@ -344,12 +310,12 @@ impl<S: Scalar> Unknowns<S> {
     }
 
     /// The lists whose course over time first guesses go on, coordinates first.
-    pub fn extrapolated(&self) -> [&[S]; 4] {
-        [&self.x, &self.y, &self.mu, &self.eta]
+    pub fn extrapolated(&self) -> [&[S]; 2] {
+        [&self.x, &self.mu]
     }
 
     /// The same to be changed.
-    pub fn extrapolated_mut(&mut self) -> [&mut [S]; 4] {
-        [&mut self.x, &mut self.y, &mut self.mu, &mut self.eta]
+    pub fn extrapolated_mut(&mut self) -> [&mut [S]; 2] {
+        [&mut self.x, &mut self.mu]
     }
 }

@@ -47,13 +47,13 @@ impl<S: RunScalar> InsideNodes<S> {
         if keep_values && S::PARTS == 0 {
             return;
         }
-        let (asked, scales) = Asked::part(ConstraintPart::Equations, equations, false);
+        let (asked, scale) = Asked::part(ConstraintPart::Equations, equations, false);
         let StageCoefficients { gamma, beta, alpha } = equations.constraint;
         let InsideNodes { work, gaps, before } = self;
         gaps.clear();
         gaps.resize(system.locals.len(), f64::INFINITY);
         for batch in system.node_batches() {
-            if let (Some(lengths), 0, false) = (UnitLengths::of(batch), S::PARTS, asked.stabilized()) {
+            if let (Some(lengths), 0) = (UnitLengths::of(batch), S::PARTS) {
                 lengths.restore(equations, base, unknowns, corrections);
                 continue;
             }
@@ -63,8 +63,6 @@ impl<S: RunScalar> InsideNodes<S> {
             for _ in 0..corrections {
                 before.clear();
                 before.extend_from_slice(&unknowns.x);
-                before.extend_from_slice(&unknowns.y);
-                let (x, y) = before.split_at(unknowns.x.len());
                 let mut is_moved = false;
                 run_lanes(
                     program,
@@ -75,14 +73,11 @@ impl<S: RunScalar> InsideNodes<S> {
                         lanes.gather_nodes(nodes, [&base.v, &base.q]);
                         lanes.skip(1);
                         lanes.gather_nodes(nodes, [&base.a]);
-                        lanes.skip(2 * batch.layout.equations);
-                        scales.into_iter().chain([gamma, beta, alpha]).for_each(|number| lanes.spread(S::from(number)));
-                        lanes.gather_nodes(nodes, [x]);
-                        if asked.stabilized() {
-                            lanes.gather_nodes(nodes, [y]);
-                        }
+                        lanes.skip(batch.layout.equations);
+                        [scale, gamma, beta, alpha].into_iter().for_each(|number| lanes.spread(S::from(number)));
+                        lanes.gather_nodes(nodes, [before]);
                     },
-                    |results| is_moved |= correct(batch, asked, keep_values, &results, gaps, unknowns),
+                    |results| is_moved |= correct(batch, keep_values, &results, gaps, &mut unknowns.x),
                 );
                 if !is_moved {
                     break;
@@ -91,13 +86,13 @@ impl<S: RunScalar> InsideNodes<S> {
         }
     }
 
-    /// Sets multipliers inside nodes, times a sign, so that a force has no part along their reactions, and adds these.
-    pub fn eliminate(&mut self, system: &System, q: &[S], force: &mut [S], (multipliers, sign): (&mut [S], f64)) {
+    /// Sets multipliers inside nodes so that a force has no part along their reactions, and adds these.
+    pub fn eliminate(&mut self, system: &System, q: &[S], force: &mut [S], multipliers: &mut [S]) {
         let InsideNodes { work, before, .. } = self;
         multipliers.fill(S::zero());
         for batch in system.node_batches() {
             if let Some(lengths) = UnitLengths::of(batch) {
-                lengths.eliminate(q, force, (multipliers, sign));
+                lengths.eliminate(q, force, multipliers);
                 continue;
             }
             let nodes = &batch.places.nodes;
@@ -117,37 +112,33 @@ impl<S: RunScalar> InsideNodes<S> {
                 },
                 |results| {
                     let behind = results.add_to_nodes(0, nodes, 1.0, force);
-                    results.add_to_nodes(behind, std::slice::from_ref(&batch.places.multipliers), sign, multipliers);
+                    results.add_to_nodes(behind, std::slice::from_ref(&batch.places.multipliers), 1.0, multipliers);
                 },
             );
         }
     }
 }
 
-/// Corrects the unknowns of nodes that are off by more than round-off and still come nearer; returns whether there are any.
+/// Corrects the unknowns x of nodes that are off by more than round-off and still come nearer; returns whether there are any.
 #[inline(always)]
 fn correct<S: RunScalar>(
     batch: &ConstraintBatch,
-    asked: Asked,
     keep_values: bool,
     results: &LaneResults<S>,
     gaps: &mut [f64],
-    unknowns: &mut Unknowns<S>,
+    x: &mut [S],
 ) -> bool {
     let mut is_any_moved = false;
     results.for_each_part(|place, mut numbers| {
         let mut next = || numbers.next().unwrap_or(S::zero());
         let (mut gap, mut is_settled): (f64, bool) = (0.0, true);
-        for _ in asked.equations.iter().flatten() {
-            let round_off = next().value();
-            for _ in 0..batch.layout.equations {
-                let g = next();
-                gap = gap.max(magnitude(g));
-                is_settled &= g.value().abs() <= round_off;
-            }
+        let round_off = next().value();
+        for _ in 0..batch.layout.equations {
+            let g = next();
+            gap = gap.max(magnitude(g));
+            is_settled &= g.value().abs() <= round_off;
         }
-        // rate corrections are as small as the round-off of coordinates
-        is_settled = keep_values || (is_settled && !asked.stabilized());
+        is_settled |= keep_values;
         let before = &mut gaps[batch.parts[place]];
         // below a quarter of the last one: still converging; otherwise round-off is reached
         if (is_settled && S::PARTS == 0) || gap == 0.0 || gap >= 0.25 * *before {
@@ -155,13 +146,10 @@ fn correct<S: RunScalar>(
             return;
         }
         (*before, is_any_moved) = (gap, true);
-        let dofs = batch.places.nodes[0].of(place);
-        for unknown in [&mut unknowns.x, &mut unknowns.y].into_iter().take(if asked.stabilized() { 2 } else { 1 }) {
-            for own in &mut unknown[dofs.clone()] {
-                let change = next();
-                // a value at round-off stays what it is
-                *own += if is_settled { change - S::from(change.value()) } else { change };
-            }
+        for own in &mut x[batch.places.nodes[0].of(place)] {
+            let change = next();
+            // a value at round-off stays what it is
+            *own += if is_settled { change - S::from(change.value()) } else { change };
         }
     });
     is_any_moved

@@ -95,9 +95,7 @@ impl Point {
         let VectorsAvq { a, v, q } = &mut self.constraint_at;
         [a, v, q].into_iter().for_each(|list| list.resize(residual.at.q.len(), 0.0));
         copy(&mut self.unknowns.mu, &unknowns.mu);
-        copy(&mut self.unknowns.eta, &unknowns.eta);
         copy(&mut self.unknowns.local_mu, &unknowns.local_mu);
-        copy(&mut self.unknowns.local_eta, &unknowns.local_eta);
     }
 }
 
@@ -144,7 +142,7 @@ impl Jacobian {
         relief.local_mu.clear();
         relief.local_mu.resize(system.local_equations, 0.0);
         let q: Vec<f64> = residual.constraint_at().q.iter().map(|q| q.value()).collect();
-        InsideNodes::default().eliminate(system, &q, &mut forces, (&mut relief.local_mu, 1.0));
+        InsideNodes::default().eliminate(system, &q, &mut forces, &mut relief.local_mu);
     }
 
     /// Stresses in the matrix are those at its point again.
@@ -208,9 +206,8 @@ impl Jacobian {
         point.set(equations, residual, unknowns);
         self.bases.set(system, equations, &point);
         if self.own.is_some() {
-            let Unknowns { mu, eta, .. } = &point.unknowns;
             let of_constraints: &[f64] = if point.has_one_point { &[] } else { &point.constraint_at.q };
-            let lists = [&point.at.a[..], &point.at.v, &point.at.q, of_constraints, mu, eta, p, &[t]];
+            let lists = [&point.at.a[..], &point.at.v, &point.at.q, of_constraints, &point.unknowns.mu, p, &[t]];
             self.mark = digest(&lists.map(digest));
         }
         self.clear(system);
@@ -230,9 +227,6 @@ impl Jacobian {
                 threads.threads.par_iter_mut().for_each(|(own, work)| parts.add(Some(own), work, &mut { target }));
             }
             (own, _) => parts.add(own.as_ref().map(|own| &own.parts), work, &mut &mut values[..]),
-        }
-        if system.options.stabilized {
-            self.add_rates(system);
         }
         self.point = point;
     }
@@ -262,48 +256,24 @@ impl Jacobian {
     }
 
     fn is_linear(system: &System, force: Force, moves: [bool; 3]) -> bool {
-        let stabilized = system.options.stabilized;
         system.constraint_batches().is_empty()
             && system.node_blocks.is_empty()
             && system.element_batches(force).iter().all(|batch| {
-                let reads = element_matrix(batch, stabilized, moves).reads();
+                let reads = element_matrix(batch, moves).reads();
                 let moving = reads[..batch.layout.p()].contains(&true) || reads[batch.layout.t()];
-                !moving && Columns::numbers(&batch.nodes, stabilized) == 0
+                !moving && Columns::numbers(&batch.nodes) == 0
             })
-    }
-
-    /// Adds the identity of rate corrections.
-    fn add_rates(&mut self, system: &System) {
-        let mut target = &mut self.values[..];
-        for (node, block) in &system.node_blocks {
-            let bases = self.bases.of_node(system, *node);
-            let size = system.nodes[*node].columns.len();
-            for dof in 0..bases.reduction.dofs() {
-                for column in 0..size {
-                    let (_, dy) = bases.direction(dof, column);
-                    for row in 0..size / 2 {
-                        let entry = bases.left(dof, row) * dy;
-                        if entry != 0.0 {
-                            block.add_one((size / 2 + row + column * size) as u32, entry, &mut target);
-                        }
-                    }
-                }
-            }
-        }
     }
 
     /// The coordinate that moves most with an unknown of a node.
     pub(super) fn leading_dof(&self, system: &System, node: usize, column: usize) -> usize {
         let dofs = system.model.nodes[node].dofs.clone();
         let bases = self.bases.of_node(system, node);
-        let size = |i: &usize| {
-            let (x, y) = bases.direction(*i, column);
-            x.abs().max(y.abs())
-        };
+        let size = |i: &usize| bases.direction(*i, column).abs();
         dofs.start + (0..dofs.len()).max_by(|i, j| size(i).total_cmp(&size(j))).unwrap_or(0)
     }
 
-    /// Right-hand side of the matrix: minus the reduced rows of (F, Y, G), derivative part `part` or the value.
+    /// Right-hand side of the matrix: minus the reduced rows of (F, G), derivative part `part` or the value.
     pub fn reduce<S: RunScalar>(&self, system: &System, residual: &Residual<S>, part: Option<usize>, rhs: &mut [f64]) {
         match part {
             None => self.reduce_with(system, residual, |s| s.value(), rhs),
@@ -313,47 +283,43 @@ impl Jacobian {
 
     #[inline(always)]
     fn reduce_with<S: RunScalar>(&self, system: &System, residual: &Residual<S>, value: impl Fn(S) -> f64, rhs: &mut [f64]) {
-        let Residual { f, y, g, g_second, .. } = residual;
-        self.bases.restrict_left(system, [f, y], (&value, -1.0), rhs);
-        for (runs, g) in [(&system.multiplier_runs, g), (&system.stabilizer_runs, g_second)] {
-            for run in runs {
-                let own = rhs[run.unknowns()].iter_mut();
-                own.zip(&g[run.equations.clone()]).for_each(|(own, &g)| *own = -value(g));
-            }
+        let Residual { f, g, .. } = residual;
+        self.bases.restrict_left(system, f, (&value, -1.0), rhs);
+        for run in &system.multiplier_runs {
+            let own = rhs[run.unknowns()].iter_mut();
+            own.zip(&g[run.equations.clone()]).for_each(|(own, &g)| *own = -value(g));
         }
     }
 
-    /// N_L^T (f, y) for every node.
-    pub fn restrict_left(&self, system: &System, f: &[f64], y: &[f64], reduced: &mut [f64]) {
-        self.bases.restrict_left(system, [f, y], (|own| own, 1.0), reduced);
+    /// N_L^T f for every node.
+    pub fn restrict_left(&self, system: &System, f: &[f64], reduced: &mut [f64]) {
+        self.bases.restrict_left(system, f, (|own| own, 1.0), reduced);
     }
 
-    /// N_R^T x for every node, without rate corrections.
+    /// N_R^T x for every node.
     pub fn restrict_right(&self, system: &System, x: &[f64], reduced: &mut [f64]) {
-        self.bases.restrict_right(system, [x, &[]], 1.0, reduced);
+        self.bases.restrict_right(system, x, 1.0, reduced);
     }
 
-    /// Right-hand side of the transposed matrix: minus the reduced adjoints (x, y, mu) of a solution.
-    pub fn reduce_adjoint(&self, system: &System, [x, y, mu]: [&[f64]; 3], rhs: &mut [f64]) {
-        self.bases.restrict_right(system, [x, y], -1.0, rhs);
+    /// Right-hand side of the transposed matrix: minus the reduced adjoints (x, mu) of a solution.
+    pub fn reduce_adjoint(&self, system: &System, [x, mu]: [&[f64]; 2], rhs: &mut [f64]) {
+        self.bases.restrict_right(system, x, -1.0, rhs);
         for run in &system.multiplier_runs {
             rhs[run.unknowns()].iter_mut().zip(&mu[run.equations.clone()]).for_each(|(own, mu)| *own = -mu);
         }
-        system.stabilizer_runs.iter().for_each(|run| rhs[run.unknowns()].fill(0.0));
     }
 
-    /// Adjoint variables of the rows of (F, Y, G) from a transposed solution.
+    /// Adjoint variables of the rows of (F, G) from a transposed solution.
     pub fn set_adjoints(&self, system: &System, solution: &[f64], adjoints: &mut Adjoints) {
-        let Adjoints { f, y, g, g_second } = adjoints;
-        self.bases.prolong_left(system, solution, f, y);
-        for (runs, g) in [(&system.multiplier_runs, g), (&system.stabilizer_runs, g_second)] {
-            // those of equations that are left out stay zero
-            runs.iter().for_each(|run| g[run.equations.clone()].copy_from_slice(&solution[run.unknowns()]));
-        }
+        let Adjoints { f, g } = adjoints;
+        self.bases.prolong_left(system, solution, f);
+        // those of equations that are left out stay zero
+        let runs = system.multiplier_runs.iter();
+        runs.for_each(|run| g[run.equations.clone()].copy_from_slice(&solution[run.unknowns()]));
     }
 
-    /// Adds the step `reduced` to the unknowns: (x, y) += N_R z, multipliers directly. Returns the largest |d x + d y|,
-    /// each times the scale of its coordinate.
+    /// Adds the step `reduced` to the unknowns: x += N_R z, multipliers directly. Returns the largest |d x|, each times the scale of its
+    /// coordinate.
     pub fn add_step<S: RunScalar>(
         &self,
         system: &System,
@@ -382,23 +348,18 @@ impl Jacobian {
     ) -> f64 {
         // maxima that keep NaN, in lanes: in one each would wait for that before
         let mut most = [0.0; LANES];
-        let Unknowns { x, y, mu, eta, .. } = unknowns;
-        self.bases.prolong_right(system, reduced, |first, of_x, of_y| {
-            let places = first..first + of_x.len();
+        let Unknowns { x, mu, .. } = unknowns;
+        self.bases.prolong_right(system, reduced, |first, changes| {
+            let places = first..first + changes.len();
             let scales = &coordinate_scales[places.clone()];
-            for ((place, x), (&dx, scale)) in x[places.clone()].iter_mut().enumerate().zip(of_x.iter().zip(scales)) {
-                let change = if of_y.is_empty() { dx } else { dx + of_y[place] };
+            for ((place, x), (&dx, scale)) in x[places].iter_mut().enumerate().zip(changes.iter().zip(scales)) {
                 add(x, dx);
-                most[place % LANES] = larger(most[place % LANES], change.abs() * scale);
+                most[place % LANES] = larger(most[place % LANES], dx.abs() * scale);
             }
-            let moved = y.get_mut(places).unwrap_or_default().iter_mut().zip(of_y);
-            moved.filter(|(_, dy)| **dy != 0.0).for_each(|(y, &dy)| add(y, dy));
         });
-        for (runs, target) in [(&system.multiplier_runs, mu), (&system.stabilizer_runs, eta)] {
-            for run in runs {
-                let own = target[run.equations.clone()].iter_mut();
-                own.zip(&reduced[run.unknowns()]).for_each(|(own, &step)| add(own, step));
-            }
+        for run in &system.multiplier_runs {
+            let own = mu[run.equations.clone()].iter_mut();
+            own.zip(&reduced[run.unknowns()]).for_each(|(own, &step)| add(own, step));
         }
         most.into_iter().fold(0.0, larger)
     }
@@ -442,7 +403,7 @@ impl PartsAt<'_> {
         let (shift, moves) = numbers_of(self.equations.residual);
         for taken in system.taken_elements(force, own) {
             let (batch, layout) = (taken.parts, taken.whole.layout);
-            let program = element_matrix(taken.whole, system.options.stabilized, moves);
+            let program = element_matrix(taken.whole, moves);
             if program.outputs() == 0 {
                 continue;
             }
@@ -486,7 +447,7 @@ impl PartsAt<'_> {
         }
         for taken in system.taken_constraints(own) {
             let (batch, physics) = (taken.parts, system.constraint_of(taken.whole));
-            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             // behind those of residuals
             let code = asked.short_code(moves) | 1 << 31;
             let make = || constraint_programs::matrix(physics, asked, &batch.nodes, moves);
@@ -494,13 +455,12 @@ impl PartsAt<'_> {
             if program.outputs() == 0 {
                 continue;
             }
-            let unknowns = ([&point.unknowns.mu[..], &point.unknowns.eta], asked.stabilized());
             run_lanes(
                 program,
                 batch.parts.len(),
                 work,
                 |mut lanes, _| {
-                    batch.places.write_constraints(&mut lanes, (at, p, t), unknowns, scales);
+                    batch.places.write_constraints(&mut lanes, (at, p, t), &point.unknowns.mu, scale);
                     shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
                     lanes.gather_bases(batch, self.bases);
                 },
@@ -515,10 +475,9 @@ impl PartsAt<'_> {
     /// Adds the curvature of the reactions inside nodes.
     fn add_curvature(&self, own: Option<&OwnParts>, work: &mut BatchWork<f64>, target: &mut (impl MatrixValues + Send)) {
         let PartsAt { system, equations, point, .. } = *self;
-        let stabilized = system.options.stabilized;
         for taken in system.taken_nodes(own) {
-            let (batch, layout) = (taken.parts, taken.whole.layout);
-            let make = || node_programs::matrix(system.constraint_inside(taken.whole), &batch.nodes, stabilized);
+            let batch = taken.parts;
+            let make = || node_programs::matrix(system.constraint_inside(taken.whole), &batch.nodes);
             let program = taken.whole.programs.get(CURVATURE, make);
             run_lanes(
                 program,
@@ -528,12 +487,7 @@ impl PartsAt<'_> {
                     // equations inside nodes are quadratic: their curvature is the same everywhere
                     lanes.skip(batch.formula.inputs + batch.nodes[0].dofs());
                     lanes.gather(&batch.places.multipliers, &point.unknowns.local_mu);
-                    if stabilized {
-                        lanes.gather(&batch.places.multipliers, &point.unknowns.local_eta);
-                    } else {
-                        lanes.skip(layout.equations);
-                    }
-                    lanes.skip(2);
+                    lanes.skip(1);
                     lanes.spread(equations.constraint.alpha);
                     lanes.gather_bases(batch, self.bases);
                 },
@@ -550,9 +504,9 @@ impl PartsAt<'_> {
 const LANES: usize = 8;
 
 /// The program of the matrices of a batch.
-fn element_matrix(batch: &ElementBatch, stabilized: bool, moves: [bool; 3]) -> &Arc<Program> {
+fn element_matrix(batch: &ElementBatch, moves: [bool; 3]) -> &Arc<Program> {
     let code = moves.iter().fold(0, |code, &moves| 2 * code + u32::from(moves));
-    batch.programs.get(code, || element_programs::matrix(&batch.formula, batch.layout, &batch.nodes, stabilized, moves))
+    batch.programs.get(code, || element_programs::matrix(&batch.formula, batch.layout, &batch.nodes, moves))
 }
 
 /// Coefficients of a shift, and which of them are not zero.

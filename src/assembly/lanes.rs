@@ -103,7 +103,7 @@ impl Lanes<'_, f64> {
     pub(super) fn gather_bases<L>(&mut self, batch: &Batch<L>, bases: &NullSpaces) {
         for starts in &batch.bases {
             for side in [LEFT, RIGHT] {
-                self.gather(&starts[side], bases.numbers(side));
+                self.gather(starts, bases.numbers(side));
             }
         }
     }

@@ -1,11 +1,10 @@
 //! From elements to the equations of the whole: numbering, residual, Jacobian, transposed products.
 //!
-//! One [`System`] evaluates, for unknowns x (accelerations), mu (multipliers) and, at velocity level, y and eta,
+//! One [`System`] evaluates, for unknowns x (accelerations) and mu (multipliers),
 //!
 //! ```text
-//! F = R(a + gamma x, v + beta x, q + alpha (x + y), p, t) [- R(a, v, q, p, t)] + A^T mu        = 0
-//! Y = y - A^T eta                                                                            = 0
-//! G = g, dg/dt or d2g/dt2 at (a + gamma' x, v + beta' x, q + alpha' (x + y)), scaled          = 0
+//! F = R(a + gamma x, v + beta x, q + alpha x, p, t) [- R(a, v, q, p, t)] + A^T mu        = 0
+//! G = g, dg/dt or d2g/dt2 at (a + gamma' x, v + beta' x, q + alpha' x), scaled           = 0
 //! ```
 //!
 //! which is a Runge-Kutta stage, an initial acceleration or a projection, depending on the shifts (see

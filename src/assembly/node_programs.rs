@@ -2,7 +2,7 @@
 //! products with adjoint variables.
 //!
 //! All of them come from g(q) alone, as those of joints do. G are the scaled equations of a level, and C is their derivative with respect to the
-//! unknowns of the node (x, or x then y): at acceleration level A + 2 beta dA/dt + ..., so it is not A.
+//! unknowns x of the node: at acceleration level A + 2 beta dA/dt + ..., so it is not A.
 
 use super::constraint_programs::{Asked, ConstraintLayout, Parts};
 use super::reduction::{Columns, NodeReduction};
@@ -30,32 +30,24 @@ fn program(
     })
 }
 
-/// What brings unknowns back onto the equations: for each set what counts as its round-off and G, then the correction -C^T (C C^T)^-1 G of x (and
-/// y). Behind the arguments, at the base: gamma, beta, alpha, x (and y).
+/// What brings unknowns back onto the equations: what counts as round-off of G, G, then the correction -C^T (C C^T)^-1 G of x. Behind the
+/// arguments, at the base: gamma, beta, alpha, x.
 pub(super) fn correction(physics: &ConstraintPhysics, layout: ConstraintLayout, asked: Asked) -> Arc<Program> {
     let (n, key) = (layout.n, (ProgramKind::NodeCorrection, asked.code().collect()));
-    program(physics, layout, key, 3 + if asked.stabilized() { 2 * n } else { n }, |graph, inputs, outputs| {
-        let sets = Parts::new(graph, (inputs, outputs), layout, (asked, false)).equations;
-        let (equations, motion) = (sets.concat(), motion(inputs, layout));
+    program(physics, layout, key, 3 + n, |graph, inputs, outputs| {
+        let equations = Parts::new(graph, (inputs, outputs), layout, (asked, false)).equations;
+        let motion = motion(inputs, layout);
         let (rates, unknowns) = inputs[layout.extra()..].split_at(3);
-        let columns = columns_of(graph, (inputs, layout), &equations, asked.stabilized(), rates);
+        let columns = columns_of(graph, (inputs, layout), &equations, rates);
         let multipliers = balancing(graph, &columns, &equations);
-        let mut results = Vec::new();
-        for set in sets.iter().filter(|set| !set.is_empty()) {
-            results.push(round_off(graph, &motion, set));
-            results.extend(set);
-        }
+        let mut results = vec![round_off(graph, &motion, &equations)];
+        results.extend(&equations);
         results.extend(columns.iter().map(|column| combined(graph, column, &multipliers)));
         // all of it at the point of the unknowns
         let moved: Vec<(Node, Node)> = (0..3 * n)
             .map(|place| {
-                // y moves coordinates alone
-                let all = [Some(place % n), (place >= 2 * n && asked.stabilized()).then_some(n + place % n)];
-                let there = all.into_iter().flatten().fold(motion[place], |sum, unknown| {
-                    let change = graph.mul(unknowns[unknown], rates[place / n]);
-                    graph.add(sum, change)
-                });
-                (motion[place], there)
+                let change = graph.mul(unknowns[place % n], rates[place / n]);
+                (motion[place], graph.add(motion[place], change))
             })
             .collect();
         graph.substitute(&results, &moved)
@@ -76,40 +68,33 @@ pub(super) fn elimination(physics: &ConstraintPhysics, layout: ConstraintLayout)
     })
 }
 
-/// Derivative of the reactions A^T mu and -A^T eta along the reduced columns of a node: entries that are not zero, numbered by row + column times
+/// Derivative of the reactions A^T mu along the reduced columns of a node: entries that are not zero, numbered by row + column times
 /// size. Behind the arguments of a constraint: alpha, and the numbers of the node's bases.
-pub(super) fn matrix(physics: &ConstraintPhysics, nodes: &[NodeReduction], stabilized: bool) -> Arc<Program> {
+pub(super) fn matrix(physics: &ConstraintPhysics, nodes: &[NodeReduction]) -> Arc<Program> {
     let layout = ConstraintLayout::of(physics);
-    let code = nodes.iter().map(|node| node.code()).chain([u32::from(stabilized)]);
-    let extra = layout.extra() - layout.a() + 1 + Columns::numbers(nodes, stabilized);
+    let code = nodes.iter().map(|node| node.code());
+    let extra = layout.extra() - layout.a() + 1 + Columns::numbers(nodes);
     physics.formula().sparse_program((ProgramKind::NodeMatrix, code.collect()), extra, |graph, inputs, outputs| {
         let (alpha, numbers) = (inputs[layout.extra()], &inputs[layout.extra() + 1..]);
-        let columns_of = Columns::new(graph, nodes, stabilized, numbers);
+        let columns_of = Columns::new(graph, nodes, numbers);
         let q = &inputs[layout.n..2 * layout.n];
-        let of = |first: usize| &inputs[first..first + layout.equations];
-        let mut reactions = vec![graph.reverse(outputs, of(layout.mu()), q)];
-        if stabilized {
-            let against: Vec<Node> = of(layout.eta()).iter().map(|&eta| graph.neg(eta)).collect();
-            reactions.push(graph.reverse(outputs, &against, q));
-        }
-        let (zero, size) = (graph.zero(), Columns::count(nodes, stabilized));
+        let reaction = graph.reverse(outputs, &inputs[layout.mu()..layout.scale()], q);
+        let (zero, size) = (graph.zero(), Columns::count(nodes));
         let mut block = vec![zero; size * size];
         for (column, target) in block.chunks_exact_mut(size).enumerate() {
             let seeds = columns_of.seeds(graph, column, [zero, zero, alpha], [false, false, true], |_, dof| q[dof]);
-            for (set, reaction) in reactions.iter().enumerate() {
-                let moved = graph.forward(reaction, &seeds);
-                columns_of.reduce(graph, &moved, set == 1, target);
-            }
+            let moved = graph.forward(&reaction, &seeds);
+            columns_of.reduce(graph, &moved, target);
         }
         block
     })
 }
 
-/// Gradients towards (a, v, q) of lambda_F . A^T mu - lambda_Y . A^T eta and of the equations, whose adjoints are such that the gradient with
+/// Gradients towards (a, v, q) of lambda_F . A^T mu and of the equations, whose adjoints are such that the gradient with
 /// respect to the node's unknowns vanishes along the directions that were eliminated, x_bar + J^T lambda + C^T lambda_G = 0. The gradient of
 /// reactions comes last and alone where these act at another point, which the unknowns do not move.
 ///
-/// Behind the arguments of a constraint: (gamma, beta, alpha) of elements and of constraints; lambda_F, lambda_Y, the adjoints of x and y, and
+/// Behind the arguments of a constraint: (gamma, beta, alpha) of elements and of constraints; lambda_F, the adjoints of x, and
 /// products towards (a, v, q) of elements and of constraints.
 pub(super) fn products(
     physics: &ConstraintPhysics,
@@ -117,16 +102,13 @@ pub(super) fn products(
     asked: Asked,
     parts_reactions: bool,
 ) -> Arc<Program> {
-    let (n, stabilized) = (layout.n, asked.stabilized());
+    let n = layout.n;
     let key = (ProgramKind::NodeProducts, asked.code().chain([u32::from(parts_reactions)]).collect());
-    let lists = if stabilized { 10 } else { 8 };
-    program(physics, layout, key, 6 + lists * n, |graph, inputs, outputs| {
+    program(physics, layout, key, 6 + 8 * n, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, false));
-        let (reactions, equations) = (reactions.concat(), equations.concat());
         let (rates, lists) = inputs[layout.extra()..].split_at(6);
-        // adjoints of x (and y) stand behind as many adjoint variables as there are reactions
-        let (lambda, lists) = lists.split_at(reactions.len());
-        let (unknowns, seeds) = lists.split_at(reactions.len());
+        let (lambda, lists) = lists.split_at(n);
+        let (unknowns, seeds) = lists.split_at(n);
         let curvature = graph.reverse(&reactions, lambda, &inputs[n..2 * n]);
         let mut seeds = seeds.to_vec();
         if !parts_reactions {
@@ -135,15 +117,13 @@ pub(super) fn products(
         // what is left of the adjoints along the eliminated directions belongs to the equations inside the node
         let mut left = Vec::new();
         for (place, &own) in unknowns.iter().enumerate() {
-            // y is a row of its own residual, and moves coordinates alone
-            let (first, start) = if place < n { (0, own) } else { (2, graph.add(own, lambda[place])) };
-            let moved = (first..3).flat_map(|kind| [kind, 3 + kind]);
-            left.push(moved.fold(start, |sum, kind| {
-                let term = graph.mul(rates[kind], seeds[kind * n + place % n]);
+            let moved = (0..3).flat_map(|kind| [kind, 3 + kind]);
+            left.push(moved.fold(own, |sum, kind| {
+                let term = graph.mul(rates[kind], seeds[kind * n + place]);
                 graph.add(sum, term)
             }));
         }
-        let columns = columns_of(graph, (inputs, layout), &equations, stabilized, &rates[3..]);
+        let columns = columns_of(graph, (inputs, layout), &equations, &rates[3..]);
         let along: Vec<Node> = (0..equations.len())
             .map(|row| {
                 let row: Vec<Node> = columns.iter().map(|column| column[row]).collect();
@@ -166,22 +146,19 @@ fn motion(inputs: &[Node], layout: ConstraintLayout) -> Vec<Node> {
     [layout.a(), 0, layout.n].iter().flat_map(|&first| &inputs[first..first + layout.n]).copied().collect()
 }
 
-/// C, column by column: those of x, then those of y, which moves coordinates alone.
+/// C, column by column.
 fn columns_of(
     graph: &mut Graph,
     (inputs, layout): (&[Node], ConstraintLayout),
     equations: &[Node],
-    stabilized: bool,
     rates: &[Node],
 ) -> Vec<Vec<Node>> {
     let (n, motion) = (layout.n, motion(inputs, layout));
-    let columns = if stabilized { 2 * n } else { n };
     let column = |column: usize| {
-        let first = if column < n { 0 } else { 2 };
-        let seeds: Vec<_> = (first..3).map(|kind| (motion[kind * n + column % n], rates[kind])).collect();
+        let seeds: Vec<_> = (0..3).map(|kind| (motion[kind * n + column], rates[kind])).collect();
         graph.forward(equations, &seeds)
     };
-    (0..columns).map(column).collect()
+    (0..n).map(column).collect()
 }
 
 /// Sum of products.

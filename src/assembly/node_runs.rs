@@ -16,12 +16,12 @@ pub(super) struct NodeRun {
     pub reduction: NodeReduction,
     /// First coordinate of the first node.
     pub first_dof: usize,
-    /// Its first unknown, and the number of unknowns of each node, rate corrections counted.
+    /// Its first unknown, and the number of unknowns of each node.
     pub first_column: usize,
     pub columns: usize,
-    /// Where the numbers of its bases N_L and N_R begin, and how many each node has.
-    pub first_number: [usize; 2],
-    pub numbers: [usize; 2],
+    /// Where the numbers of its bases begin, and how many each node has: as many of N_L as of N_R.
+    pub first_number: usize,
+    pub numbers: usize,
 }
 
 impl NodeRun {
@@ -37,8 +37,7 @@ impl NodeRun {
                 last.nodes.end = node + 1;
                 continue;
             }
-            let first_number =
-                runs.last().map_or([0; 2], |run| [0, 1].map(|side| run.numbers_of(run.nodes.end, side).start));
+            let first_number = runs.last().map_or(0, |run| run.all_numbers().end);
             runs.push(NodeRun {
                 nodes: node..node + 1,
                 kind: own.kind,
@@ -47,7 +46,7 @@ impl NodeRun {
                 first_column: unknowns.columns.start,
                 columns: unknowns.columns.len(),
                 first_number,
-                numbers: reduction.numbers(system.options.stabilized),
+                numbers: reduction.numbers(),
             });
         }
         runs
@@ -76,15 +75,15 @@ impl NodeRun {
         first..first + self.columns
     }
 
-    /// Where the numbers of a node's basis stand, N_L (0) or N_R (1).
-    pub fn numbers_of(&self, node: usize, side: usize) -> Range<usize> {
-        let first = self.first_number[side] + (node - self.nodes.start) * self.numbers[side];
-        first..first + self.numbers[side]
+    /// Where the numbers of a node's bases stand.
+    pub fn numbers_of(&self, node: usize) -> Range<usize> {
+        let first = self.first_number + (node - self.nodes.start) * self.numbers;
+        first..first + self.numbers
     }
 
     /// The same of all its nodes.
-    pub fn all_numbers(&self, side: usize) -> Range<usize> {
-        self.first_number[side]..self.numbers_of(self.nodes.end, side).start
+    pub fn all_numbers(&self) -> Range<usize> {
+        self.first_number..self.numbers_of(self.nodes.end).start
     }
 
     /// Coordinates of all its nodes.
@@ -116,18 +115,13 @@ impl System<'_> {
         }
     }
 
-    /// Multipliers of constraints, then those of rate corrections: those of each that follow each other in the matrix, and where.
-    pub(crate) fn multipliers_with_places<'v, S>(
-        &self,
-        [mu, eta]: [&'v [S]; 2],
-    ) -> impl Iterator<Item = (&'v [S], Range<usize>)> {
-        let sets = [(&self.multiplier_runs, mu), (&self.stabilizer_runs, eta)];
-        sets.into_iter()
-            .flat_map(|(runs, values)| runs.iter().map(move |run| (&values[run.equations.clone()], run.unknowns())))
+    /// Multipliers of constraints that follow each other in the matrix, and where.
+    pub(crate) fn multipliers_with_places<'v, S>(&self, mu: &'v [S]) -> impl Iterator<Item = (&'v [S], Range<usize>)> {
+        self.multiplier_runs.iter().map(move |run| (&mu[run.equations.clone()], run.unknowns()))
     }
 
     /// The places alone.
     pub(crate) fn places_of_multipliers(&self) -> impl Iterator<Item = Range<usize>> {
-        self.multiplier_runs.iter().chain(&self.stabilizer_runs).map(MultiplierRun::unknowns)
+        self.multiplier_runs.iter().map(MultiplierRun::unknowns)
     }
 }

@@ -21,8 +21,6 @@ pub struct SystemOptions {
     pub dropped: Vec<usize>,
     /// Keep node-local constraints as global ones instead of eliminating them: for tests of the elimination.
     pub unreduced: bool,
-    /// With the unknowns y and eta of the stabilized level.
-    pub stabilized: bool,
 }
 
 /// A constraint inside a node, with the place of its multipliers in `local_mu`.
@@ -151,16 +149,6 @@ impl ScatterMap {
         }
     }
 
-    /// Adds one entry.
-    pub fn add_one(&self, label: u32, entry: f64, target: &mut impl MatrixValues) {
-        match self {
-            ScatterMap::Entries(places) => target.add(places[label as usize], entry),
-            ScatterMap::Columns(columns) => {
-                columns.for_each_place(&[label], [entry].into_iter(), |place, entry| target.add(place, entry));
-            }
-        }
-    }
-
     /// The same block where only some places are added to.
     pub fn at_some(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let all = match self {
@@ -214,12 +202,10 @@ struct Numbering {
     locals: Vec<NodeConstraint>,
     local_equations: usize,
     multiplier_columns: Vec<Option<usize>>,
-    stabilizer_columns: Vec<Option<usize>>,
 }
 
 impl Numbering {
     fn new(model: &Model, options: &SystemOptions) -> Self {
-        let copies = if options.stabilized { 2 } else { 1 };
         let mut own = Numbering { nodes: Vec::with_capacity(model.nodes.len()), ..Numbering::default() };
         let mut known: Vec<(NodeKind, Arc<ConstraintPhysics>)> = Vec::new();
         for (index, node) in model.nodes.iter().enumerate() {
@@ -240,7 +226,7 @@ impl Numbering {
                     let part = DofMap { segments: smallvec![segment], nodes: smallvec![index], parameters: 0..0 };
                     own.locals.push(NodeConstraint { node: index, equations, physics, part, block: 0 });
                 }
-                own.columns += copies * free;
+                own.columns += free;
                 unknowns.columns.end = own.columns;
             }
             own.nodes.push(unknowns);
@@ -248,7 +234,6 @@ impl Numbering {
         // unreduced: local equations are numbered behind the joints' own
         let visible = model.equations + if options.unreduced { own.local_equations } else { 0 };
         own.multiplier_columns = own.multipliers(visible, &options.dropped);
-        own.stabilizer_columns = own.multipliers(if options.stabilized { visible } else { 0 }, &options.dropped);
         own
     }
 
@@ -265,9 +250,9 @@ impl Numbering {
         ids.iter().flat_map(|id| self.nodes[id.0].columns.clone().map(Some)).collect()
     }
 
-    /// Numbers the blocks of nodes: of those with an eliminated constraint, or of all at the stabilized level.
-    fn number_blocks(&mut self, stabilized: bool) -> Vec<usize> {
-        let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || stabilized);
+    /// Numbers the blocks of nodes with an eliminated constraint.
+    fn number_blocks(&mut self) -> Vec<usize> {
+        let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && node.local.is_some();
         let block_nodes: Vec<usize> = (0..self.nodes.len()).filter(|&node| with_block(&self.nodes[node])).collect();
         for (block, &node) in block_nodes.iter().enumerate() {
             self.nodes[node].local.into_iter().for_each(|local| self.locals[local].block = block);
@@ -278,10 +263,7 @@ impl Numbering {
     /// What joints and drivers couple, then what the constraints inside nodes do where these are not eliminated.
     fn constraints(&self, model: &Model, options: &SystemOptions) -> Vec<Coupled> {
         let with_multipliers = |mut unknowns: Vec<Option<usize>>, equations: Range<usize>| {
-            unknowns.extend_from_slice(&self.multiplier_columns[equations.clone()]);
-            if options.stabilized {
-                unknowns.extend_from_slice(&self.stabilizer_columns[equations]);
-            }
+            unknowns.extend_from_slice(&self.multiplier_columns[equations]);
             unknowns
         };
         // the same for all with one formula and nodes of the same kinds
@@ -323,16 +305,14 @@ pub struct System<'m> {
     pub(super) local_equations: usize,
     /// Column of each multiplier; `None` where dropped.
     pub(super) multiplier_columns: Vec<Option<usize>>,
-    pub(super) stabilizer_columns: Vec<Option<usize>>,
     /// The same, by equations that follow each other.
     pub(super) multiplier_runs: Vec<MultiplierRun>,
-    pub(super) stabilizer_runs: Vec<MultiplierRun>,
     pub(super) element_parts: Vec<DofMap>,
     /// Joints and drivers, then the constraints inside nodes where these are not eliminated.
     pub(super) constraint_parts: Vec<DofMap>,
     pub(super) element_blocks: Vec<ScatterMap>,
     pub(super) constraint_blocks: Vec<ScatterMap>,
-    /// Nodes with an eliminated constraint, or all of them at the stabilized level.
+    /// Nodes with an eliminated constraint.
     pub(super) node_blocks: Vec<(usize, ScatterMap)>,
     /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
     batches: [OnceLock<Vec<ElementBatch>>; Force::KINDS],
@@ -346,7 +326,7 @@ impl<'m> System<'m> {
         let mut numbering = Numbering::new(model, &options);
         let elements: Vec<_> = model.elements.iter().map(|e| Coupled::all(numbering.of_nodes(&e.nodes))).collect();
         let constraints = numbering.constraints(model, &options);
-        let block_nodes = numbering.number_blocks(options.stabilized);
+        let block_nodes = numbering.number_blocks();
         let of_node = |&node: &usize| Coupled::all(numbering.of_nodes(&[model.node_id(node)]));
         let node_blocks: Vec<_> = block_nodes.iter().map(of_node).collect();
 
@@ -367,7 +347,7 @@ impl<'m> System<'m> {
         let node_blocks = block_nodes.into_iter().zip(scatter(node_blocks)).collect();
         let part = |ids: &[NodeId], parameters: &Range<usize>| DofMap::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
-        let Numbering { nodes, locals, local_equations, multiplier_columns, stabilizer_columns, .. } = numbering;
+        let Numbering { nodes, locals, local_equations, multiplier_columns, .. } = numbering;
         let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[model.node_id(local.node)], &(0..0)));
         let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
         let mut system = System {
@@ -379,9 +359,7 @@ impl<'m> System<'m> {
             locals,
             local_equations,
             multiplier_runs: MultiplierRun::all(&multiplier_columns),
-            stabilizer_runs: MultiplierRun::all(&stabilizer_columns),
             multiplier_columns,
-            stabilizer_columns,
             element_blocks,
             constraint_blocks,
             node_blocks,
@@ -457,11 +435,6 @@ impl<'m> System<'m> {
         &self.multiplier_columns
     }
 
-    /// Number in the matrix of each multiplier of the rate corrections; empty unless stabilized.
-    pub fn stabilizer_places(&self) -> &[Option<usize>] {
-        &self.stabilizer_columns
-    }
-
     /// True if there is any constraint, inside a node or between nodes.
     pub fn is_constrained(&self) -> bool {
         self.local_equations > 0 || self.multiplier_columns.iter().any(Option::is_some)
@@ -474,8 +447,7 @@ impl<'m> System<'m> {
                 return self.model.dof_name(jacobian.leading_dof(self, index, column - node.columns.start));
             }
         }
-        let equation = self.multiplier_columns.iter().chain(&self.stabilizer_columns).position(|&c| c == Some(column));
-        match equation.map(|e| e % self.multiplier_columns.len()) {
+        match self.multiplier_columns.iter().position(|&c| c == Some(column)) {
             Some(equation) if equation < self.model.equations => self.model.equation_name(equation),
             _ => "a constraint inside a node".to_string(),
         }

@@ -115,9 +115,8 @@ impl System<'_> {
 
     /// Unknowns of the nodes of a constraint, and its multipliers.
     fn columns_of_constraint(&self, part: usize) -> impl Iterator<Item = Range<usize>> {
-        let lists = [&self.multiplier_columns, &self.stabilizer_columns];
-        let own = lists.into_iter().flat_map(move |columns| columns.get(self.equations_of(part)).into_iter().flatten());
-        self.columns_of(&self.constraint_parts[part].nodes).chain(own.flatten().map(|&column| column..column + 1))
+        let own = self.multiplier_columns[self.equations_of(part)].iter().flatten();
+        self.columns_of(&self.constraint_parts[part].nodes).chain(own.map(|&column| column..column + 1))
     }
 
     /// Elements that add to a matrix: all, or those of an owner.

@@ -24,7 +24,7 @@ impl System<'_> {
             let (formula, layout) = (&batch.formula, batch.layout);
             PartPrograms {
                 residual: Arc::clone(formula.values()),
-                matrix: element_programs::matrix(formula, layout, &batch.nodes, self.options.stabilized, moves),
+                matrix: element_programs::matrix(formula, layout, &batch.nodes, moves),
                 products: [1, 2]
                     .map(|count| element_programs::products(formula, layout, &vec![true; layout.parameters], count)),
             }

@@ -16,17 +16,13 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Adjoint variables of one system: one number for each row of F, Y and G.
+/// Adjoint variables of one system: one number for each row of F and G.
 #[derive(Clone, Debug, Default)]
 pub struct Adjoints<S = f64> {
     /// Of F.
     pub f: Vec<S>,
-    /// Of Y; empty unless stabilized.
-    pub y: Vec<S>,
     /// Of the scaled G.
     pub g: Vec<S>,
-    /// Of the second set; empty unless stabilized.
-    pub g_second: Vec<S>,
 }
 
 impl<S: Scalar> Adjoints<S> {
@@ -34,16 +30,15 @@ impl<S: Scalar> Adjoints<S> {
     pub fn zeros(system: &System) -> Self {
         let (dofs, rows) = (system.model.dofs, system.multipliers());
         let zeros = |count: usize| vec![S::zero(); count];
-        let second = |count: usize| zeros(if system.options.stabilized { count } else { 0 });
-        Adjoints { f: zeros(dofs), y: second(dofs), g: zeros(rows), g_second: second(rows) }
+        Adjoints { f: zeros(dofs), g: zeros(rows) }
     }
 }
 
 impl Adjoints {
     /// Adds others.
     pub fn add(&mut self, other: &Self) {
-        let Adjoints { f, y, g, g_second } = self;
-        for (own, other) in [(f, &other.f), (y, &other.y), (g, &other.g), (g_second, &other.g_second)] {
+        let Adjoints { f, g } = self;
+        for (own, other) in [(f, &other.f), (g, &other.g)] {
             own.iter_mut().zip(other).for_each(|(own, other)| *own += other);
         }
     }
@@ -273,7 +268,7 @@ impl<S: RunScalar> Products<S> {
         }
     }
 
-    /// Adds the gradient of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G of all joints, for every functional.
+    /// Adds the gradient of lambda_F . A^T mu + lambda_G . G of all joints, for every functional.
     pub fn add_constraints(
         &mut self,
         system: &System,
@@ -289,7 +284,7 @@ impl<S: RunScalar> Products<S> {
         for Selection { batch, asked: parameters, parts, own, chosen, programs } in selections {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
-            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let n = layout.n;
             let all = own.as_ref().unwrap_or(&batch.places);
             chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
@@ -306,32 +301,24 @@ impl<S: RunScalar> Products<S> {
                 });
                 let weighs = |adjoint: &Adjoints<S>, index: usize| {
                     let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
-                    let nonzero = |values: &[S]| values.iter().any(|&value| value != S::zero());
-                    let equations = nonzero(&adjoint.g[rows.clone()]) || adjoint.g_second.get(rows).is_some_and(nonzero);
-                    (asked.reactions && (any(part, &adjoint.f) || any(part, &adjoint.y)))
-                        || (asked.equations[0].is_some() && equations)
+                    let equations = adjoint.g[rows].iter().any(|&value| value != S::zero());
+                    (asked.reactions && any(part, &adjoint.f)) || (asked.equations.is_some() && equations)
                 };
                 let is_chosen = |place: usize| adjoints.iter().any(|adjoint| weighs(adjoint, parts[place]));
                 let (count, places) = chosen.places(all, parts.len(), is_chosen);
-                let stabilized = asked.stabilized();
                 run_lanes(
                     &own.program,
                     count,
                     work,
                     |mut lanes, _| {
-                        places.write_constraints(
-                            &mut lanes,
-                            (at, p, t.into()),
-                            ([&unknowns.mu, &unknowns.eta], stabilized),
-                            scales,
-                        );
+                        places.write_constraints(&mut lanes, (at, p, t.into()), &unknowns.mu, scale);
                         for adjoint in adjoints {
-                            let reactions = [(&adjoint.f, asked.reactions), (&adjoint.y, asked.reactions && stabilized)];
-                            let read = reactions.into_iter().filter(|(_, is_read)| *is_read);
-                            read.for_each(|(values, _)| lanes.gather_nodes(&places.nodes, [values]));
-                            let equations = [&adjoint.g, &adjoint.g_second].into_iter().zip(asked.equations);
-                            let read = equations.filter(|(_, order)| order.is_some());
-                            read.for_each(|(values, _)| lanes.gather(&places.multipliers, values));
+                            if asked.reactions {
+                                lanes.gather_nodes(&places.nodes, [&adjoint.f]);
+                            }
+                            if asked.equations.is_some() {
+                                lanes.gather(&places.multipliers, &adjoint.g);
+                            }
                         }
                     },
                     |results| own.add(&results, places, factor, seeds),
@@ -351,8 +338,6 @@ fn any<S: Scalar>(part: &DofMap, values: &[S]) -> bool {
 pub struct NodeSeeds<'b> {
     /// Adjoint of the solution x of the system.
     pub x: &'b [f64],
-    /// Adjoint of y; empty unless stabilized.
-    pub y: &'b [f64],
     /// Adjoint variables.
     pub adjoints: &'b Adjoints,
     /// Products with the derivatives of elements towards a, v and q.
@@ -374,8 +359,8 @@ impl Products {
         at: &VectorsAvq<f64>,
         functionals: &mut [NodeSeeds],
     ) {
-        let (asked, scales) = Asked::at(equations, false);
-        let (parts_reactions, stabilized) = (equations.parts_reactions(), asked.stabilized());
+        let (asked, scale) = Asked::at(equations, false);
+        let parts_reactions = equations.parts_reactions();
         let code = PRODUCTS | asked.short_code([parts_reactions, false, false]);
         let rates = [equations.residual, equations.constraint].map(|shift| numbers_of(shift).0).concat();
         let all = system.model.dofs;
@@ -384,7 +369,7 @@ impl Products {
             let (places, physics) = (&batch.places, system.constraint_inside(batch));
             let program =
                 batch.programs.get(code, || node_programs::products(physics, batch.layout, asked, parts_reactions));
-            for NodeSeeds { x, y, adjoints, elements, constraints, reactions } in &mut *functionals {
+            for NodeSeeds { x, adjoints, elements, constraints, reactions } in &mut *functionals {
                 inside_nodes.clear();
                 inside_nodes.resize(4 * all, 0.0);
                 run_lanes(
@@ -392,16 +377,10 @@ impl Products {
                     batch.parts.len(),
                     work,
                     |mut lanes, _| {
-                        let multipliers = [&unknowns.local_mu[..], &unknowns.local_eta];
                         lanes.skip(batch.formula.inputs);
-                        places.write_constraints(&mut lanes, (at, &[], 0.0), (multipliers, stabilized), scales);
+                        places.write_constraints(&mut lanes, (at, &[], 0.0), &unknowns.local_mu, scale);
                         rates.iter().for_each(|&rate| lanes.spread(rate));
-                        for (of_x, of_y) in [(&adjoints.f[..], &adjoints.y[..]), (x, y)] {
-                            lanes.gather_nodes(&places.nodes, [of_x]);
-                            if stabilized {
-                                lanes.gather_nodes(&places.nodes, [of_y]);
-                            }
-                        }
+                        lanes.gather_nodes(&places.nodes, [&adjoints.f[..], x]);
                         for seeds in [elements, &**constraints] {
                             lanes.gather_nodes(&places.nodes, [&seeds[..all], &seeds[all..2 * all], &seeds[2 * all..]]);
                         }

@@ -32,15 +32,7 @@ pub(super) enum NodeReduction {
 }
 
 /// Coordinates at the end of a node that turn rigidly: the directions N(q) in which the constraints let them move are known, and change
-/// smoothly with the pose.
-///
-/// Rows of the constraints are linear, A(q) N(q) = 0 for all q, so that A(q) N(v) + A(v) N(q) = 0: with rate corrections the equations
-/// A (dx + dy) = 0 and A dx + k dA/dt (dx + dy) = 0 hold along
-///
-/// ```text
-/// dx = (N + k V) z + k V w        V = N(v), k = alpha / beta
-/// dy = -k V z + (N - k V) w
-/// ```
+/// smoothly with the pose. Rows of the constraints are linear in the coordinates, and A(q) N(q) = 0 for all q.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum RotationCoordinates {
     /// Four Euler parameters.
@@ -131,7 +123,7 @@ impl NodeReduction {
         }
     }
 
-    /// Number of unknowns, rate corrections left out.
+    /// Number of unknowns.
     pub fn unknowns(self) -> usize {
         match self {
             NodeReduction::Fixed { .. } => 0,
@@ -151,14 +143,11 @@ impl NodeReduction {
         (kind + 4 * size) as u32
     }
 
-    /// Numbers of its bases: left, then right.
-    pub fn numbers(self, stabilized: bool) -> [usize; 2] {
+    /// How many numbers each of its bases is made of.
+    pub fn numbers(self) -> usize {
         match self {
-            NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => [0; 2],
-            NodeReduction::RotationCoordinates { turning, .. } => {
-                let count = turning.coordinates();
-                [count, if stabilized { 2 * count } else { count }]
-            }
+            NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => 0,
+            NodeReduction::RotationCoordinates { turning, .. } => turning.coordinates(),
         }
     }
 }
@@ -166,8 +155,7 @@ impl NodeReduction {
 /// The bases of a part's nodes as nodes of a recording.
 pub(super) struct Columns<'n> {
     nodes: &'n [NodeReduction],
-    stabilized: bool,
-    /// For each node the rows of N_L, and those of N_R, x first, then y.
+    /// For each node the rows of N_L, and those of N_R.
     left: Vec<Vec<Vec<Node>>>,
     right: Vec<Vec<Vec<Node>>>,
     /// First unknown of each node.
@@ -176,30 +164,28 @@ pub(super) struct Columns<'n> {
 
 impl<'n> Columns<'n> {
     /// Number of unknowns of some nodes together.
-    pub fn count(nodes: &[NodeReduction], stabilized: bool) -> usize {
-        nodes.iter().map(|node| node.unknowns() * if stabilized { 2 } else { 1 }).sum()
+    pub fn count(nodes: &[NodeReduction]) -> usize {
+        nodes.iter().map(|node| node.unknowns()).sum()
     }
 
     /// Numbers of their bases.
-    pub fn numbers(nodes: &[NodeReduction], stabilized: bool) -> usize {
-        nodes.iter().flat_map(|node| node.numbers(stabilized)).sum()
+    pub fn numbers(nodes: &[NodeReduction]) -> usize {
+        nodes.iter().map(|node| 2 * node.numbers()).sum()
     }
 
     /// From the numbers of all bases, node after node.
-    pub fn new(graph: &mut Graph, nodes: &'n [NodeReduction], stabilized: bool, mut numbers: &[Node]) -> Self {
+    pub fn new(graph: &mut Graph, nodes: &'n [NodeReduction], mut numbers: &[Node]) -> Self {
         let (mut left, mut right, mut first, mut unknown) = (Vec::new(), Vec::new(), Vec::new(), 0);
         for node in nodes {
-            let [of_left, of_right] = node.numbers(stabilized);
-            let (own_left, rest) = numbers.split_at(of_left);
-            let (own_right, rest) = rest.split_at(of_right);
+            let (own_left, rest) = numbers.split_at(node.numbers());
+            let (own_right, rest) = rest.split_at(node.numbers());
             numbers = rest;
-            let copies = if stabilized { 2 } else { 1 };
-            left.push(rows(graph, *node, own_left, 1));
-            right.push(rows(graph, *node, own_right, copies));
+            left.push(rows(graph, *node, own_left));
+            right.push(rows(graph, *node, own_right));
             first.push(unknown);
-            unknown += copies * node.unknowns();
+            unknown += node.unknowns();
         }
-        Columns { nodes, stabilized, left, right, first }
+        Columns { nodes, left, right, first }
     }
 
     /// How the inputs move along a column: (a, v, q) by (gamma, beta, alpha) times its movement, where these are not zero.
@@ -215,19 +201,12 @@ impl<'n> Columns<'n> {
         // nodes without unknowns start where the next one does
         let own = column - self.first[place];
         let first_dof: usize = self.nodes[..place].iter().map(|node| node.dofs()).sum();
-        let dofs = self.nodes[place].dofs();
         let mut seeds = Vec::new();
-        for dof in 0..dofs {
+        for dof in 0..self.nodes[place].dofs() {
             let x = self.right[place][dof][own];
-            let both = if self.stabilized {
-                let y = self.right[place][dofs + dof][own];
-                graph.add(x, y)
-            } else {
-                x
-            };
-            for (kind, moved) in [x, x, both].into_iter().enumerate() {
-                if moves[kind] && !graph.is_zero(moved) {
-                    let moved = graph.mul(moved, rates[kind]);
+            for kind in (0..3).filter(|&kind| moves[kind]) {
+                if !graph.is_zero(x) {
+                    let moved = graph.mul(x, rates[kind]);
                     seeds.push((input(kind, first_dof + dof), moved));
                 }
             }
@@ -253,12 +232,11 @@ impl<'n> Columns<'n> {
         sum
     }
 
-    /// Adds N_L^T times values of all coordinates to the rows of a column; `second` selects those of Y.
-    pub fn reduce(&self, graph: &mut Graph, values: &[Node], second: bool, rows: &mut [Node]) {
+    /// Adds N_L^T times values of all coordinates to the rows of a column.
+    pub fn reduce(&self, graph: &mut Graph, values: &[Node], rows: &mut [Node]) {
         let mut dof = 0;
         for ((node, left), &first) in self.nodes.iter().zip(&self.left).zip(&self.first) {
             let unknowns = node.unknowns();
-            let first = first + if second { unknowns } else { 0 };
             for row in 0..unknowns {
                 let mut sum = rows[first + row];
                 for (weights, &value) in left.iter().zip(&values[dof..]) {
@@ -272,36 +250,21 @@ impl<'n> Columns<'n> {
     }
 }
 
-/// Rows of one basis; with `copies` = 2 those of x, then those of y, along as many columns again (see [`RotationCoordinates`]).
-fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node], copies: usize) -> Vec<Vec<Node>> {
-    let (dofs, unknowns) = (node.dofs(), node.unknowns());
+/// Rows of one basis.
+fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node]) -> Vec<Vec<Node>> {
     let (zero, one) = (graph.zero(), graph.constant(1.0));
-    let mut rows = vec![vec![zero; copies * unknowns]; copies * dofs];
+    let mut rows = vec![vec![zero; node.unknowns()]; node.dofs()];
     let (free, turning) = match node {
         NodeReduction::Fixed { .. } => (0, None),
         NodeReduction::Free { dofs } => (dofs, None),
         NodeReduction::RotationCoordinates { free, turning } => (free, Some(turning)),
     };
-    for copy in 0..copies {
-        (0..free).for_each(|i| rows[copy * dofs + i][copy * unknowns + i] = one);
-    }
-    for (turning, coordinate) in
-        turning.into_iter().flat_map(|turning| (0..turning.coordinates()).map(move |i| (turning, i)))
-    {
+    (0..free).for_each(|i| rows[i][i] = one);
+    let Some(turning) = turning else { return rows };
+    for coordinate in 0..turning.coordinates() {
         for axis in 0..3 {
             let Some((place, negated)) = turning.entry(coordinate, axis) else { continue };
-            let signed = |graph: &mut Graph, number: Node| if negated { graph.neg(number) } else { number };
-            let (row, column) = (free + coordinate, free + axis);
-            let turn = signed(graph, numbers[place]);
-            if copies == 1 {
-                rows[row][column] = turn;
-                continue;
-            }
-            let rate = signed(graph, numbers[turning.coordinates() + place]);
-            rows[row][column] = graph.add(turn, rate);
-            rows[row][unknowns + column] = rate;
-            rows[dofs + row][column] = graph.neg(rate);
-            rows[dofs + row][unknowns + column] = graph.sub(turn, rate);
+            rows[free + coordinate][free + axis] = if negated { graph.neg(numbers[place]) } else { numbers[place] };
         }
     }
     rows

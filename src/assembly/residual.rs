@@ -29,12 +29,8 @@ pub struct Residual<S> {
     pub at: VectorsAvq<S>,
     /// F, reactions inside nodes included.
     pub f: Vec<S>,
-    /// Y; empty unless stabilized.
-    pub y: Vec<S>,
     /// G, scaled; zero for dropped equations.
     pub g: Vec<S>,
-    /// Second set of G, scaled; empty unless stabilized.
-    pub g_second: Vec<S>,
     /// Leave the values of unknowns as they are given: they are a solution already, and only derivative parts are solved for.
     pub keep_values: bool,
     /// Leave unknowns as they are and move (a, v, q), and what each element and joint adds to a force, to neighbouring numbers, some up and
@@ -93,9 +89,7 @@ impl<S> Default for Residual<S> {
         Residual {
             at: VectorsAvq::default(),
             f: Vec::new(),
-            y: Vec::new(),
             g: Vec::new(),
-            g_second: Vec::new(),
             keep_values: false,
             last_bits: false,
             clock: None,
@@ -128,10 +122,8 @@ impl<S: RunScalar> Residual<S> {
         if self.f.len() == dofs && self.g.len() == rows {
             return;
         }
-        let second = |n: usize| if system.options.stabilized { n } else { 0 };
         let lists = [(&mut self.f, dofs), (&mut self.base, dofs), (&mut self.g, rows)];
-        let seconds = [(&mut self.y, second(dofs)), (&mut self.g_second, second(rows))];
-        lists.into_iter().chain(seconds).for_each(|(list, length)| list.resize(length, S::zero()));
+        lists.into_iter().for_each(|(list, length)| list.resize(length, S::zero()));
         (self.at, self.constraint_at) = (VectorsAvq::zeros(dofs), VectorsAvq::zeros(dofs));
     }
 
@@ -144,11 +136,9 @@ impl<S: RunScalar> Residual<S> {
 
     /// Gives unknowns the lengths that a system asks for, with zeros where there was nothing or everywhere if `anew`.
     pub fn shape(system: &System, unknowns: &mut Unknowns<S>, anew: bool) {
-        let second = |n: usize| if system.options.stabilized { n } else { 0 };
-        let Unknowns { x, y, mu, eta, local_mu, local_eta } = unknowns;
-        let (dofs, rows, local) = (system.model.dofs, system.multipliers(), system.local_equations);
-        let lengths = [dofs, second(dofs), rows, second(rows), local, second(local)];
-        for (values, length) in [x, y, mu, eta, local_mu, local_eta].into_iter().zip(lengths) {
+        let Unknowns { x, mu, local_mu } = unknowns;
+        let lengths = [system.model.dofs, system.multipliers(), system.local_equations];
+        for (values, length) in [x, mu, local_mu].into_iter().zip(lengths) {
             if anew {
                 values.clear();
             }
@@ -178,13 +168,13 @@ impl<S: RunScalar> Residual<S> {
         self.constraint_base = moved;
     }
 
-    /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F, Y and G.
+    /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F and G.
     pub fn evaluate(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
         self.evaluate_in(Scope::Model, system, stage, unknowns);
     }
 
     /// Moves from `base` to the point of a solution, and sets the multipliers inside nodes that follow from it: all that a matrix and products
-    /// need of the evaluation there. F, Y and G have no meaning then.
+    /// need of the evaluation there. F and G have no meaning then.
     pub fn move_to(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
         self.start_in(Scope::InsideNodes, system, stage);
         self.evaluate_in(Scope::InsideNodes, system, stage, unknowns);
@@ -236,19 +226,14 @@ impl<S: RunScalar> Residual<S> {
                 *f -= r;
             }
         }
-        self.y.copy_from_slice(&unknowns.y);
         self.add_constraints(scope, system, equations, unknowns, p, t);
         for run in system.node_runs.iter().filter(|run| matches!(run.reduction, NodeReduction::Fixed { .. })) {
             self.f[run.all_dofs()].fill(S::zero());
         }
-        let Residual { f, y, inside_nodes, at, constraint_at, reaction_at, has_one_point, .. } = self;
+        let Residual { f, inside_nodes, at, constraint_at, reaction_at, has_one_point, .. } = self;
         let there = if parts_reactions { reaction_at } else { of_constraints(*has_one_point, at, constraint_at) };
         let q = &there.q;
-        inside_nodes.eliminate(system, q, f, (&mut unknowns.local_mu, 1.0));
-        if system.options.stabilized {
-            // Y = y - A^T eta: the sign of eta is the opposite one
-            inside_nodes.eliminate(system, q, y, (&mut unknowns.local_eta, -1.0));
-        }
+        inside_nodes.eliminate(system, q, f, &mut unknowns.local_mu);
     }
 
     /// Brings unknowns back onto the equations inside nodes, from which a step along an older basis leads away a little.
@@ -337,7 +322,7 @@ impl<S: RunScalar> Residual<S> {
         }
     }
 
-    /// Adds the reactions of joints to F (and Y), and writes their scaled equations to G.
+    /// Adds the reactions of joints to F, and writes their scaled equations to G.
     fn add_constraints(
         &mut self,
         scope: Scope,
@@ -363,34 +348,26 @@ impl<S: RunScalar> Residual<S> {
     ) {
         for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
-            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
-            let Residual { f, y, g, g_second, at, constraint_at, reaction_at, has_one_point, work, last_bits, .. } = self;
+            let Residual { f, g, at, constraint_at, reaction_at, has_one_point, work, last_bits, .. } = self;
             let constraint_at = of_constraints(*has_one_point, at, constraint_at);
             let at = if point == TermPoint::Reactions { reaction_at } else { constraint_at };
-            let (stabilized, last_bits) = (asked.stabilized(), *last_bits);
             run_lanes(
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| {
-                    let multipliers = [&unknowns.mu[..], &unknowns.eta];
-                    batch.places.write_constraints(&mut lanes, (at, p, time), (multipliers, stabilized), scales);
-                },
+                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, time), &unknowns.mu, scale),
                 |results| {
                     let mut place = 0;
                     if asked.reactions {
-                        if last_bits {
+                        if *last_bits {
                             results.add_last_bits(&batch.places.nodes, f);
                         }
-                        let sets = [(&mut *f, factor), (&mut *y, 1.0)].into_iter().take(1 + usize::from(stabilized));
-                        for (target, factor) in sets {
-                            place = results.add_to_nodes(place, &batch.places.nodes, factor, target);
-                        }
+                        place = results.add_to_nodes(place, &batch.places.nodes, factor, f);
                     }
-                    let sets = [&mut *g, &mut *g_second].into_iter().zip(asked.equations);
-                    for (target, _) in sets.filter(|(_, order)| order.is_some()) {
-                        place = results.write(place, &batch.places.multipliers, &system.multiplier_columns, target);
+                    if asked.equations.is_some() {
+                        results.write(place, &batch.places.multipliers, &system.multiplier_columns, g);
                     }
                 },
             );

@@ -36,10 +36,10 @@ impl<'b> UnitLengths<'b> {
     }
 
     /// Sets the multipliers so that a force has no part along the reactions, and adds these.
-    pub fn eliminate<S: RunScalar>(&self, q: &[S], force: &mut [S], (multipliers, sign): (&mut [S], f64)) {
+    pub fn eliminate<S: RunScalar>(&self, q: &[S], force: &mut [S], multipliers: &mut [S]) {
         for (part, start) in self.starts().enumerate() {
             let multiplier = balance(four(q, start), &mut force[start..start + 4]);
-            multipliers[self.batch.places.multipliers.of(part).start] = multiplier * sign;
+            multipliers[self.batch.places.multipliers.of(part).start] = multiplier;
         }
     }
 }
@@ -57,7 +57,7 @@ impl<S: RunScalar> Kernel for Restoration<'_, S> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Restoration { lengths, equations, base, unknowns, corrections } = self;
-        let (weights, scale) = (equations.row_weights(), equations.row_scales()[0]);
+        let (weights, scale) = (equations.row_weights(), equations.row_scale());
         for start in lengths.starts() {
             let mut before = f64::INFINITY;
             for _ in 0..corrections {
@@ -92,7 +92,6 @@ fn correct<S: RunScalar>(
         Level::Position => (dot(&q, &q) * 0.5 - 0.5, 0.5 * size(&q, &q) + 0.5),
         Level::Velocity => (dot(&q, &v), size(&q, &v)),
         Level::Acceleration => (dot(&q, &a) + dot(&v, &v), size(&q, &a) + size(&v, &v)),
-        Level::Stabilized => unreachable!("two equations at once are corrected by their program"),
     };
     if gap.value().abs() <= f64::EPSILON * terms {
         return 0.0;
@@ -146,18 +145,18 @@ mod tests {
         let physics = NodeKind::Body.local_constraint().expect("Euler parameters have unit length");
         let numbers = |phase: f64| (0..4).map(|i| (f64::from(i) + phase).sin()).collect::<Vec<f64>>();
         let base = VectorsAvq { a: numbers(2.6), v: numbers(1.3), q: numbers(0.1) };
-        let (x, none) = (numbers(0.7), [0.0; 2]);
+        let (x, none) = (numbers(0.7), [0.0]);
         for level in [Level::Position, Level::Velocity, Level::Acceleration] {
             let shift = StageCoefficients { gamma: 0.9, beta: 0.3, alpha: 0.2 };
             let equations = Equations::stage(shift, level);
-            let (asked, scales) = Asked::part(ConstraintPart::Equations, &equations, false);
-            let point = [&base.v[..], &base.q, &[0.0], &base.a, &none, &scales];
+            let (asked, scale) = Asked::part(ConstraintPart::Equations, &equations, false);
+            let point = [&base.v[..], &base.q, &[0.0], &base.a, &none, &[scale]];
             let own = [&point.concat()[..], &[shift.gamma, shift.beta, shift.alpha], &x].concat();
             let found = results(&node_programs::correction(&physics, LAYOUT, asked), &physics, &own);
             let mut corrected = x.clone();
-            let how = (&equations, equations.row_weights(), equations.row_scales()[0]);
+            let how = (&equations, equations.row_weights(), equations.row_scale());
             let gap = correct(0, how, &base, &mut corrected);
-            assert!(gap > 0.01 && near(&[gap * scales[0]], &[found[1].abs()]), "{level:?}: {gap} {found:?}");
+            assert!(gap > 0.01 && near(&[gap * scale], &[found[1].abs()]), "{level:?}: {gap} {found:?}");
             let expected: Vec<f64> = x.iter().zip(&found[2..]).map(|(x, change)| x + change).collect();
             assert!(near(&corrected, &expected), "{level:?}: {corrected:?} {expected:?}");
         }

@@ -3,7 +3,7 @@
 use super::console::{json_number, say};
 use super::failure::Failure;
 use crate::integrators::Mode;
-use crate::io::{Cell, Chart, Series, Style, Table, number, write_csv};
+use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv};
 use crate::scenes::Prepared;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ impl Branches {
         say(format_args!("frequencies in the frame that turns [rad/s]\n\n{table}\n"));
     }
 
-    /// Writes campbell.csv and campbell.png/.svg.
+    /// Writes campbell.csv and campbell.svg.
     pub fn write(&self, title: String, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let of_branch = |branch: usize| [format!("frequency {branch} [rad/s]"), format!("growth {branch} [1/s]")];
         let header: Vec<String> =
@@ -125,9 +125,9 @@ impl Branches {
             let numbers = |branch| self.at(row, branch).map_or([f64::NAN; 2], |mode| [mode.frequency, mode.growth]);
             [self.rates[row]].into_iter().chain((0..self.count()).flat_map(numbers)).collect::<Vec<f64>>()
         };
-        let files = ["campbell.csv", "campbell.png", "campbell.svg"].map(|name| folder.join(name));
+        let files = ["campbell.csv", "campbell.svg"].map(|name| folder.join(name));
         write_csv(&files[0], &header, (0..self.rates.len()).map(row))?;
-        self.chart(title).write(&folder.join("campbell"))?;
+        write_charts(&[self.chart(title)], &files[1])?;
         Ok(files.to_vec())
     }
 

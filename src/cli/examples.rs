@@ -2,6 +2,7 @@
 
 use super::CommandLine;
 use crate::design::DesignVariable;
+use crate::scenes::AnyScene;
 
 /// Lines of a command: what stands behind the name of the program, and what it does.
 type Examples = Vec<(String, &'static str)>;
@@ -16,17 +17,18 @@ fn sweeps(scene: &str, variable: Option<&DesignVariable>) -> Examples {
 }
 
 impl CommandLine<'_> {
-    /// A scene with some property, else the first one, else a file.
-    fn example_scene(&self, has: impl Fn(&dyn crate::scenes::AnyScene) -> bool) -> String {
+    /// A scene with some property, else the first one, else one that is built in, else a file.
+    fn example_scene(&self, has: impl Fn(&dyn AnyScene) -> bool, built_in: &'static str) -> String {
         let found = self.scenes.iter().find(|scene| has(**scene)).or(self.scenes.first());
-        found.map_or_else(|| "arm.toml".into(), |scene| scene.name())
+        let other = if self.built_in.is_empty() { "arm.toml" } else { built_in };
+        found.map_or_else(|| other.into(), |scene| scene.name())
     }
 
     /// What stands below the help of a command.
     pub(super) fn examples(&self, command: &str) -> String {
-        let first = self.example_scene(|_| true);
-        let better = self.example_scene(|scene| scene.optimization_problem().is_some());
-        let variable = self.scenes.iter().find(|own| own.name() == first).and_then(|own| own.variables().into_iter().next());
+        let first = self.example_scene(|_| true, "pendulum");
+        let better = self.example_scene(|scene| scene.optimization_problem().is_some(), "five-bar");
+        let variable = self.own_scene(&first).and_then(|scene| scene.variables().into_iter().next());
         let set = variable.as_ref().map_or_else(String::new, |own| format!(" --set \"{}={}\"", own.name, own.initial));
         let examples: Examples = match command {
             "run" => vec![
@@ -52,7 +54,8 @@ impl CommandLine<'_> {
             "import" => vec![("import robot.urdf".into(), "writes robot.toml, held on the ground at its root link")],
             "sweep" => sweeps(&first, variable.as_ref()),
             "modes" => {
-                let still = self.example_scene(|scene| scene.settings().method.as_deref() == Some("static"));
+                let is_still = |scene: &dyn AnyScene| scene.settings().method.as_deref() == Some("static");
+                let still = self.example_scene(is_still, "von-mises-truss");
                 vec![
                     (format!("modes {still} --count 4"), "the four slowest"),
                     ("modes arm.toml --static".into(), "about the equilibrium under the scene's loads"),

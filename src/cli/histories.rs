@@ -52,7 +52,7 @@ pub fn check_one_history(keep: &Keep, runs: usize) -> Result<(), Failure> {
 }
 
 /// Endings of the files that this program writes for people and other programs.
-const RESULTS: [&str; 6] = ["arrow", "csv", "html", "json", "png", "svg"];
+const RESULTS: [&str; 5] = ["arrow", "csv", "html", "json", "svg"];
 
 /// Refuses to keep steps where a result of the same run will stand.
 ///

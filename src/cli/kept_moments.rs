@@ -1,4 +1,4 @@
-//! So many moments of a run as pictures can show.
+//! So many moments of a run as a page can show.
 
 use super::snapshot::{MOST_POINTS, Snapshot};
 use crate::history::Observer;

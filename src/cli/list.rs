@@ -53,21 +53,22 @@ fn parts(program: &CommandLine, json: bool) {
 }
 
 fn all(program: &CommandLine, json: bool) {
+    let scenes = program.all_scenes();
     let mut table = Table::new(&["scene", "what it is", "variables", "to optimize"]);
-    for scene in &program.scenes {
+    for scene in &scenes {
         let variables = format!("{:>9}", scene.variables().len());
         let wanted = wanted(*scene).unwrap_or_default();
         table.row([scene.name().into(), scene.summary().into(), variables.into(), wanted.into()]);
     }
     let name = &program.name;
-    if program.scenes.is_empty() {
+    if scenes.is_empty() {
         say("this program has no scenes of its own; it takes scene files");
     } else {
         say(format_args!(
             "{table}\n\nvariables and functionals of one: {name} list SCENE; a scene file to start from: {name} new FILE"
         ));
     }
-    let scenes: Vec<Value> = program.scenes.iter().map(|scene| object(*scene)).collect();
+    let scenes: Vec<Value> = scenes.iter().map(|scene| object(*scene)).collect();
     say_json(json, &json!({ "scenes": scenes }));
 }
 

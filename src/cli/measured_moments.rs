@@ -1,4 +1,4 @@
-//! What is measured at the moments of a run: rows of its histories, and what charts and pictures show.
+//! What is measured at the moments of a run: rows of its histories, and what pages show.
 
 use super::columns::{Columns, courses};
 use super::history_charts::charts;
@@ -112,7 +112,7 @@ impl<'p> MeasuredMoments<'p> {
         self.tables.in_words()
     }
 
-    /// So many of them as pictures can show, and histories as charts.
+    /// So many of them as a page can show, and histories as charts.
     pub fn finish(self) -> (Vec<Snapshot>, Vec<Chart>) {
         let moments = self.kept.finish();
         let charts = charts(self.prepared, &moments, &self.columns);

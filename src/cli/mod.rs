@@ -84,8 +84,8 @@ pub use study::{Figure, Form, Report, Study};
 
 use crate::design::repeated;
 use crate::exchange;
-use crate::scenes::AnyScene;
 use crate::scenes::file::OwnParts;
+use crate::scenes::{AnyScene, built_in};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 use std::path::Path;
@@ -103,7 +103,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Simulate a scene: functionals, histories, pictures, a report to look at
+    /// Simulate a scene: functionals, histories, a report to look at
     Run(run::RunOptions),
     /// Simulate a scene and differentiate its functionals by the discrete adjoint
     Gradient(gradient::GradientOptions),
@@ -193,6 +193,8 @@ pub struct CommandLine<'p> {
     /// As which the program was called.
     name: String,
     scenes: Vec<&'p dyn AnyScene>,
+    /// Names of scenes that are built in.
+    built_in: Vec<&'static str>,
     studies: Vec<&'p dyn Study>,
     parts: OwnParts,
 }
@@ -202,7 +204,15 @@ impl<'p> CommandLine<'p> {
     pub fn new(scenes: impl IntoIterator<Item = &'p dyn AnyScene>) -> Self {
         let called = std::env::args_os().next();
         let name = called.as_ref().and_then(|path| Path::new(path).file_stem()?.to_str()).unwrap_or("costate").into();
-        CommandLine { name, scenes: scenes.into_iter().collect(), studies: Vec::new(), parts: OwnParts::default() }
+        let scenes = scenes.into_iter().collect();
+        CommandLine { name, scenes, built_in: Vec::new(), studies: Vec::new(), parts: OwnParts::default() }
+    }
+
+    /// With the scenes that are [built in](built_in).
+    #[must_use]
+    pub fn with_built_in(mut self) -> Self {
+        self.built_in = built_in::names().collect();
+        self
     }
 
     /// With studies that `verify` measures.
@@ -276,7 +286,7 @@ impl<'p> CommandLine<'p> {
 
     /// Scenes are found by their names.
     fn checked(&self) -> Result<(), Failure> {
-        let names: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
+        let names = self.names();
         if let Some(name) = repeated(names.iter().map(String::as_str)) {
             return Err(Failure::input(format!("two scenes of this program are named \"{name}\"")));
         }

@@ -3,7 +3,7 @@ use super::campbell::Branches;
 use super::console::{count, json_number, long_number, say, say_files, say_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
-use super::motions::{mode_moments, mode_picture, motion};
+use super::motions::{mode_moments, view};
 use super::rates::Rates;
 use super::report::{Clip, Page};
 use super::simulation::names;
@@ -15,7 +15,6 @@ use crate::scenes::{DifferentiatedModes, PeriodicModes, Prepared};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
 
 /// Options of `costate modes`.
 #[derive(Args)]
@@ -34,13 +33,13 @@ pub struct ModesOptions {
     /// Derivatives of frequencies and growth by all design variables, through the equilibrium
     #[arg(long)]
     gradients: bool,
-    /// Modes over the rate of a steady turn [rad/s], followed by their shapes: campbell.csv, .png and .svg
+    /// Modes over the rate of a steady turn [rad/s], followed by their shapes: campbell.csv and campbell.svg
     #[arg(long, value_name = "FIRST:LAST:NUMBER", allow_hyphen_values = true)]
     speed: Option<Rates>,
 }
 
-/// Most modes that are drawn.
-const MOST_PICTURES: usize = 12;
+/// Most modes that swing on the page.
+const MOST_SHOWN: usize = 12;
 /// Frames of a period.
 const FRAMES: usize = 24;
 /// Most modes.
@@ -101,9 +100,8 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
             "that no mode is missing is not proved: the model is large, and its matrices have no symmetry that would tell\n",
         );
     }
-    let mut files = draw(&prepared, q, modes, &folder)?;
     let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
-    files.extend([report.clone(), summary.clone()]);
+    let mut files = vec![report.clone(), summary.clone()];
     let branches = follow(options, &mut prepared)?;
     if let Some(branches) = &branches {
         branches.say();
@@ -185,7 +183,7 @@ fn page(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode], about: &
     );
     page.design(&prepared.variables, &prepared.x);
     let angles = || (0..=FRAMES).map(|k| TAU * k as f64 / FRAMES as f64);
-    let swinging: Vec<(String, Vec<Snapshot>)> = (1..=MOST_PICTURES)
+    let swinging: Vec<(String, Vec<Snapshot>)> = (1..=MOST_SHOWN)
         .zip(modes)
         .filter_map(|(number, mode)| {
             let name = format!("mode {number}: {}", what(mode));
@@ -199,27 +197,14 @@ fn page(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode], about: &
             Clip { name: name.clone(), swings: true, moments }
         })
         .collect();
-    if let Some(picture) = swinging.first().and_then(|(_, moments)| motion(prepared, moments)) {
-        page.space(&prepared.mechanism.solids(), picture.view, &clips);
+    if let Some(view) = swinging.first().and_then(|(_, moments)| view(prepared, moments)) {
+        page.space(&prepared.mechanism.solids(), view, &clips);
     }
     page
 }
 
 fn what(mode: &Mode) -> String {
     if mode.is_unstable() { "unstable".into() } else { format!("{} Hz", number_of(mode.frequency / TAU)) }
-}
-
-/// Draws the modes that have a place in space: mode-1.png/.svg and so on.
-fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let mut files = Vec::new();
-    for (number, mode) in (1..=MOST_PICTURES).zip(modes) {
-        let Some(mut picture) = mode_picture(prepared, q, mode) else { continue };
-        picture.title = format!("{}: mode {number}, {}", prepared.scene.name(), what(mode));
-        let stem = folder.join(format!("mode-{number}"));
-        picture.write(&stem)?;
-        files.extend(["png", "svg"].map(|ending| stem.with_extension(ending)));
-    }
-    Ok(files)
 }
 
 /// Which modes.

@@ -1,9 +1,8 @@
-//! The pictures of an optimization: optimization.png/.svg and design.png/.svg.
+//! The charts of an optimization.
 
 use crate::design::DesignVariable;
-use crate::io::{Chart, IoError, Series, Style, write_panels};
+use crate::io::{Chart, Series, Style};
 use crate::optimize::{DesignHistory, DesignPoint, Optimization};
-use std::path::{Path, PathBuf};
 
 /// Most curves of variables in one chart: those that move most.
 const MOST_CURVES: usize = 10;
@@ -16,19 +15,8 @@ fn spans_decades(values: impl Iterator<Item = f64>) -> bool {
     least > 0.0 && most > DECADES * least
 }
 
-/// Writes objective, violation, and variables over iterations; returns the files.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write([panels, design]: &[Vec<Chart>; 2], folder: &Path) -> Result<Vec<PathBuf>, IoError> {
-    write_panels(panels, &folder.join("optimization"))?;
-    write_panels(design, &folder.join("design"))?;
-    let names = ["optimization.png", "optimization.svg", "design.png", "design.svg"];
-    Ok(names.map(|name| folder.join(name)).to_vec())
-}
-
 /// Objective and violation over iterations, and design variables.
-pub fn charts(optimization: &Optimization, history: &DesignHistory) -> [Vec<Chart>; 2] {
+pub fn charts(optimization: &Optimization, history: &DesignHistory) -> Vec<Chart> {
     let mut reached: Vec<(f64, &DesignPoint)> =
         history.points.iter().filter_map(|point| Some((point.iteration? as f64, point))).collect();
     reached.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -87,7 +75,8 @@ pub fn charts(optimization: &Optimization, history: &DesignHistory) -> [Vec<Char
         series: series.collect(),
         ..Chart::default()
     };
-    [panels, vec![design]]
+    panels.push(design);
+    panels
 }
 
 #[cfg(test)]

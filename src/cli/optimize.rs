@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 pub struct OptimizeOptions {
     #[command(flatten)]
     scene: SceneOptions,
-    /// Optimizer: sqp, and with the feature `nlopt` nlopt-slsqp, nlopt-mma, nlopt-ccsaq, nlopt-auglag
+    /// Optimizer: sqp; SciPy and others take values and gradients through Python
     #[arg(long, value_name = "NAME", default_value = "sqp")]
     optimizer: String,
     /// Where gradients come from: adjoint, complex-step, or difference:SHARE, one simulation for each variable at that share more of
@@ -169,12 +169,11 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let (optimized, mut files) = optimized(options, (&optimization, &*optimizer), &start, recorded, &folder, &guard)?;
     let report = Report::new(&optimization, &*optimizer, &optimized)?;
     let charts = optimization_charts::charts(&optimization, &optimized.history);
-    files.extend(optimization_charts::write(&charts, &folder)?);
     let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
     files.extend([page.clone(), summary.clone()]);
     let motion = report.best_motion();
     let crossings = motion.as_ref().map_or(&[][..], |(_, _, crossings)| crossings);
-    let mut shown = report.page(&charts.concat(), &motion);
+    let mut shown = report.page(&charts, &motion);
     let warnings: Vec<String> = crossings.iter().map(ToString::to_string).collect();
     warnings.iter().for_each(|warning| shown.warning(format!("best design: {warning}")));
     shown.write(&page, &files)?;
@@ -273,8 +272,8 @@ fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
     let known: Vec<String> = optimizers().iter().map(|optimizer| optimizer.name().into()).collect();
     optimizers().into_iter().find(|optimizer| optimizer.name() == name).ok_or_else(|| {
         let mut message = unknown("--optimizer", name, &known);
-        if name.starts_with("nlopt") && cfg!(not(feature = "nlopt")) {
-            message += "; those of NLopt need a program built with --features nlopt";
+        if name.starts_with("nlopt") {
+            message += "; in place of NLopt's, SciPy, IPOPT and others take values and gradients through Python";
         }
         Failure::input(message)
     })
@@ -282,7 +281,7 @@ fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
 
 impl CommandLine<'_> {
     fn no_problem(&self, scene: &dyn AnyScene) -> Failure {
-        let able = self.scenes.iter().filter(|scene| scene.optimization_problem().is_some());
+        let able = self.all_scenes().into_iter().filter(|scene| scene.optimization_problem().is_some());
         let names: Vec<String> = able.map(|scene| scene.name()).collect();
         let others = if names.is_empty() { String::new() } else { format!("; scenes that do: {}", names.join(", ")) };
         Failure::input(format!("the scene \"{}\" states no optimization problem{others}", scene.name()))

@@ -6,7 +6,7 @@ use crate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
-use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings};
+use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
 use crate::scenes::{check_folders, unknown};
 use clap::Args;
 use std::ops::Deref;
@@ -43,8 +43,8 @@ pub struct SceneOptions {
     /// derivatives by the thickness of each shell element
     #[arg(long)]
     vtk: bool,
-    /// Write the motion as a film, too: film.png (APNG, which browsers play)
-    #[arg(long)]
+    // it was an option, and its error says what serves instead
+    #[arg(long, hide = true)]
     film: bool,
     /// Write no report.html, and differentiate by nothing that only its colours show
     #[arg(long)]
@@ -54,7 +54,7 @@ pub struct SceneOptions {
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
     #[arg(long, value_name = "TABLE")]
     method: Option<String>,
-    /// Time derivative on which constraints are kept: position, velocity, acceleration [default: the scene's, else acceleration]
+    /// Time derivative on which constraints are kept: position, acceleration [default: the scene's, else acceleration]
     #[arg(long, value_name = "LEVEL")]
     constraint_level: Option<String>,
     /// When Newton's method stops: at round-off; by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy; or scaled, at a
@@ -154,21 +154,37 @@ impl<'p> Deref for FoundScene<'p> {
 }
 
 impl<'p> CommandLine<'p> {
+    /// Names of its scenes.
+    pub(super) fn names(&self) -> Vec<String> {
+        self.scenes.iter().map(|scene| scene.name()).chain(self.built_in.iter().map(|&name| name.into())).collect()
+    }
+
+    /// Its scenes.
+    pub(super) fn all_scenes(&self) -> Vec<&'p dyn AnyScene> {
+        let built_in = self.built_in.iter().filter_map(|name| built_in::named(name).ok());
+        self.scenes.iter().copied().chain(built_in.map(|scene| scene as &dyn AnyScene)).collect()
+    }
+
+    /// The scene of this name, unless it is that of a file.
+    pub(super) fn own_scene(&self, name: &str) -> Option<&'p dyn AnyScene> {
+        let own = self.scenes.iter().copied().find(|scene| scene.name() == name);
+        let built_in = || built_in::named(self.built_in.iter().find(|own| **own == name)?).ok();
+        own.or_else(|| built_in().map(|scene| scene as &dyn AnyScene))
+    }
+
     /// The scene with a given name, or in a given file.
     pub(super) fn find_scene(&self, name: &str) -> Result<FoundScene<'p>, Failure> {
-        let known: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
-        let found = self.scenes.iter().find(|scene| scene.name() == name);
+        let found = self.own_scene(name);
         if is_path(name) || found.is_none() && Path::new(name).is_file() {
             return Ok(FoundScene::File(Box::new(
                 FileScene::read_with(Path::new(name), &self.parts).map_err(Failure::input)?,
             )));
         }
-        if let Some(scene) = found {
-            check_names(*scene)?;
-        }
-        found
-            .map(|scene| FoundScene::Own(*scene))
-            .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
+        let unknown =
+            || Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &self.names())));
+        let scene = found.ok_or_else(unknown)?;
+        check_names(scene)?;
+        Ok(FoundScene::Own(scene))
     }
 }
 
@@ -334,6 +350,9 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed.
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
+        if self.film {
+            return Err(Failure::input("--film: the report plays the motion, report.html among the results"));
+        }
         let mut settings = scene.settings();
         let own = settings.method.take();
         let name = self.method.as_deref().or(own.as_deref()).unwrap_or(DEFAULT_TABLE);
@@ -384,7 +403,7 @@ impl SceneOptions {
     /// What is written: by the options, else by the scene.
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
         let own = scene.output();
-        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, film: self.film || own.film, ..own }
+        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, ..own }
     }
 
     /// Whether equilibria have to be stable.
@@ -402,7 +421,7 @@ impl SceneOptions {
     /// # Errors
     /// An option that asks for it; `what` has none.
     pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
-        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk), ("--film", self.film)];
+        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
         given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {
             Err(Failure::input(format!("{option}: {what} writes no histories of motions; leave it out")))
         })

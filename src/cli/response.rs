@@ -8,7 +8,7 @@ use super::simulation::names;
 use super::still::StillOptions;
 use crate::functionals::Functional;
 use crate::integrators::RunError;
-use crate::io::{Cell, Chart, Series, Style, Table, number, write_csv, write_file, write_panels};
+use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv, write_file};
 use crate::scenes::Prepared;
 use clap::Args;
 use serde_json::{Value, json};
@@ -107,9 +107,9 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
     Ok(())
 }
 
-/// Writes response.csv, and amplitudes and phases as response.png and .svg.
+/// Writes response.csv, and amplitudes and phases as response.svg.
 fn write(answers: &[Answer], (rates, log_x): (&[f64], bool), title: &str, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let files = ["response.csv", "response.png", "response.svg"].map(|name| folder.join(name));
+    let files = ["response.csv", "response.svg"].map(|name| folder.join(name));
     let columns = |own: &Answer| [format!("{}, amplitude [{}]", own.name, own.unit), format!("{}, phase [rad]", own.name)];
     let header: Vec<String> = ["rate [rad/s]".to_string()].into_iter().chain(answers.iter().flat_map(columns)).collect();
     let row = |place: usize| -> Vec<f64> {
@@ -145,6 +145,6 @@ fn write(answers: &[Answer], (rates, log_x): (&[f64], bool), title: &str, folder
     }
     let Some(first) = charts.first_mut() else { return Ok(vec![files[0].clone()]) };
     first.title = title.into();
-    write_panels(&charts, &folder.join("response"))?;
+    write_charts(&charts, &files[1])?;
     Ok(files.to_vec())
 }

@@ -1,17 +1,16 @@
-//! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg, fields.pvd with its .vtu files.
+//! The files of a run: histories.csv, fields.pvd with its .vtu files.
 
 use super::failure::Failure;
 use super::history_files::HistoryFiles;
 use super::measured_moments::{EnergyCourse, MeasuredMoments};
 use super::meshes::Meshes;
-use super::motions::{motion, write_film};
 use super::snapshot::Snapshot;
 use crate::assembly::VectorsAvq;
 use crate::design::shortest;
 use crate::functionals::{Sample, StepEnds};
 use crate::history::{Dense, Observer};
 use crate::integrators::{RunError, StartRecord, StepRecord};
-use crate::io::{Chart, Progress, write_file, write_panels};
+use crate::io::{Chart, write_file};
 use crate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
 
@@ -28,7 +27,7 @@ pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-/// The files of a run while it goes on: rows go to histories.csv, and of the motion so many moments are kept as a picture can show.
+/// The files of a run while it goes on: rows go to histories.csv, and of the motion so many moments are kept as a page can show.
 pub struct Results<'p> {
     prepared: &'p Prepared<'p>,
     folder: PathBuf,
@@ -40,7 +39,6 @@ pub struct Results<'p> {
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
     rows: Rows,
-    film: bool,
     /// Ends of steps that become known.
     ends: StepEnds<'p, f64>,
     /// Finished steps.
@@ -57,7 +55,7 @@ pub struct Finished {
     pub unwritten: Option<Failure>,
     /// Histories as charts.
     pub charts: Vec<Chart>,
-    /// The moments that pictures show.
+    /// The moments that a page shows.
     pub moments: Vec<Snapshot>,
 }
 
@@ -89,7 +87,6 @@ impl<'p> Results<'p> {
             written,
             dropped: Vec::new(),
             rows: output.step.map_or(Rows::AtSteps, |dt| Rows::AtMultiples { dt, next: 0, dense: None }),
-            film: output.film,
             ends: StepEnds::new(&prepared.method.table),
             steps: 0,
             unwritten: None,
@@ -163,7 +160,7 @@ impl<'p> Results<'p> {
     }
 
     /// Finishes all files, of which there are none without a finished step.
-    pub fn finish(mut self, progress: &Progress) -> Finished {
+    pub fn finish(mut self) -> Finished {
         let (mut files, mut unwritten) = (Vec::new(), None);
         if self.steps == 0 {
             return Finished { files, unwritten, charts: Vec::new(), moments: Vec::new() };
@@ -181,24 +178,7 @@ impl<'p> Results<'p> {
         if let Some(meshes) = &self.meshes {
             keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
         }
-        progress.set(1);
         let (moments, charts) = self.measured.finish();
-        let picture = |name: &str| [".png", ".svg"].map(|end| folder.join(format!("{name}{end}")));
-        if !charts.is_empty() {
-            keep(write_panels(&charts, &folder.join("histories")).map_err(Failure::from), &picture("histories"));
-        }
-        progress.set(2);
-        if let Some(motion) = motion(self.prepared, &moments) {
-            keep(motion.write(&folder.join("motion")).map_err(Failure::from), &picture("motion"));
-        }
-        if self.film {
-            let film = folder.join("film.png");
-            match write_film(self.prepared, &moments, &film) {
-                Ok(true) => keep(Ok(()), &[film]),
-                Ok(false) => {}
-                Err(error) => keep(Err(error.into()), &[]),
-            }
-        }
         Finished { files, unwritten, charts, moments }
     }
 }
@@ -231,10 +211,10 @@ impl Observer for Results<'_> {
 mod tests {
     use super::*;
     use crate::cli::history_files::HISTORIES;
+    use crate::cli::motions::{View, view};
     use crate::cli::snapshot::MOST_POINTS;
     use crate::design::DesignVariable;
     use crate::elements::{Element, NodeKind, Parameter, State};
-    use crate::io::View;
     use crate::scalar::{Scalar, SpatialVector, Vector3};
     use crate::scenes::{MechanismBuilder, Scene, Settings};
 
@@ -308,20 +288,20 @@ mod tests {
             let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
             let prepared = Prepared::new(&scene).unwrap();
             let results = ran(&prepared, &folder);
-            assert_eq!(motion(&prepared, &results.measured.finish().0).unwrap().view, expected, "{velocity:?}");
+            assert_eq!(view(&prepared, &results.measured.finish().0), Some(expected), "{velocity:?}");
         }
     }
 
     #[test]
-    fn a_scene_without_a_place_in_space_has_histories_but_no_picture_of_its_motion() {
+    fn a_scene_without_a_place_in_space_has_histories() {
         let (scene, folder) = (Thrown(None), Folder::new("free"));
         let prepared = Prepared::new(&scene).unwrap();
-        let Finished { files, unwritten, .. } = ran(&prepared, &folder).finish(&Progress::new("writing", 3));
+        let Finished { files, unwritten, moments, .. } = ran(&prepared, &folder).finish();
+        assert_eq!(view(&prepared, &moments), None);
         assert!(unwritten.is_none(), "{unwritten:?}");
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         let arrow = cfg!(feature = "arrow").then_some("histories.arrow");
-        let expected: Vec<&str> =
-            ["histories.csv"].into_iter().chain(arrow).chain(["histories.png", "histories.svg"]).collect();
+        let expected: Vec<&str> = ["histories.csv"].into_iter().chain(arrow).collect();
         assert_eq!(names, expected);
         let text = std::fs::read_to_string(&files[0]).unwrap();
         let mut lines = text.lines();
@@ -331,12 +311,12 @@ mod tests {
         assert!((last[3] + last[1]).abs() < 1e-12, "{last:?}");
     }
     #[test]
-    fn a_long_run_keeps_no_more_moments_than_pictures_show() {
+    fn a_long_run_keeps_no_more_moments_than_pages_show() {
         let (scene, folder) = (Thrown(None), Folder::new("long"));
         let (steps, method) = (5 * MOST_POINTS + 7, Prepared::default_method());
         let prepared = Prepared::with(&scene, &[], method, Settings::new(1.0, steps)).unwrap();
         let results = ran(&prepared, &folder);
-        let Finished { moments, unwritten, .. } = results.finish(&Progress::new("writing", 3));
+        let Finished { moments, unwritten, .. } = results.finish();
         assert!(unwritten.is_none());
         assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&moments.len()), "{} moments", moments.len());
         let stride = steps / moments.len() + 1;

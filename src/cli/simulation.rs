@@ -53,7 +53,7 @@ pub struct Simulation {
     pub folder: PathBuf,
     /// Histories as charts.
     pub charts: Vec<Chart>,
-    /// The moments that pictures show.
+    /// The moments that a page shows.
     pub moments: Vec<Snapshot>,
     /// What is measured of modes.
     pub modes: MeasuredModes,
@@ -124,7 +124,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     }
     let left_tables = results.left_tables();
     let (energy, balance) = (results.energy_course(), balance.and_then(Course::finish));
-    let Finished { files, unwritten, charts, moments } = results.finish(&Progress::new("writing", 3));
+    let Finished { files, unwritten, charts, moments } = results.finish();
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }

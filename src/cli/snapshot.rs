@@ -1,8 +1,8 @@
-//! States at single times, as pictures and curves show them.
+//! States at single times, as pages show them.
 
-/// Most points of a curve in a picture.
+/// Most moments that are kept of a run.
 pub const MOST_POINTS: usize = 4000;
-/// The state at one time, as pictures show it.
+/// The state at one time, as pages show it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// Time \[s\].
@@ -19,7 +19,7 @@ pub struct Snapshot {
     pub loads: Vec<[f64; 2]>,
 }
 
-/// Every so many moments that a curve has no more points than a picture can show; the last one included.
+/// Every so many moments that a curve has no more points than a page can show; the last one included.
 pub fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)> {
     let stride = moments.len().div_ceil(MOST_POINTS).max(1);
     moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())

@@ -3,7 +3,7 @@ use super::console::{complain, count, json_number, say, say_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::study::{Figure, Form, Report, Study};
-use crate::io::{Cell, Table, number, write_file, write_panels};
+use crate::io::{Cell, Table, number, write_charts, write_file};
 use crate::scenes::unknown;
 use clap::Args;
 use serde_json::{Value, json};
@@ -209,14 +209,7 @@ impl<'p> Outcome<'p> {
         let path = folder.join(self.study.name()).join("result.md");
         write_file(&path, self.markdown().as_bytes())?;
         for (name, charts) in &self.report.pictures {
-            let stem = path.with_file_name(name);
-            match charts.as_slice() {
-                [only] => only.write(&stem)?,
-                several => write_panels(several, &stem)?,
-            }
-            // the vectors are a tenth of the pixels: only they are kept beside the result
-            let pixels = stem.with_extension("png");
-            std::fs::remove_file(&pixels).map_err(|cause| Failure::run(format!("{}: {cause}", pixels.display())))?;
+            write_charts(charts, &path.with_file_name(format!("{name}.svg")))?;
         }
         Ok(path)
     }

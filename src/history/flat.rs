@@ -179,7 +179,7 @@ impl<T: Flat, const N: usize> Flat for [T; N] {
     }
 }
 
-const LEVELS: [Level; 4] = [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized];
+const LEVELS: [Level; 3] = [Level::Position, Level::Velocity, Level::Acceleration];
 
 impl Put for Level {
     fn put(&self, bytes: &mut Vec<u8>) {
@@ -228,12 +228,12 @@ flat! {
     Variational { alpha, h, first }
     Equations { residual, constraint, level, metric, variational }
     VectorsAvq<f64> { a, v, q }
-    Unknowns<f64> { x, y, mu, eta, local_mu, local_eta }
+    Unknowns<f64> { x, mu, local_mu }
     SolveRecord<f64> { t, equations, base, unknowns }
     StartRecord<f64> { dropped, equilibrium, position_projection, velocity_projection, acceleration }
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
-    StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction, allowed }
+    StepState<f64> { step, scheme, dropped, chosen_anew, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }
     Contractions { known, age }

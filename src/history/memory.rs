@@ -5,13 +5,24 @@ use super::{History, Rerun, Usage};
 use crate::design::shortest;
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 
-/// A run in memory.
-#[derive(Clone, Debug, Default)]
+/// A run of any number of steps in memory, which ends with an error where it would take more than it may.
+#[derive(Debug)]
 pub struct Memory {
     /// What happened before the first step.
     start: Option<StartRecord<f64>>,
     /// All steps.
     steps: PackedSteps,
+    /// Most bytes of all steps.
+    most: usize,
+    /// Most bytes of one step that this rank keeps; known after the first.
+    step_bytes: usize,
+}
+
+impl Memory {
+    /// Steps of at most so many bytes.
+    pub fn new(most: usize) -> Self {
+        Memory { start: None, steps: PackedSteps::default(), most, step_bytes: 0 }
+    }
 }
 
 impl Recorder<f64> for Memory {
@@ -20,6 +31,17 @@ impl Recorder<f64> for Memory {
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        if self.steps.len() == 0 {
+            self.step_bytes = most_kept(step.bytes().len());
+        }
+        let steps = self.steps.len() + 1;
+        if steps.saturating_mul(self.step_bytes) > self.most {
+            return Err(RunError::History {
+                place: format!("step {steps} (t = {} s), memory", shortest(step.t)),
+                cause: format!("{steps} steps of {} bytes take more than the {} bytes allowed", self.step_bytes, self.most),
+                hint: "keep the run in a file, or as checkpoints".into(),
+            });
+        }
         self.steps.push(step);
         Ok(true)
     }
@@ -39,60 +61,6 @@ impl History for Memory {
         Ok(self.steps.backward(rerun))
     }
     fn usage(&self) -> Usage {
-        Usage { steps: self.steps.len(), ..Usage::default() }
-    }
-}
-
-/// A run in memory that ends with an error where it would take more than it may.
-#[derive(Debug)]
-pub struct MemoryWithin {
-    memory: Memory,
-    most: usize,
-    /// Most bytes of one step that this rank keeps; known after the first.
-    step_bytes: usize,
-}
-
-impl MemoryWithin {
-    /// Steps of at most so many bytes.
-    pub fn new(most: usize) -> Self {
-        MemoryWithin { memory: Memory::default(), most, step_bytes: 0 }
-    }
-}
-
-impl Recorder<f64> for MemoryWithin {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
-        self.memory.start(start)
-    }
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        if self.memory.steps() == 0 {
-            self.step_bytes = most_kept(step.bytes().len());
-        }
-        let steps = self.memory.steps() + 1;
-        if steps.saturating_mul(self.step_bytes) > self.most {
-            return Err(RunError::History {
-                place: format!("step {steps} (t = {} s), memory", shortest(step.t)),
-                cause: format!("{steps} steps of {} bytes take more than the {} bytes allowed", self.step_bytes, self.most),
-                hint: "keep the run in a file, or as checkpoints".into(),
-            });
-        }
-        self.memory.step(step)
-    }
-}
-
-impl History for MemoryWithin {
-    fn start_record(&self) -> Option<&StartRecord<f64>> {
-        self.memory.start_record()
-    }
-    fn steps(&self) -> usize {
-        self.memory.steps()
-    }
-    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        self.memory.forward(rerun)
-    }
-    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        self.memory.backward(rerun)
-    }
-    fn usage(&self) -> Usage {
-        Usage { bytes: self.memory.steps.bytes(), ..self.memory.usage() }
+        Usage { steps: self.steps.len(), bytes: self.steps.bytes(), ..Usage::default() }
     }
 }

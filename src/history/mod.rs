@@ -24,7 +24,7 @@ pub(crate) use dense::{Dense, moments};
 pub(crate) use file::FileHistory;
 pub(crate) use frames::check_place;
 use handed::Handed;
-pub(crate) use memory::{Memory, MemoryWithin};
+pub(crate) use memory::Memory;
 pub(crate) use nothing::Nothing;
 pub(crate) use rerun::Rerun;
 
@@ -78,9 +78,9 @@ impl Keep {
             Keep::Auto => return Keep::shared_by(1).history(steps, run),
             Keep::Within(bytes) => match steps {
                 Some(_) => Box::new(Checkpoints::new(*bytes, steps)),
-                None => Box::new(MemoryWithin::new(*bytes)),
+                None => Box::new(Memory::new(*bytes)),
             },
-            Keep::Memory => Box::new(Memory::default()),
+            Keep::Memory => return Keep::Within(usize::MAX).history(steps, run),
             Keep::File(path) => return in_file(|| FileHistory::create(path, run)),
             Keep::Resumed(path) => return in_file(|| FileHistory::resume(path, run)),
             Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
@@ -101,7 +101,7 @@ pub struct Usage {
     pub steps: usize,
     /// Most checkpoints kept at once.
     pub checkpoints: usize,
-    /// Most bytes of steps and checkpoints at once, where a memory was given.
+    /// Most bytes of steps and checkpoints in memory at once.
     pub bytes: usize,
     /// Bytes written to a file.
     pub written: u64,

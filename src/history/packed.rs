@@ -27,11 +27,10 @@ impl Put for StepRecord<f64> {
         restart.put(bytes);
         carried.put(bytes);
         stages.len().put(bytes);
-        for StageRecord { solve, known, rate } in stages {
+        for StageRecord { solve, known } in stages {
             known.put(bytes);
             if known.is_some() {
                 solve.unknowns.mu.put(bytes);
-                rate.put(bytes);
             } else {
                 put_solution(&solve.unknowns, bytes);
             }
@@ -44,18 +43,18 @@ impl Put for StepRecord<f64> {
 }
 
 /// Without the multipliers inside nodes: who goes through the system again has them from the rest.
-fn put_solution(Unknowns { x, y, mu, eta, local_mu, local_eta }: &Unknowns<f64>, bytes: &mut Vec<u8>) {
-    [x, y, mu, eta].into_iter().for_each(|own| own.put(bytes));
-    [local_mu, local_eta].into_iter().for_each(|own| own.len().put(bytes));
+fn put_solution(Unknowns { x, mu, local_mu }: &Unknowns<f64>, bytes: &mut Vec<u8>) {
+    x.put(bytes);
+    mu.put(bytes);
+    local_mu.len().put(bytes);
 }
 
-fn take_solution(Unknowns { x, y, mu, eta, local_mu, local_eta }: &mut Unknowns<f64>, bytes: &mut &[u8]) -> Option<()> {
-    [x, y, mu, eta].into_iter().try_for_each(|own| retake(own, bytes))?;
-    for own in [local_mu, local_eta] {
-        let count = usize::take(bytes)?;
-        own.clear();
-        own.resize(count, 0.0);
-    }
+fn take_solution(Unknowns { x, mu, local_mu }: &mut Unknowns<f64>, bytes: &mut &[u8]) -> Option<()> {
+    retake(x, bytes)?;
+    retake(mu, bytes)?;
+    let count = usize::take(bytes)?;
+    local_mu.clear();
+    local_mu.resize(count, 0.0);
     Some(())
 }
 
@@ -93,11 +92,10 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
     let count = usize::take(bytes)?;
     stages.resize_with(count, StageRecord::empty);
-    for StageRecord { solve, known, rate } in stages {
+    for StageRecord { solve, known } in stages {
         *known = Flat::take(bytes)?;
         if known.is_some() {
             retake(&mut solve.unknowns.mu, bytes)?;
-            retake(rate, bytes)?;
         } else {
             take_solution(&mut solve.unknowns, bytes)?;
         }

@@ -1,5 +1,6 @@
-use crate::integrators::{Method, Problem, RunError, StartPlan, StepRule, Stepper, Systems, TimeGrid};
-use std::sync::OnceLock;
+use crate::assembly::System;
+use crate::integrators::{Method, Problem, RunError, StartPlan, StepRule, Stepper, TimeGrid};
+use std::sync::{Arc, OnceLock};
 
 /// The run that a history belongs to: what it takes to compute some of it again.
 pub struct Rerun<'r> {
@@ -11,23 +12,23 @@ pub struct Rerun<'r> {
     pub grid: &'r TimeGrid,
     /// Decisions about the start.
     pub plan: &'r StartPlan,
-    systems: OnceLock<Systems<'r>>,
+    system: OnceLock<Arc<System<'r>>>,
 }
 
 impl<'r> Rerun<'r> {
     /// A run; nothing is computed yet.
     pub fn new(problem: &'r Problem<'r, f64>, method: &'r Method, grid: &'r TimeGrid, plan: &'r StartPlan) -> Self {
-        Rerun { problem, method, grid, plan, systems: OnceLock::new() }
+        Rerun { problem, method, grid, plan, system: OnceLock::new() }
     }
 
     /// Its numbered equations.
-    pub fn systems(&self) -> &Systems<'r> {
-        self.systems.get_or_init(|| Systems::new(self.problem.model, self.method, &self.plan.dropped))
+    pub fn system(&self) -> &Arc<System<'r>> {
+        self.system.get_or_init(|| self.method.system(self.problem.model, &self.plan.dropped))
     }
 
     /// What all its steps have in common.
     pub fn rule(&self) -> StepRule<'_> {
-        StepRule { method: self.method, constrained: self.systems().plain.is_constrained() }
+        StepRule { method: self.method, constrained: self.system().is_constrained() }
     }
 
     /// Workspace to go through it once more.
@@ -35,6 +36,6 @@ impl<'r> Rerun<'r> {
     /// # Errors
     /// As for `Stepper::new`.
     pub fn stepper(&self) -> Result<Stepper<'_, f64>, RunError> {
-        Stepper::new(self.problem, self.method, self.systems(), self.plan)
+        Stepper::new(self.problem, self.method, self.system(), self.plan)
     }
 }

@@ -11,7 +11,7 @@
 use super::march::{Method, Problem};
 use super::newton::{NOT_HELD, Newton};
 use super::step::newton;
-use super::{Counters, RunError, Stability, StartPlan, Systems};
+use super::{Counters, RunError, Stability, StartPlan};
 use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::State;
 
@@ -133,8 +133,7 @@ impl ArcLength {
 pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, arc: &ArcLength) -> Result<Path, RunError> {
     arc.check(problem.model)?;
     super::start::check_stillness(problem)?;
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut newton = newton(method, &systems.plain)?;
+    let mut newton = newton(method, &method.system(problem.model, &plan.dropped))?;
     newton.counters = Counters::measuring(method.measures_phases);
     let mut follower = Follower { problem, newton, load_weight: 0.0 };
     let (start, tangent) = follower.start()?;

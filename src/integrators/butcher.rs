@@ -177,15 +177,13 @@ impl Butcher {
         let solution = |order: usize, weights: &[f64], implicit: Option<Box<Embedded>>| {
             let difference: Vec<f64> = self.b.iter().zip(weights).map(|(b, weight)| b - weight).collect();
             let q = combine(&[], square(&difference));
-            Embedded { order, q, v: combine(&[], difference.clone()), rates: difference, implicit }
+            Embedded { order, q, v: combine(&[], difference), implicit }
         };
         let embedded = self.embedded.as_ref().map(|(order, weights)| {
             let implicit = explicit_first.then(|| solution(*order, &implicit_weights(&self.a, &self.b, &c), None));
             solution(*order, weights, implicit.map(Box::new))
         });
         let stiffly_accurate = self.a[s - 1] == self.b;
-        let mut rates = self.a.clone();
-        rates.push(self.b.clone());
         Table {
             name: self.name,
             order: self.order,
@@ -194,7 +192,6 @@ impl Butcher {
             update,
             aggregate_weights: positive_weights(&self.b, &c, self.order),
             quadrature: Combination { carried: vec![1.0], stages: self.b },
-            rates,
             stiffly_accurate,
             embedded,
             starter: None,

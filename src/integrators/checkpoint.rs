@@ -18,8 +18,6 @@ pub struct StepState<S> {
     pub chosen_anew: bool,
     /// The table's carried vectors, q and v first.
     pub carried: Vec<Vec<S>>,
-    /// Rate correction of the last stage; empty unless stabilized.
-    pub rate: Vec<S>,
     /// Solution of the last stage.
     pub last: Unknowns<S>,
     /// First guesses for the stages of the next step, then for its projections of coordinates and of velocities.
@@ -42,8 +40,6 @@ impl<S: RunScalar> StepState<S> {
         }
         self.last.x.clone_from(&solved.unknowns.x);
         self.last.mu.clone_from(&solved.unknowns.mu);
-        self.last.y.fill(S::zero());
-        self.last.eta.fill(S::zero());
         self.forget_course();
     }
 
@@ -78,7 +74,7 @@ impl<S: RunScalar> StepState<S> {
     }
 }
 
-clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, rate, last, prediction, allowed });
+clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, last, prediction, allowed });
 
 /// A run between two steps: all that later steps depend on.
 ///

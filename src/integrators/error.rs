@@ -116,6 +116,12 @@ impl RunError {
     }
 }
 
+impl From<String> for RunError {
+    fn from(what: String) -> Self {
+        RunError::Input(what)
+    }
+}
+
 impl fmt::Display for RunError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {

@@ -92,9 +92,7 @@ fn change(operator: &Operator, stiffness: &Jacobian, varied: &[Complex64], t: f6
     let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
     let base = VectorsAvq { a: lift(&operator.base.a), v: lift(&operator.base.v), q: lift(&operator.base.q) };
     let own = &operator.reactions;
-    let lists = [&own.x, &own.y, &own.mu, &own.eta, &own.local_mu, &own.local_eta].map(|list| lift(list));
-    let [x, y, mu, eta, local_mu, local_eta] = lists;
-    let mut unknowns = Unknowns { x, y, mu, eta, local_mu, local_eta };
+    let mut unknowns = Unknowns { x: lift(&own.x), mu: lift(&own.mu), local_mu: lift(&own.local_mu) };
     let mut residual = Residual::<Complex64>::default();
     let stage = StageSystem { equations: &equations, base: &base, p: varied, t };
     residual.start(system, stage);

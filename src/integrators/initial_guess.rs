@@ -48,12 +48,5 @@ pub(super) fn solve<S: RunScalar>(
 /// Real unknowns without derivative parts.
 fn lifted<S: RunScalar>(real: &Unknowns<f64>) -> Unknowns<S> {
     let lift = |values: &[f64]| values.iter().map(|&value| S::from(value)).collect();
-    Unknowns {
-        x: lift(&real.x),
-        y: lift(&real.y),
-        mu: lift(&real.mu),
-        eta: lift(&real.eta),
-        local_mu: lift(&real.local_mu),
-        local_eta: lift(&real.local_eta),
-    }
+    Unknowns { x: lift(&real.x), mu: lift(&real.mu), local_mu: lift(&real.local_mu) }
 }

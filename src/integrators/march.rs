@@ -3,10 +3,11 @@ use super::lists::add_lists;
 use super::newton::NewtonTolerance;
 use super::record::{StageRecord, StepRecord};
 use super::{Combination, ConstraintLevel, Embedded, InitialState, Quadrature, StabilityCourse, StepError, Table};
-use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
+use crate::assembly::{Equations, Level, Model, System, SystemOptions, Variational};
 use crate::elements::RunScalar;
 use crate::linalg::Backend;
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// What is simulated: topology, parameters, start.
 #[derive(Clone, Debug)]
@@ -66,9 +67,10 @@ impl Method {
         if given { ConstraintLevel::Position } else { self.level }
     }
 
-    /// The equations of the steps' systems: the same unknowns for all, or with rate corrections for the stages.
-    pub(crate) fn system_options(&self, dropped: &[usize], stabilized: bool) -> SystemOptions {
-        SystemOptions { dropped: dropped.to_vec(), unreduced: self.unreduced, stabilized }
+    /// The numbered equations of all systems of a run of a model, without the constraint equations `dropped`.
+    pub fn system<'m>(&self, model: &'m Model, dropped: &[usize]) -> Arc<System<'m>> {
+        let options = SystemOptions { dropped: dropped.to_vec(), unreduced: self.unreduced };
+        Arc::new(System::new(model, options))
     }
 
     /// The equations of stage `index` of one of the method's tables.
@@ -79,7 +81,6 @@ impl Method {
         let shift = table.shift(index, h);
         let level = match self.constraint_level() {
             ConstraintLevel::Position if constrained => Level::Position,
-            ConstraintLevel::Velocity if constrained => Level::Stabilized,
             _ => Level::Acceleration,
         };
         Equations::stage(shift, level)
@@ -135,11 +136,6 @@ pub(super) fn embedded_difference<S: RunScalar>(
 ) {
     let combination = if order == 0 { &embedded.q } else { &embedded.v };
     combine(table, order, combination, step.h, &step.carried, &step.stages, difference);
-    if order == 0 {
-        for (stage, weight) in step.stages.iter().zip(&embedded.rates) {
-            add_scaled(difference, &stage.rate, step.h * weight);
-        }
-    }
 }
 
 /// target += factor values.

@@ -41,7 +41,6 @@ mod start;
 mod steady_turn;
 mod step;
 mod step_points;
-pub(crate) mod systems;
 mod table;
 pub(crate) mod tables;
 mod time_loop;
@@ -87,7 +86,6 @@ pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;
 pub(crate) use step_points::StepRule;
-pub(crate) use systems::Systems;
 pub use table::{Carried, Combination, Embedded, Quadrature, Scheme, Stage, Starter, Table};
 pub(crate) use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
@@ -100,8 +98,6 @@ pub(crate) use vibrations::{Modes, equilibrium_at, vibrations};
 pub enum ConstraintLevel {
     /// g = 0 at the stages (index 3), as in Boopathy & Kennedy; velocities and multipliers lose orders.
     Position,
-    /// g = 0 and dg/dt = 0 at the stages with rate corrections (Gear, Gupta, Leimkuhler).
-    Velocity,
     /// d2g/dt2 = 0 at the stages, then (q, v) projected onto g = 0 and dg/dt = 0: full order for every table.
     #[default]
     Acceleration,
@@ -109,14 +105,12 @@ pub enum ConstraintLevel {
 
 impl ConstraintLevel {
     /// All levels.
-    pub const ALL: [ConstraintLevel; 3] =
-        [ConstraintLevel::Position, ConstraintLevel::Velocity, ConstraintLevel::Acceleration];
+    pub const ALL: [ConstraintLevel; 2] = [ConstraintLevel::Position, ConstraintLevel::Acceleration];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             ConstraintLevel::Position => "position",
-            ConstraintLevel::Velocity => "velocity",
             ConstraintLevel::Acceleration => "acceleration",
         }
     }

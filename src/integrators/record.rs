@@ -42,14 +42,12 @@ pub struct StageRecord<S> {
     pub solve: SolveRecord<S>,
     /// Carried vector that is the acceleration of an explicit first stage, which is not solved for.
     pub known: Option<usize>,
-    /// Rate correction w of the velocity level [m/s]; empty otherwise.
-    pub rate: Vec<S>,
 }
 
 impl<S: Scalar> StageRecord<S> {
     /// Room for a record.
     pub(crate) fn empty() -> Self {
-        StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() }
+        StageRecord { solve: SolveRecord::empty(), known: None }
     }
 }
 
@@ -83,7 +81,7 @@ pub struct StepRecord<S> {
 }
 
 cloned_in_place!(SolveRecord { t, equations, base, unknowns });
-cloned_in_place!(StageRecord { solve, known, rate });
+cloned_in_place!(StageRecord { solve, known });
 cloned_in_place!(StepRecord {
     t,
     h,

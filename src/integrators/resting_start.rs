@@ -9,10 +9,9 @@ use super::initial_guess::{InitialGuess, solve};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::SolveRecord;
 use super::{Counters, InitialState, Method, Problem, RestingPlan, RunError, Stability, StartPlan, Verdict};
-use crate::assembly::{Attached, Equations, Level, Model, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
+use crate::assembly::{Attached, Equations, Level, Model, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar, State};
 use crate::scalar::{COMPLEX_STEP, Complex64};
-use std::sync::Arc;
 
 /// Size of the first step \[s\]; it is divided and multiplied until steps are of a good length.
 const FIRST: f64 = 0.05;
@@ -64,7 +63,7 @@ impl<S: RunScalar> RestingStart<S> {
     ) -> Result<Self, RunError> {
         let resting = problem.model.at_rest(stays);
         let (model, p) = (&resting.model, resting.parameters(&problem.p));
-        let system = Arc::new(System::new(model, method.system_options(dropped, false)));
+        let system = method.system(model, dropped);
         let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend).map(Newton::divided);
         let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         newton.counters = Counters::measuring(method.measures_phases);

@@ -15,7 +15,7 @@ use super::steady_turn;
 use super::step_points::StepRule;
 use super::{
     Carried, ConstraintLevel, InitialState, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse, StartPlan,
-    StepSizeState, Systems, Table, TimeGrid, Verdict,
+    StepSizeState, Table, TimeGrid, Verdict,
 };
 use crate::assembly::{Clock, ConstraintRows, Equations, Residual, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
@@ -109,11 +109,10 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
 }
 
 /// Solvers of accelerations, of stages with projections, and of the start.
-fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[Newton<'m, S>; 3], RunError> {
-    let acceleration = newton(method, &systems.plain)?;
+fn solvers<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<[Newton<'m, S>; 3], RunError> {
+    let acceleration = newton(method, system)?;
     let clone = || acceleration.clone_analysis().map_err(|singular| RunError::of_pattern("start", singular));
-    let stage = if Arc::ptr_eq(&systems.plain, &systems.stage) { clone() } else { newton(method, &systems.stage) }?;
-    let start = clone()?;
+    let (stage, start) = (clone()?, clone()?);
     let mut all = [acceleration, stage, start];
     all.iter_mut().for_each(|newton| newton.counters = Counters::measuring(method.measures_phases));
     Ok(all)
@@ -132,15 +131,15 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     pub fn new(
         problem: &'m Problem<'m, S>,
         method: &'m Method,
-        systems: &Systems<'m>,
+        system: &Arc<System<'m>>,
         plan: &StartPlan,
     ) -> Result<Self, RunError> {
-        let [acceleration, stage, start] = solvers(method, systems)?;
-        let dropped = systems.plain.options.dropped.clone();
+        let [acceleration, stage, start] = solvers(method, system)?;
+        let dropped = system.options.dropped.clone();
         Ok(Stepper {
             problem,
             method,
-            constrained: systems.plain.is_constrained(),
+            constrained: system.is_constrained(),
             acceleration,
             stage,
             start,
@@ -278,14 +277,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         release(&mut self.acceleration)?;
         let kinds = &self.method.table.carried;
-        let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };
         // older vectors are read only after as many steps have written them
         let mut carried = vec![q, v];
         carried.resize_with(kinds.len(), || vec![S::zero(); model.dofs]);
         let mut last = Unknowns::default();
         Residual::shape(&self.stage.system, &mut last, true);
-        let rate = vec![S::zero(); rates];
-        self.between = StepState { dropped: plan.dropped.clone(), carried, rate, last, ..StepState::default() };
+        self.between = StepState { dropped: plan.dropped.clone(), carried, last, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;
@@ -493,7 +490,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             return Ok(());
         }
         if self.start.system.options.dropped != *dropped {
-            self.start = newton(self.method, &Systems::new(self.problem.model, self.method, dropped).plain)?;
+            self.start = newton(self.method, &self.method.system(self.problem.model, dropped))?;
         }
         let (q, v) = (&carried[0], &carried[1]);
         let p = &self.problem.p;
@@ -534,7 +531,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn renew(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         self.earlier = self.counters();
         [self.acceleration, self.stage, self.start] =
-            solvers(self.method, &Systems::new(self.problem.model, self.method, dropped))?;
+            solvers(self.method, &self.method.system(self.problem.model, dropped))?;
         Ok(())
     }
 
@@ -551,7 +548,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             for (values, kind) in state.carried.iter_mut().zip(&self.method.table.carried) {
                 (0..kind.order()).for_each(|_| values.iter_mut().for_each(|value| *value *= factor));
             }
-            state.rate.iter_mut().for_each(|rate| *rate *= factor);
         }
         self.clock = clock;
     }
@@ -594,9 +590,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let change = self.solve_stages(&mut state, &mut record, table, guided)?;
         state.carried.resize_with(table.carried.len(), Vec::new);
         record.update(self.rule(), &mut state.carried);
-        if let Some(last) = record.stages.last().filter(|stage| !stage.rate.is_empty()) {
-            state.rate.clone_from(&last.rate);
-        }
         self.project(&mut state, &mut record, guided)?;
         record.q.clone_from(&state.carried[0]);
         record.v.clone_from(&state.carried[1]);
@@ -663,10 +656,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.stages.resize_with(table.stages.len(), StageRecord::empty);
         for index in 0..table.stages.len() {
             record.begin_stage(rule, index);
-            let StageRecord { solve: own, known, rate } = &mut record.stages[index];
+            let StageRecord { solve: own, known } = &mut record.stages[index];
             if known.is_some() {
                 own.unknowns.mu.clone_from(&state.last.mu);
-                rate.clone_from(&state.rate);
                 continue;
             }
             let time = own.t;
@@ -687,7 +679,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 change += self.stage.distance(&state.last.x, &own.unknowns.x);
             }
             state.last.set(&own.unknowns);
-            record.end_stage(rule, index);
         }
         Ok(change)
     }

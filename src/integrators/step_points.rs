@@ -27,13 +27,10 @@ impl<S: RunScalar> StepRecord<S> {
         let (table, StepRecord { t, h, end, carried, stages, .. }) = (rule.table(self), self);
         let stage = &table.stages[index];
         let (earlier, own) = stages.split_at_mut(index);
-        let StageRecord { solve, known, .. } = &mut own[0];
+        let StageRecord { solve, known } = &mut own[0];
         let VectorsAvq { a, v, q } = &mut solve.base;
         for (order, combination, sum) in [(2, &stage.a, a), (1, &stage.v, v), (0, &stage.q, q)] {
             combine(table, order, combination, *h, carried, earlier, sum);
-        }
-        for (earlier, weight) in earlier.iter().zip(&table.rates[index]) {
-            add_scaled(&mut solve.base.q, &earlier.rate, *h * weight);
         }
         solve.equations = rule.method.stage_equations(table, index, *h, rule.constrained);
         // a stage at the end of the step lies before the breakpoint that may be there, whatever t + h rounds to
@@ -44,24 +41,12 @@ impl<S: RunScalar> StepRecord<S> {
         }
     }
 
-    /// Writes the rate correction of a stage that is solved.
-    pub(super) fn end_stage(&mut self, rule: StepRule, index: usize) {
-        let (table, StepRecord { h, stages, .. }) = (rule.table(self), self);
-        let StageRecord { solve, rate, .. } = &mut stages[index];
-        let factor = table.rate_factor(index, *h);
-        rate.clear();
-        rate.extend(solve.unknowns.y.iter().map(|&y| y * factor));
-    }
-
     /// Writes the first of the carried vectors behind the stages, as many as there are, before projections.
     pub(super) fn update(&self, rule: StepRule, updated: &mut [Vec<S>]) {
         let table = rule.table(self);
         let StepRecord { h, carried, stages, .. } = self;
         for ((update, kind), new) in table.update.iter().zip(&table.carried).zip(&mut *updated) {
             combine(table, kind.order(), update, *h, carried, stages, new);
-        }
-        for (stage, weight) in stages.iter().zip(&table.rates[stages.len()]) {
-            add_scaled(&mut updated[0], &stage.rate, h * weight);
         }
     }
 
@@ -95,9 +80,6 @@ impl<S: RunScalar> StepRecord<S> {
     pub fn follow(&mut self, rule: StepRule) {
         for index in 0..self.stages.len() {
             self.begin_stage(rule, index);
-            if self.stages[index].known.is_none() {
-                self.end_stage(rule, index);
-            }
         }
         let mut updated = [&mut self.q, &mut self.v].map(std::mem::take);
         self.update(rule, &mut updated);

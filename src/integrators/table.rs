@@ -69,8 +69,6 @@ pub struct Table {
     pub quadrature: Combination,
     /// What takes the place of the quadrature's stages in aggregates, whose weights must not be negative; the same where none of those is.
     pub aggregate_weights: Vec<f64>,
-    /// First-order coefficients a_ij, and b in the last row: how rate corrections of the velocity level enter q.
-    pub rates: Vec<Vec<f64>>,
     /// The last stage lies at the end of the step and is the new state.
     pub stiffly_accurate: bool,
     /// A second solution that measures the error of a step.
@@ -99,8 +97,6 @@ pub struct Embedded {
     pub q: Combination,
     /// Difference of the velocities.
     pub v: Combination,
-    /// How rate corrections enter the difference of the coordinates.
-    pub rates: Vec<f64>,
     /// The same of a solution without the explicit first stage, where there is one: in a step that begins with an acceleration of its own,
     /// which the steps before have not damped, that stage may count far too much for both of the others.
     pub implicit: Option<Box<Embedded>>,
@@ -159,11 +155,6 @@ impl Table {
             !grid.breakpoints.contains_key(&point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
         };
         if index >= starter.steps && (1..=starter.steps).all(usable) { Scheme::Main } else { Scheme::Starter }
-    }
-
-    /// Factor from the additional unknown y of stage `index` to its rate correction w: alpha y = h a_ii w.
-    pub(crate) fn rate_factor(&self, index: usize, h: f64) -> f64 {
-        h * self.stages[index].q.stages[index] / self.rates[index][index]
     }
 
     /// A one-step table that also carries what `carried` and the last rows of `update` add, for methods that look further back.

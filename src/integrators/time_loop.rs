@@ -5,7 +5,7 @@ use super::record::{Recorder, StepRecord};
 use super::restart::Resumed;
 use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord, Systems};
+use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord};
 use crate::elements::RunScalar;
 
 /// A trial step.
@@ -81,8 +81,8 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     (mut selection, mut interval): (C, RunInterval),
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
+    let system = method.system(problem.model, &plan.dropped);
+    let mut stepper = Stepper::new(problem, method, &system, plan)?;
     if let Some(clocks) = clocks {
         stepper.clocks.clone_from(clocks);
     }

@@ -19,7 +19,7 @@
 use super::krylov::{Space, add, all_pairs, dot, in_order, largest_pairs, magnitude};
 use super::march::{Method, Problem};
 use super::newton::Newton;
-use super::{RunError, Stability, StartPlan, Systems};
+use super::{RunError, Stability, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::linalg::Eigenpair;
 
@@ -293,8 +293,8 @@ impl<'m> Operator<'m> {
             )));
         }
         super::start::check_stillness(problem)?;
-        let systems = Systems::new(problem.model, method, &plan.dropped);
-        let newton = Newton::new(systems.plain, method.tolerance, method.backend);
+        let system = method.system(problem.model, &plan.dropped);
+        let newton = Newton::new(system, method.tolerance, method.backend);
         let newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         let system = newton.system.clone();
         let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());

@@ -1,12 +1,11 @@
-//! Output: files written whole or not at all, tables; with the feature `cli` also charts, pictures of a motion, meshes for ParaView,
-//! progress bars; with the feature `arrow` tables as files of Apache Arrow.
+//! Output: files written whole or not at all, tables; with the feature `cli` also charts, meshes for ParaView, progress bars; with the feature `arrow` tables as files of Apache Arrow.
 //!
 //! Everything here takes plain numbers, so any result of the other folders can be written.
 
 #[cfg(feature = "arrow")]
 mod arrow;
 #[cfg(feature = "cli")]
-mod drawing;
+mod chart;
 mod file;
 #[cfg(feature = "cli")]
 mod progress;
@@ -20,10 +19,7 @@ mod xml;
 #[cfg(feature = "arrow")]
 pub use arrow::ArrowFile;
 #[cfg(feature = "cli")]
-pub use drawing::{
-    Bars, Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Role, Series, Style, Trail, View, write_bars,
-    write_panels,
-};
+pub use chart::{Bars, Chart, Series, Style, write_bars, write_charts};
 pub use file::{IoError, write_file};
 #[cfg(feature = "cli")]
 pub use progress::Progress;

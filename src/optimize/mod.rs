@@ -11,8 +11,6 @@ mod design_program;
 mod escape;
 mod evaluations;
 mod history;
-#[cfg(feature = "nlopt")]
-mod nlopt;
 mod optimization;
 mod optimizer;
 mod program;

@@ -40,8 +40,8 @@ impl Watcher for () {}
 ///
 /// ```no_run
 /// use costate::optimize::{Optimization, Sqp};
-/// use costate::scenes::built_in::FiveBar;
-/// let optimization = Optimization::of(&FiveBar)?;
+/// use costate::scenes::built_in;
+/// let optimization = Optimization::of(built_in::named("five-bar")?)?;
 /// let optimized = optimization.run(&Sqp, &optimization.initial(), &mut ())?;
 /// println!("{:?}", optimized.history.best());
 /// # Ok::<(), costate::integrators::RunError>(())

@@ -49,9 +49,5 @@ pub fn minimize(
 
 /// All optimizers, the default one first.
 pub fn optimizers() -> Vec<Box<dyn Optimizer>> {
-    #[allow(unused_mut)]
-    let mut all: Vec<Box<dyn Optimizer>> = vec![Box::new(Sqp)];
-    #[cfg(feature = "nlopt")]
-    all.extend(super::nlopt::all());
-    all
+    vec![Box::new(Sqp)]
 }

@@ -2,8 +2,8 @@ use super::{ModeMeasure, Prepared};
 use crate::assembly::RestingModel;
 use crate::design::{DesignChain, ModelNumbers};
 use crate::integrators::{
-    Mode, ModeGroup, Modes, Problem, RunError, SAME_MODE, Systems, complex_modes, is_cut, mode_vectors, staying_states,
-    value_of, vibrations,
+    Mode, ModeGroup, Modes, Problem, RunError, SAME_MODE, complex_modes, is_cut, mode_vectors, staying_states, value_of,
+    vibrations,
 };
 use crate::scalar::Complex64;
 use crate::sensitivity::{Still, ValueSeeds, value_rates};
@@ -62,7 +62,7 @@ impl Prepared<'_> {
         let is_free = !staying_states(&self.problem()).is_empty();
         let still = Still {
             vectors: &vectors,
-            system: Systems::new(&frame.model, &self.method.unreduced(), &plan.dropped).plain,
+            system: self.method.unreduced().system(&frame.model, &plan.dropped),
             p: &problem.p,
             active: &frame.parameters(&chain.active_parameters()),
             method: &self.method,

@@ -5,6 +5,7 @@ mod differentiated_modes;
 mod facets;
 #[cfg(feature = "files")]
 pub mod file;
+mod file_bytes;
 mod fingerprint;
 mod folder_name;
 mod gmsh;
@@ -26,6 +27,7 @@ mod triangle_surface;
 mod unknown;
 mod violation;
 
+#[cfg(feature = "files")]
 pub mod built_in;
 
 pub use crate::assembly::{ConstraintId, ElementId, NodeId};
@@ -39,6 +41,7 @@ pub use builder::{
 pub use differentiated_modes::{DifferentiatedModes, ModeGradient};
 #[cfg(feature = "files")]
 pub use file::FileScene;
+use file_bytes::file_bytes;
 pub(crate) use fingerprint::{fingerprint, whole_number};
 #[cfg(any(feature = "files", feature = "cli"))]
 pub(crate) use folder_name::check_folders;
@@ -57,7 +60,7 @@ pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 use scene::built;
 pub use scene::{AnyScene, Output, Scenario, Scene, Settings};
 pub use signal::Signal;
-pub(crate) use sketch::{Drawn, NodePoint};
+pub(crate) use sketch::{Drawn, NodePoint, Sketch};
 pub use solid::{Solid, SolidShape};
 pub(crate) use solids::Solids;
 pub use statics::Equilibrium;

@@ -7,7 +7,7 @@ use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
 use crate::integrators::{
-    ConstraintLevel, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, StepControl, Systems, TimeGrid,
+    ConstraintLevel, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, StepControl, TimeGrid,
     table_by_name, table_named, table_names,
 };
 use crate::linalg::{Factorization, SolverPlan};
@@ -177,8 +177,8 @@ impl<'s> Prepared<'s> {
     /// # Errors
     /// [`RunError::Singular`] if no numbers could make the equations regular.
     pub fn linear_solver(&self) -> Result<SolverPlan, RunError> {
-        let systems = Systems::new(self.model(), &self.method, &self.plan.dropped);
-        let factorization = Factorization::new(&systems.stage.pattern, self.method.backend);
+        let system = self.method.system(self.model(), &self.plan.dropped);
+        let factorization = Factorization::new(&system.pattern, self.method.backend);
         factorization.map(|factorization| factorization.plan()).map_err(|singular| RunError::of_pattern("start", singular))
     }
 

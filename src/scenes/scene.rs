@@ -166,8 +166,6 @@ pub struct Output {
     pub histories: Vec<String>,
     /// Meshes for ParaView.
     pub meshes: bool,
-    /// The motion as a film.
-    pub film: bool,
 }
 
 /// A scene with its type erased; every [`Scene`] is one, with the same names, and a [`FileScene`](super::FileScene). Where both traits are in scope, take

@@ -455,14 +455,13 @@ fn slope(node: &NodePoint, q: &[f64]) -> Vector {
     [own[3], own[4], own[5]]
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
     use crate::elements::flexible::Shape;
     use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
     use crate::scalar::{Quaternion, SpatialVector, Vector3};
-    use crate::scenes::built_in::PlatePendulum;
-    use crate::scenes::{AnyScene, BeamLine, CableLine, ShellMesh};
+    use crate::scenes::{AnyScene, BeamLine, CableLine, ShellMesh, built_in};
 
     #[test]
     fn shells_of_plies_are_as_thick_as_these_and_stand_where_they_do() {
@@ -543,10 +542,10 @@ mod tests {
 
     #[test]
     fn surfaces_of_shells_hold_the_volume_of_the_plate() {
-        let scene = PlatePendulum::default();
+        let scene = built_in::named("plate-pendulum").unwrap();
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let mechanism = scene.build_real(&x).unwrap();
-        let prepared = crate::scenes::Prepared::new(&scene).unwrap();
+        let prepared = crate::scenes::Prepared::new(scene).unwrap();
         let forward = prepared.analysis().forward(&prepared.x).unwrap();
         let value = |name: &str| {
             let place = prepared.functionals().iter().position(|functional| functional.name == name).unwrap();

@@ -12,8 +12,22 @@ pub fn unknown(kind: &str, given: &str, known: &[String]) -> String {
         Some(more) if more > 0 => format!("known: {shown} and {more} more"),
         _ => format!("known: {shown}"),
     };
+    if let Some(instead) = instead(given, known) {
+        return format!("{kind} \"{given}\" is not known any more: {instead}; {list}");
+    }
     let separator = if nearest.is_empty() { ";" } else { "" };
     format!("{kind} \"{given}\" is not known{nearest}{separator} {list}")
+}
+
+/// What serves instead of a word of earlier states of the program, given those known in its place.
+fn instead(given: &str, known: &[String]) -> Option<&'static str> {
+    let is_among = |word: &str| known.iter().any(|own| own == word);
+    match given {
+        "velocity" if is_among("position") && is_among("acceleration") => {
+            Some("\"acceleration\" has the full order of every method, for less work")
+        }
+        _ => None,
+    }
 }
 
 /// The known name with the fewest changed letters, if they are few.

@@ -12,8 +12,7 @@ use crate::functionals::{
 };
 use crate::history::{History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Method, Problem, RestingPlan, RunError, SolveRecord, StartRecord, StepRecord, Systems,
-    Table,
+    Carried, Combination, Counters, Method, Problem, RestingPlan, RunError, SolveRecord, StartRecord, StepRecord, Table,
 };
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -62,7 +61,7 @@ pub fn adjoint(
     totals: &[Totals<f64>],
     active: &[bool],
 ) -> Result<AdjointRun, RunError> {
-    let (method, systems) = (rerun.method, rerun.systems());
+    let method = rerun.method;
     let mut sweep = Sweep {
         problem: rerun.problem,
         method,
@@ -72,7 +71,7 @@ pub fn adjoint(
             .map(|(functional, totals)| FunctionalGradient::new(functional, rerun.problem.model, totals, active))
             .collect(),
         active,
-        systems: Systems { plain: systems.plain.clone(), stage: systems.stage.clone() },
+        system: rerun.system().clone(),
         counters: Counters::default(),
         stages: Vec::new(),
         projected: Vec::new(),
@@ -88,7 +87,7 @@ struct Sweep<'m> {
     method: &'m Method,
     functionals: Vec<FunctionalGradient<'m>>,
     active: &'m [bool],
-    systems: Systems<'m>,
+    system: Arc<System<'m>>,
     counters: Counters,
     /// Workspace of a step: adjoints of the solutions of each stage and of a projection, and of what functionals read at a stage, for one
     /// functional after the other; adjoints of what was carried out of the step.
@@ -103,19 +102,17 @@ impl<'m> Sweep<'m> {
     fn run(&mut self, rerun: &Rerun, history: &dyn History) -> Result<AdjointRun, RunError> {
         let model = self.problem.model;
         let zeros = || vec![0.0; model.dofs];
-        let multipliers = self.systems.plain.multipliers();
-        let rates = if self.systems.stage.options.stabilized { model.dofs } else { 0 };
+        let multipliers = self.system.multipliers();
         let mut back: Vec<Backward> = self
             .functionals
             .iter()
             .map(|_| Backward {
                 carried: self.method.table.carried.iter().map(|_| zeros()).collect(),
-                rate: vec![0.0; rates],
                 mu: vec![0.0; multipliers],
                 ..Backward::of_parameters(model.parameters)
             })
             .collect();
-        let mut solvers = StepSolvers::new(&self.systems, self.method, self.active)?;
+        let mut solvers = StepSolvers::new(&self.system, self.method, self.active)?;
         if solvers.are_apart {
             let ahead = solvers.clone_analysis()?;
             // on a thread that shares its work with the others
@@ -135,11 +132,7 @@ impl<'m> Sweep<'m> {
             if let Some(record) = solve {
                 let seeds: Vec<SolutionSeed> = back
                     .iter()
-                    .map(|back| SolutionSeed {
-                        x: back.carried[carried].clone(),
-                        rate: Vec::new(),
-                        mu: vec![0.0; multipliers],
-                    })
+                    .map(|back| SolutionSeed { x: back.carried[carried].clone(), mu: vec![0.0; multipliers] })
                     .collect();
                 let solver = solvers.plain();
                 let bases = solver.through(record, &self.problem.p, &seeds, &mut back, &mut self.counters)?;
@@ -168,12 +161,12 @@ impl<'m> Sweep<'m> {
             let [q_bar, v_bar, ..] = &mut carried[..] else { continue };
             self.problem.model.spin_velocities_back((&q, &self.problem.p), [q_bar, v_bar, p_bar]);
         }
-        let system = Arc::new(System::new(model, self.method.system_options(&plan.dropped, false)));
+        let system = self.method.system(model, &plan.dropped);
         let multipliers = system.multipliers();
         let mut solver = TransposedSolver::new(system, self.method, &active)?;
         let bar = |back: &Backward| {
             let x = resting.coordinates(&back.carried[0], &back.carried[1]);
-            SolutionSeed { x, rate: Vec::new(), mu: vec![0.0; multipliers] }
+            SolutionSeed { x, mu: vec![0.0; multipliers] }
         };
         let seeds: Vec<SolutionSeed> = back.iter().map(bar).collect();
         let mut own: Vec<Backward> = back.iter().map(|_| Backward::of_parameters(model.parameters)).collect();
@@ -264,10 +257,10 @@ impl<'m> Sweep<'m> {
         solvers: &mut StepSolvers<'m>,
         ahead: Option<&mut StepSolvers<'m>>,
     ) -> Result<(), RunError> {
-        if self.systems.plain.options.dropped != dropped {
-            self.systems = Systems::new(self.problem.model, self.method, dropped);
+        if self.system.options.dropped != dropped {
+            self.system = self.method.system(self.problem.model, dropped);
             solvers.forget(&mut self.counters);
-            *solvers = StepSolvers::new(&self.systems, self.method, self.active)?;
+            *solvers = StepSolvers::new(&self.system, self.method, self.active)?;
             if let Some(ahead) = ahead {
                 ahead.forget(&mut self.counters);
                 *ahead = solvers.clone_analysis()?;
@@ -350,18 +343,16 @@ impl<'m> Sweep<'m> {
         back.iter_mut().for_each(Backward::drop_negligible);
         let table = self.method.table.scheme(step.scheme);
         let mut stages = std::mem::take(&mut self.stages);
-        let (multipliers, rates) = (self.systems.plain.multipliers(), self.systems.stage.options.stabilized);
+        let multipliers = self.system.multipliers();
         stages.resize_with(table.stages.len(), Vec::new);
         for stage in &mut stages {
-            set_zero_bars(stage, back.len(), (self.problem.model.dofs, multipliers, rates));
+            set_zero_bars(stage, back.len(), (self.problem.model.dofs, multipliers));
         }
         let last = table.stages.len() - 1;
         // what the next step's explicit first stage took over from this step's last one
         for (stage, back) in stages[last].iter_mut().zip(back.iter_mut()) {
-            for (bar, carried) in [(&mut stage.mu, &mut back.mu), (&mut stage.rate, &mut back.rate)] {
-                add(bar, 1.0, carried);
-                carried.fill(0.0);
-            }
+            add(&mut stage.mu, 1.0, &back.mu);
+            back.mu.fill(0.0);
         }
         if last_step && (0..back.len()).any(|k| self.times(k) == Times::End) {
             let mut sample = Sample::empty();
@@ -377,9 +368,6 @@ impl<'m> Sweep<'m> {
 
         // the update
         for (k, back) in back.iter_mut().enumerate() {
-            for (stage, weight) in stages.iter_mut().zip(&table.rates[table.stages.len()]) {
-                add(&mut stage[k].rate, step.h * weight, &back.carried[0]);
-            }
             self.updated.resize_with(back.carried.len(), Vec::new);
             for (updated, bar) in self.updated.iter_mut().zip(&mut back.carried) {
                 updated.clone_from(bar);
@@ -408,12 +396,12 @@ impl<'m> Sweep<'m> {
         last: &mut [SolutionSeed],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let multipliers = self.systems.plain.multipliers();
+        let multipliers = self.system.multipliers();
         for (solve, carried) in [(&step.velocity_projection, 1), (&step.position_projection, 0)] {
             let Some(record) = solve else { continue };
             let shift = record.equations.constraint;
             let factor = if carried == 1 { shift.beta } else { shift.alpha };
-            set_zero_bars(&mut self.projected, back.len(), (self.problem.model.dofs, multipliers, false));
+            set_zero_bars(&mut self.projected, back.len(), (self.problem.model.dofs, multipliers));
             for (bar, back) in self.projected.iter_mut().zip(&*back) {
                 add(&mut bar.x, factor, &back.carried[carried]);
             }
@@ -450,7 +438,6 @@ impl<'m> Sweep<'m> {
             let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
             sample.set_stage(step, stage);
             self.share(&mut sample);
-            let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
             for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate().filter(|(k, _)| reads[*k]) {
                 self.measure(k, &sample, weights[k], &mut measured[k], &mut back.p);
                 let Measured { at, mu } = &measured[k];
@@ -459,7 +446,6 @@ impl<'m> Sweep<'m> {
                 let parts = [(shift.gamma, &at.a), (shift.beta, &at.v), (shift.alpha, &at.q)];
                 let read = parts.into_iter().filter(|(_, part)| part.iter().any(|&bar| bar != 0.0));
                 read.for_each(|(factor, part)| add(&mut own.x, factor, part));
-                add(&mut own.rate, step.h * own_rate, &at.q);
             }
             self.sample = sample;
         }
@@ -468,11 +454,8 @@ impl<'m> Sweep<'m> {
             for (back, own) in back.iter_mut().zip(own) {
                 add(&mut back.carried[place], 1.0, &own.x);
                 add(&mut back.mu, 1.0, &own.mu);
-                add(&mut back.rate, 1.0, &own.rate);
             }
         } else {
-            let factor = table.rate_factor(stage, step.h);
-            own.iter_mut().flat_map(|own| &mut own.rate).for_each(|rate| *rate *= factor);
             solved = solvers.stage(stage).through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
         }
         for ((Measured { at, .. }, base), _) in measured.iter_mut().zip(solved).zip(&reads).filter(|(_, reads)| **reads) {
@@ -490,9 +473,6 @@ impl<'m> Sweep<'m> {
                 (Carried::Q.order(), &relation.q, &base.q),
             ] {
                 distribute(table, order, combination, step.h, bar, &mut back.carried, earlier, k);
-            }
-            for (earlier, weight) in earlier.iter_mut().zip(&table.rates[stage]) {
-                add(&mut earlier[k].rate, step.h * weight, &base.q);
             }
         }
         self.measured = measured;
@@ -545,12 +525,11 @@ fn keep(own: &mut Option<StepRecord<f64>>, step: Option<&StepRecord<f64>>) {
 }
 
 /// So many adjoints of solutions, all zero, in the memory that is there.
-fn set_zero_bars(seeds: &mut Vec<SolutionSeed>, count: usize, (dofs, multipliers, rates): (usize, usize, bool)) {
-    seeds.resize_with(count, || SolutionSeed::zeros(0, 0, false));
-    for SolutionSeed { x, rate, mu } in seeds {
-        for (values, length) in [(x, dofs), (rate, if rates { dofs } else { 0 }), (mu, multipliers)] {
-            set_zeros(values, length);
-        }
+fn set_zero_bars(seeds: &mut Vec<SolutionSeed>, count: usize, (dofs, multipliers): (usize, usize)) {
+    seeds.resize_with(count, SolutionSeed::default);
+    for SolutionSeed { x, mu } in seeds {
+        set_zeros(x, dofs);
+        set_zeros(mu, multipliers);
     }
 }
 
@@ -573,7 +552,7 @@ fn take_carried_acceleration(table: &Table, back: &mut [Backward]) -> Vec<Soluti
             }
             let mu = std::mem::take(&mut back.mu);
             back.mu = vec![0.0; mu.len()];
-            SolutionSeed { x, rate: Vec::new(), mu }
+            SolutionSeed { x, mu }
         })
         .collect()
 }

@@ -88,7 +88,7 @@ impl Still<'_> {
         for own in &all {
             let all: [[Vec<f64>; 2]; 3] = [&own.q, &own.mu, &own.p].map(|own| parts(own));
             let [q, mu, p] = all;
-            seeds.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionSeed { x, rate: Vec::new(), mu }));
+            seeds.extend(q.into_iter().zip(mu).map(|(x, mu)| SolutionSeed { x, mu }));
             back.extend(p.map(|p| Backward { p, ..Backward::of_parameters(0) }));
         }
         self.through_equilibrium(&mut seeds, &mut back)?;
@@ -160,7 +160,6 @@ impl Still<'_> {
         let adjoints = [(|own| own.re) as fn(&Complex64) -> f64, |own| own.im].map(|part| Adjoints {
             f: left.x.iter().map(|own| part(own).into()).collect(),
             g: left.mu.iter().map(|own| part(own).into()).collect(),
-            ..Adjoints::zeros(system)
         });
         let zeros = |count: usize| vec![Complex64::ZERO; count];
         let mut sum = AdjointSeeds { q: zeros(dofs), mu: zeros(right.mu.len()), p: zeros(p.len()) };

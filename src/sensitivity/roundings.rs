@@ -29,13 +29,11 @@ impl Rounding {
         }
     }
 
-    /// Constraints that are kept on coordinates, or on velocities, are rounded as these are, and what follows by the size of the step as that.
+    /// Constraints that are kept on coordinates are rounded as these are, and what follows by the size of the step as that.
     fn follow(&mut self, level: ConstraintLevel, h: f64) {
         let [q, v, a, _] = &mut self.sizes;
-        match level {
-            ConstraintLevel::Position => (*v, *a) = (v.max(*q / h), a.max(*q / (h * h))),
-            ConstraintLevel::Velocity => *a = a.max(*v / h),
-            ConstraintLevel::Acceleration => {}
+        if level == ConstraintLevel::Position {
+            (*v, *a) = (v.max(*q / h), a.max(*q / (h * h)));
         }
     }
 
@@ -63,7 +61,7 @@ impl Analysis<'_> {
     pub(crate) fn roundings(&self, forward: &Forward) -> Result<Vec<f64>, RunError> {
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
-        let scales = coordinate_scales(&rerun.systems().plain, &forward.numbers.q, &forward.numbers.p);
+        let scales = coordinate_scales(rerun.system(), &forward.numbers.q, &forward.numbers.p);
         let begin = |pattern: usize| {
             let values = Values::new(self.functionals, self.model, &self.method.table, &forward.numbers.p);
             (values, Rounding { scales: scales.clone(), pattern, ..Rounding::default() })

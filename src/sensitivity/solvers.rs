@@ -1,7 +1,8 @@
 //! The solvers of one step's systems: what needs no adjoint can be done ahead, for many systems at once.
 
 use super::transposed::TransposedSolver;
-use crate::integrators::{Counters, Method, RunError, SolveRecord, StepRecord, Systems};
+use crate::assembly::System;
+use crate::integrators::{Counters, Method, RunError, SolveRecord, StepRecord};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ use std::sync::Arc;
 pub(super) struct StepSolvers<'m> {
     /// Whether each stage has a solver of its own.
     pub are_apart: bool,
-    /// Of projections and accelerations, if they do not share that of the stages: both projections of a step mostly have the same matrix.
+    /// Of projections and accelerations, where they do not share that of the stages: both projections of a step mostly have the same matrix.
     plain: Option<TransposedSolver<'m>>,
     stages: Vec<TransposedSolver<'m>>,
     /// Whether a system takes so long, or threads are so many, that they share those of a step; shorter ones stay with one thread, whose
@@ -32,16 +33,11 @@ impl<'m> StepSolvers<'m> {
     ///
     /// # Errors
     /// A pattern that no numbers could make regular.
-    pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
-        let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
-        let is_large = stage.is_large();
+    pub fn new(system: &Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
+        let stage = TransposedSolver::new(system.clone(), method, active)?;
         let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
         let are_shared = rayon::current_num_threads() > 2 || stage.multiplications() > SHARED;
-        let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
-            true if is_large => None,
-            true => Some(stage.clone_analysis()?),
-            false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.alone_like(&stage)),
-        };
+        let plain = if stage.is_large() { None } else { Some(stage.clone_analysis()?) };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, are_shared, has_care: false };
         if are_apart {
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());

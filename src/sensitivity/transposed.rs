@@ -11,20 +11,15 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Adjoint of the solution of one system, for one functional.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct SolutionSeed {
     pub x: Vec<f64>,
-    /// Of the rate correction w while it is gathered, of its unknown y in a system; empty unless stabilized.
-    pub rate: Vec<f64>,
     pub mu: Vec<f64>,
 }
 
 impl SolutionSeed {
-    pub fn zeros(dofs: usize, multipliers: usize, rates: bool) -> Self {
-        SolutionSeed { x: vec![0.0; dofs], rate: vec![0.0; if rates { dofs } else { 0 }], mu: vec![0.0; multipliers] }
-    }
     pub fn is_zero(&self) -> bool {
-        self.x.iter().chain(&self.rate).chain(&self.mu).all(|&bar| bar == 0.0)
+        self.x.iter().chain(&self.mu).all(|&bar| bar == 0.0)
     }
 }
 
@@ -32,8 +27,6 @@ impl SolutionSeed {
 #[derive(Default)]
 pub(super) struct Backward {
     pub carried: Vec<Vec<f64>>,
-    /// Of the rate correction carried into an explicit first stage.
-    pub rate: Vec<f64>,
     /// Of the acceleration and multipliers carried into an explicit first stage.
     pub mu: Vec<f64>,
     pub p: Vec<f64>,
@@ -59,7 +52,7 @@ impl Backward {
     /// Sets what is negligible to zero.
     pub fn drop_negligible(&mut self) {
         let carried = self.carried.iter_mut().flatten();
-        for bar in carried.chain(&mut self.rate).chain(&mut self.mu).filter(|bar| bar.abs() < NEGLIGIBLE) {
+        for bar in carried.chain(&mut self.mu).filter(|bar| bar.abs() < NEGLIGIBLE) {
             *bar = 0.0;
         }
     }
@@ -161,11 +154,6 @@ impl<'m> TransposedSolver<'m> {
     /// Otherwise the numbers of a system must not depend on which one the solver had before, but for projections at the same time.
     pub fn is_alone(&self) -> bool {
         self.is_alone
-    }
-
-    /// The same rule as another solver of the same steps has.
-    pub fn alone_like(self, other: &Self) -> Self {
-        TransposedSolver { is_alone: other.is_alone, ..self }
     }
 
     /// Whether the factors take more than a few megabytes.
@@ -347,7 +335,6 @@ impl<'m> TransposedSolver<'m> {
             let mut rest: Vec<SolutionSeed> = seeds.to_vec();
             for (place, &k) in asked.iter().enumerate() {
                 rest[k].mu.fill(0.0);
-                rest[k].rate.fill(0.0);
                 for (shift, products) in [(equations.residual, elements), (equations.constraint, constraints)] {
                     let of_functional = products[3 * place * dofs..][..3 * dofs].chunks_exact(dofs.max(1));
                     for (factor, products) in [shift.gamma, shift.beta, shift.alpha].into_iter().zip(of_functional) {
@@ -468,7 +455,6 @@ impl<'m> TransposedSolver<'m> {
         let at_nodes = asked.iter().zip(&sweep.adjoints).zip(parts);
         let at_nodes = at_nodes.map(|((&k, adjoints), (elements, constraints))| NodeSeeds {
             x: &seeds[k].x,
-            y: &seeds[k].rate,
             adjoints,
             elements,
             constraints,
@@ -498,8 +484,8 @@ impl<'m> TransposedSolver<'m> {
         let size = system.size();
         self.reduced.resize(asked.len() * size, 0.0);
         for (&k, reduced) in asked.iter().zip(self.reduced.chunks_exact_mut(size.max(1))) {
-            let SolutionSeed { x, rate, mu } = &seeds[k];
-            self.jacobian.reduce_adjoint(system, [x, rate, mu], reduced);
+            let SolutionSeed { x, mu } = &seeds[k];
+            self.jacobian.reduce_adjoint(system, [x, mu], reduced);
         }
         let TransposedSolver { factorization, jacobian, reduced, work, .. } = self;
         let mut refactored = false;

@@ -325,8 +325,8 @@ fn mistakes_of_thin_walls_and_interfaces_are_told() {
 
 #[test]
 fn the_pieces_of_surfaces_cover_the_shell_and_end_at_the_edges_of_its_elements() {
-    let scene = costate::scenes::built_in::PlatePendulum::default();
-    let prepared = Prepared::new(&scene).expect("sound");
+    let scene = costate::scenes::built_in::named("plate-pendulum").expect("built in");
+    let prepared = Prepared::new(scene).expect("sound");
     let (q, p) = (&prepared.mechanism.numbers.q, &prepared.mechanism.numbers.p);
     let surfaces = prepared.mechanism.surfaces();
     assert_eq!(surfaces.len(), 5);

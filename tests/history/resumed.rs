@@ -88,13 +88,13 @@ fn given_steps_go_on_bit_by_bit() {
     {
         let scene = scene(name);
         for (table, level) in [
-            ("esdirk4", ConstraintLevel::Velocity),
+            ("esdirk4", ConstraintLevel::Position),
             ("bdf3", ConstraintLevel::Acceleration),
             ("generalized-alpha", ConstraintLevel::Position),
             ("variational", ConstraintLevel::Position),
         ] {
             let method = Method::new(table_by_name(table).expect("listed"), level);
-            goes_on(&mut prepared(&*scene, method, end, steps), &format!("{name}, {table}"));
+            goes_on(&mut prepared(scene, method, end, steps), &format!("{name}, {table}"));
         }
     }
 }
@@ -103,10 +103,10 @@ fn given_steps_go_on_bit_by_bit() {
 fn chosen_and_divided_steps_go_on_bit_by_bit() {
     let scene = scene("five-bar");
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    let method = Method::new(table_by_name("esdirk4").expect("listed"), ConstraintLevel::Velocity);
+    let method = Method::new(table_by_name("esdirk4").expect("listed"), ConstraintLevel::Acceleration);
     let settings = Settings { end: 2.5, ..scene.settings().without_method() };
     let chosen = settings.clone().choosing_steps(StepControl::new(1e-3));
-    let mut chosen = Prepared::with(&*scene, &x, method, chosen).expect("a sound scene");
+    let mut chosen = Prepared::with(scene, &x, method, chosen).expect("a sound scene");
     goes_on(&mut chosen, "chosen steps");
     let rejected = outcome(&chosen, "chosen steps").0.rejected;
     assert!(rejected > 0, "no step was given up: too few to tell");
@@ -114,7 +114,7 @@ fn chosen_and_divided_steps_go_on_bit_by_bit() {
     // so long that Newton's method fails in some of them
     let table = table_by_name("midpoint").expect("listed");
     let method = Method::new(table, ConstraintLevel::Acceleration);
-    let mut divided = Prepared::with(&*scene, &x, method, Settings { end: 2.5, steps: 12, ..settings }.dividing_steps())
+    let mut divided = Prepared::with(scene, &x, method, Settings { end: 2.5, steps: 12, ..settings }.dividing_steps())
         .expect("a sound scene");
     goes_on(&mut divided, "divided steps");
     let rejected = outcome(&divided, "divided steps").0.rejected;
@@ -123,16 +123,16 @@ fn chosen_and_divided_steps_go_on_bit_by_bit() {
     // load steps that grow and are given up
     let scene = super::scene("princeton-beam");
     let settings = scene.settings().without_method().choosing_steps(StepControl { longest: 0.1, ..StepControl::new(1e-3) });
-    let method = Method::new(table_named("static").expect("listed").expect("listed"), ConstraintLevel::Velocity);
+    let method = Method::new(table_named("static").expect("listed").expect("listed"), ConstraintLevel::Acceleration);
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    goes_on(&mut Prepared::with(&*scene, &x, method, settings).expect("a sound scene"), "load steps");
+    goes_on(&mut Prepared::with(scene, &x, method, settings).expect("a sound scene"), "load steps");
 }
 
 #[test]
 fn a_file_of_something_else_is_refused_in_words() {
     let folder = Folder::new("other");
     let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
-    let mut prepared = prepared(&*scene, Prepared::default_method(), 0.5, 30);
+    let mut prepared = prepared(scene, Prepared::default_method(), 0.5, 30);
     prepared.keep = Keep::Resumed(path.clone());
     let (_, stopped, _) = observed(&prepared, 20);
     assert!(stopped.is_some());
@@ -140,7 +140,7 @@ fn a_file_of_something_else_is_refused_in_words() {
     let mut other = prepared.x.clone();
     other[0] *= 1.0 + f64::EPSILON;
     assert_says(&refusal(&prepared, &other), &["run.bin.part", "another scene, design, method", "name another file"]);
-    let coarse = super::prepared(&*scene, Prepared::default_method(), 0.5, 29);
+    let coarse = super::prepared(scene, Prepared::default_method(), 0.5, 29);
     let coarse = Prepared { keep: prepared.keep.clone(), ..coarse };
     assert_says(&refusal(&coarse, &prepared.x), &["run.bin.part", "grid of steps"]);
     // while it is being written

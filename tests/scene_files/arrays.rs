@@ -1,6 +1,6 @@
 //! Design variables of several numbers, splines between them, and lists whose entries stand for many.
 
-use super::wrong_files::refusal;
+use super::{parsed, refused};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::FileScene;
@@ -95,7 +95,7 @@ linear = [
 
 #[test]
 fn several_numbers_are_one_variable_and_a_spline_goes_through_them() {
-    let scene = FileScene::parse("arrays.toml", TEXT).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(TEXT);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let names: Vec<&str> = prepared.variables.iter().map(|own| &*own.name).collect();
     assert_eq!(names, ["thickness[0]", "thickness[1]", "thickness[2]", "push[0]", "push[1]", "push[2]", "push[3]"]);
@@ -133,7 +133,7 @@ fn several_numbers_are_one_variable_and_a_spline_goes_through_them() {
 
 #[test]
 fn limits_of_an_optimization_stand_for_many() {
-    let scene = FileScene::parse("arrays.toml", TEXT).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(TEXT);
     let problem = scene.optimization_problem().expect("a problem");
     assert_eq!(problem.varying.as_deref(), Some(&["thickness[0]", "thickness[1]", "thickness[2]"].map(String::from)[..]));
     let limited: Vec<&str> = problem.constraints.iter().map(|own| &*own.functional).collect();
@@ -152,7 +152,7 @@ fn loops_lie_in_loops() {
          faces = [[0, 1, 2, 3]]\ngroups = { all = [0] }\nmaterial = \"steel\"\n\
          parts = [{ for = { name = [\"all\"] }, of = [\"{name}\"], thickness = \"0.001 * {k} * wall[0]\" }]\n\n[[force]]\nname = \"push\"",
     );
-    let scene = FileScene::parse("arrays.toml", &text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(&text);
     assert!(Prepared::new(&scene).is_ok());
     let same = text.replace("for = { name = [\"all\"] }, of = [\"{name}\"]", "for = { k = [5] }, of = [\"all\"]");
     let told = FileScene::parse("arrays.toml", &same).unwrap_err();
@@ -182,7 +182,7 @@ fn what_is_wrong_with_several_numbers_is_told() {
         ("[[point]]", "[define]\nwall = 3\n\n[[point]]", "the name \"wall\" is taken by a design variable"),
     ] {
         assert!(TEXT.contains(from), "{from}");
-        let told = refusal(&TEXT.replace(from, to));
+        let told = refused(&TEXT.replace(from, to));
         assert!(told.contains(part), "{to}: {told}");
     }
 }
@@ -230,7 +230,7 @@ fn definitions_are_repeated_by_loops() {
         ("\"mass{k}\" =", "\"mass{k}\" = 2\n\"other{k}\" =", "\"mass{k}\""),
     ] {
         assert!(DEFINED.contains(what), "{what}");
-        let told = refusal(&DEFINED.replacen(what, by, 1));
+        let told = refused(&DEFINED.replacen(what, by, 1));
         assert!(told.contains(why), "{what} by {by}: {told}");
     }
 }

@@ -1,15 +1,12 @@
 //! Modes of what is damped, controlled or turns, against closed forms.
 
+use super::parsed;
 use costate::integrators::Mode;
-use costate::scenes::{FileScene, Prepared};
+use costate::scenes::Prepared;
 use num_complex::Complex64;
 
-fn scene(text: &str) -> FileScene {
-    FileScene::parse("modes.toml", text).unwrap_or_else(|why| panic!("{why}"))
-}
-
 fn modes(text: &str, count: usize) -> Vec<Mode> {
-    let scene = scene(text);
+    let scene = parsed(text);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     prepared.complex_modes_with_state(count).unwrap_or_else(|why| panic!("{why}")).1
 }
@@ -126,7 +123,7 @@ fn a_turning_disc_has_the_modes_of_a_rotor_seen_from_its_shaft() {
 #[test]
 fn whirls_have_the_sense_of_their_circles() {
     let text = disc(7.0, [0.0; 2]);
-    let scene = scene(&text);
+    let scene = parsed(&text);
     let prepared = Prepared::new(&scene).unwrap();
     let (q, found) = prepared.complex_modes_with_state(6).unwrap();
     // seen from the shaft the circle of 20 rad/s along with the turn is one of 13, the one against it one of 27
@@ -157,7 +154,7 @@ fn every_count_shows_the_first_of_all_modes() {
                   [[joint]]\nname = \"line\"\ntype = \"point_on_line\"\nbetween = [\"ground\", \"p\"]\naxis = [1, 0, 0]\n\
                   [[spring]]\nname = \"brake\"\ntype = \"slide\"\nbetween = [\"ground\", \"p\"]\naxis = [1, 0, 0]\nstiffness = 0\ndamping = 6\n";
     for (damping, more, rigid, others) in [(0.0, "", 6, 6), (9.0, "", 6, 6), (40.0, "", 6, 7), (9.0, braked, 7, 7)] {
-        let scene = scene(&free_pair(damping, more));
+        let scene = parsed(&free_pair(damping, more));
         let prepared = Prepared::new(&scene).unwrap();
         let all = prepared.modes_at_rest(40, true).unwrap();
         assert!(all.proved && all.modes.len() == rigid + others, "{damping}: {:?}", all.modes);
@@ -197,7 +194,7 @@ fn modes_of_a_large_damped_model_are_all_there_at_every_count() {
             if k == 0 { point } else { point + &spring }
         })
         .collect();
-    let scene = scene(&format!("version = 1\nsettings = {{ end = 1, steps = 10 }}\n{chain}"));
+    let scene = parsed(&format!("version = 1\nsettings = {{ end = 1, steps = 10 }}\n{chain}"));
     let prepared = Prepared::new(&scene).unwrap();
     for count in [1, 5] {
         let found = prepared.modes_at_rest(count, true).unwrap();
@@ -216,7 +213,7 @@ fn a_start_that_is_no_equilibrium_is_told_as_that() {
     let hinged = "[[joint]]\nname = \"hinge\"\ntype = \"revolute\"\nbetween = [\"left\", \"panel\"]\npoint = [-0.5, 0, 0]\naxis = [0, 1, 0]\n\
                   [[spring]]\nname = \"opens\"\ntype = \"torsion\"\nbetween = [\"left\", \"panel\"]\naxis = [0, 1, 0]\nstiffness = 0.3\nrest_angle = 1.7\n";
     let panel = "body = [{ name = \"panel\", position = [-0.5, 0, 0.4], mass = 4, inertia = [1, 1, 1] }, ";
-    let scene = scene(&free_pair(1.0, hinged).replace("body = [", panel));
+    let scene = parsed(&free_pair(1.0, hinged).replace("body = [", panel));
     let prepared = Prepared::new(&scene).unwrap();
     for damped in [false, true] {
         let why = prepared.modes_at_rest(4, damped).unwrap_err().to_string();

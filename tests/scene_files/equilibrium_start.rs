@@ -1,8 +1,9 @@
 //! Motions that begin at an equilibrium: where it is, that nothing moves there, what is let go, gradients through it.
 
+use super::{parsed, refused};
 use costate::history::Keep;
 use costate::integrators::Verdict;
-use costate::scenes::{FileScene, Prepared};
+use costate::scenes::{FileScene, Prepared, built_in};
 use costate::sensitivity::{Forward, largest_difference};
 
 /// A mass on a spring that hangs from the ground, 1 m long without load, with more keys and sections; starts at its given place or not.
@@ -19,10 +20,6 @@ fn hanging(more: &str) -> String {
 }
 
 const SIDEWAYS: &str = "[[hold]]\nnodes = [\"mass\"]\ndirections = [\"x\", \"y\"]\n";
-
-fn scene(text: &str) -> FileScene {
-    FileScene::parse("equilibrium.toml", text).unwrap_or_else(|why| panic!("{why}"))
-}
 
 fn prepared(scene: &FileScene) -> Prepared<'_> {
     Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"))
@@ -41,19 +38,9 @@ fn check(prepared: &Prepared, forward: &Forward) -> f64 {
     pairs.fold(0.0, |most: f64, (own, other)| most.max(largest_difference(other, own)))
 }
 
-/// What is said of a scene that cannot be run.
-fn refused(text: &str) -> String {
-    let scene = match FileScene::parse("equilibrium.toml", text) {
-        Ok(scene) => scene,
-        Err(why) => return why,
-    };
-    let run = Prepared::new(&scene).and_then(|prepared| prepared.analysis().forward(&prepared.x).map(drop));
-    run.err().unwrap_or_else(|| panic!("this was taken:\n{text}")).to_string()
-}
-
 #[test]
 fn a_mass_hangs_where_its_spring_carries_it() {
-    let scene = scene(&hanging(SIDEWAYS));
+    let scene = parsed(&hanging(SIDEWAYS));
     let prepared = prepared(&scene);
     let forward = forward(&prepared);
     let sag = 2.0 * 9.81 / 100.0;
@@ -71,7 +58,7 @@ fn a_mass_hangs_where_its_spring_carries_it() {
 #[test]
 fn what_is_held_is_let_go() {
     // held in all directions where it stands, which is where the spring is without load: it falls from there
-    let scene = scene(&hanging("[[hold]]\nnodes = [\"mass\"]\n"));
+    let scene = parsed(&hanging("[[hold]]\nnodes = [\"mass\"]\n"));
     let prepared = prepared(&scene);
     let forward = forward(&prepared);
     let exact = |k: f64, m: f64| -1.0 - m * 9.81 / k * (1.0 - ((k / m).sqrt() * 0.5).cos());
@@ -152,7 +139,7 @@ fn largest_rate(prepared: &Prepared) -> f64 {
 
 #[test]
 fn nothing_moves_at_an_equilibrium() {
-    let scene = scene(SUSPENDED);
+    let scene = parsed(SUSPENDED);
     let prepared = prepared(&scene);
     assert!(largest_rate(&prepared) < 1e-9, "{:e}", largest_rate(&prepared));
     // the springs carry the weight with the lever of its centre
@@ -171,13 +158,8 @@ fn nothing_moves_at_an_equilibrium() {
 
 /// A scene of the examples that begins at the equilibrium of its first position instead, for a short time.
 fn example(name: &str, steps: usize, end: f64) -> FileScene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes").join(format!("{name}.toml"));
-    let text = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = text.split_once("[settings]").unwrap();
-    let rest = rest.split_once("\n[").map_or("", |(_, rest)| rest);
-    let settings = format!("[settings]\nstart = \"equilibrium\"\nsteps = {steps}\nend = {end}\n");
-    FileScene::parse(&path.display().to_string(), &format!("{before}{settings}\n[{rest}"))
-        .unwrap_or_else(|why| panic!("{why}"))
+    let settings = format!("settings = {{ start = 'equilibrium', steps = {steps}, end = {end} }}");
+    built_in::changed(name, &settings).unwrap_or_else(|why| panic!("{why}"))
 }
 
 #[test]
@@ -232,7 +214,7 @@ fn it_is_the_equilibrium_of_load_steps() {
         )
     };
     let of = |settings: &str| {
-        let scene = scene(&bent(settings));
+        let scene = parsed(&bent(settings));
         let prepared = prepared(&scene);
         let forward = forward(&prepared);
         let gradient = prepared.analysis().adjoint(&prepared.x, &forward).unwrap();
@@ -246,7 +228,7 @@ fn it_is_the_equilibrium_of_load_steps() {
 
 #[test]
 fn histories_on_disk_and_checkpoints_lead_back_through_it() {
-    let scene = scene(SUSPENDED);
+    let scene = parsed(SUSPENDED);
     let own = prepared(&scene);
     let expected = own.analysis().adjoint(&own.x, &forward(&own)).unwrap().rows;
     let folder = std::env::temp_dir().join(format!("costate-equilibrium-{}", std::process::id()));
@@ -267,7 +249,7 @@ fn a_rod_that_stands_on_its_hinge_is_told() {
                    [[functional]]\nname = \"z\"\ntype = \"position\"\non = \"rod\"\ndirection = [0, 0, 1]\nover = \"initial\"\n\
                    [settings]\nstart = \"equilibrium\"\nend = 0.1\nsteps = 10\n";
     let height = |text: &str| {
-        let scene = scene(text);
+        let scene = parsed(text);
         let prepared = prepared(&scene);
         let forward = forward(&prepared);
         (forward.values[0], forward.stability.map(|course| course.end.verdict()))
@@ -284,7 +266,7 @@ fn what_has_no_equilibrium_is_refused() {
     let moving = hanging(SIDEWAYS).replace("position = [0, 0, -1]", "position = [0, 0, -1]\nvelocity = [0, 0, 1]");
     let omega = (100.0_f64 / 2.0).sqrt();
     let exact = -1.0 - 2.0 * 9.81 / 100.0 + (omega * 0.5).sin() / omega;
-    let end = forward(&prepared(&scene(&moving))).values[1];
+    let end = forward(&prepared(&parsed(&moving))).values[1];
     assert!((end - exact).abs() < 1e-8, "velocities stay: {end} for {exact}");
     for (text, parts) in [
         // a body that hangs from its own point can turn as it likes
@@ -321,7 +303,7 @@ fn what_stands_on_its_tip_stays_there_however_fast_it_would_fall() {
                 [[body]]\nname = \"rod\"\nmass = \"m\"\nmass_centre = [0, 0, 1]\ninertia = [0.1, 0.1, 0.1]\n\
                 [[joint]]\nname = \"hinge\"\ntype = \"revolute\"\nbetween = [\"ground\", \"rod\"]\naxis = [0, 1, 0]\n\
                 [[functional]]\nname = \"tip\"\ntype = \"position\"\non = \"rod\"\npoint = [0, 0, 1]\ndirection = [0, 0, 1]\nover = \"initial\"\n";
-    let scene = scene(text);
+    let scene = parsed(text);
     let prepared = prepared(&scene);
     let forward = forward(&prepared);
     assert_eq!(forward.values, [1.0]);

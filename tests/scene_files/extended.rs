@@ -1,6 +1,6 @@
 //! Files that extend others, and whole numbers of `[define]` in loops.
 
-use super::wrong_files::refusal;
+use super::refused;
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::path::{Path, PathBuf};
 
@@ -141,7 +141,7 @@ fn loops_say_which_numbers_they_know() {
     ] {
         let text = CHAIN.replacen(from, to, 1);
         assert_ne!(text, CHAIN, "{from}");
-        let why = refusal(&text);
+        let why = refused(&text);
         assert!(why.contains(expected), "{to}: {why}");
     }
 }

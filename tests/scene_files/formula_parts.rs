@@ -1,5 +1,6 @@
 //! Elements, joints and functionals by formulas of their nodes.
 
+use super::{parsed, refused};
 use costate::scenes::{FileScene, Prepared};
 
 /// A body that spins and flies, and a point, in a field of gravity; and what is between them.
@@ -25,7 +26,7 @@ fn text(parts: &str) -> String {
 
 /// Values and gradients at the design.
 fn run(parts: &str) -> Vec<f64> {
-    let scene = FileScene::parse("formulas.toml", &text(parts)).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(&text(parts));
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).unwrap_or_else(|why| panic!("{why}"));
@@ -256,10 +257,7 @@ fn what_is_wrong_with_formulas_is_told() {
             "this depends on places alone",
         ),
     ] {
-        let told = match FileScene::parse("formulas.toml", &text(&parts)) {
-            Ok(scene) => Prepared::new(&scene).map(drop).expect_err(&parts).to_string(),
-            Err(why) => why,
-        };
+        let told = refused(&text(&parts));
         assert!(told.contains(part), "{parts}: {told}");
     }
 }

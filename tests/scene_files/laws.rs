@@ -1,7 +1,7 @@
 //! Springs and dampers by laws of one's own.
 
-use super::runge_kutta;
-use costate::scenes::{FileScene, Prepared};
+use super::{parsed, refused, runge_kutta};
+use costate::scenes::{FileScene, Prepared, built_in};
 
 /// A mass on a line from the origin along x, at 0.5 m, that a spring holds.
 fn text(spring: &str) -> String {
@@ -23,7 +23,7 @@ const ENERGY: &str = "\n[[functional]]\nname = \"energy\"\ntype = \"energy\"\nov
 
 /// Values at the end for a stiffness, and derivatives by it.
 fn run(text: &str, k: f64) -> [Vec<f64>; 2] {
-    let scene = FileScene::parse("laws.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(text);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let analysis = prepared.analysis();
     let forward = analysis.forward(&[k]).unwrap_or_else(|why| panic!("{why}"));
@@ -101,10 +101,7 @@ fn what_is_wrong_with_a_law_is_told() {
         ("force = { type = \"lines\", points = [1, 0], values = [0, 1] }", "increase"),
         ("stiffness = 3", "key \"stiffness\" is not known"),
     ] {
-        let told = match FileScene::parse("laws.toml", &law(keys)) {
-            Ok(scene) => Prepared::new(&scene).map(drop).expect_err(keys).to_string(),
-            Err(why) => why,
-        };
+        let told = refused(&law(keys));
         assert!(told.contains(part), "{keys}: {told}");
     }
     let hidden = law("force = \"k * s\"").replace("[variable]\n", "[variable]\ns = { initial = 1, bounds = [0, 2] }\n");
@@ -163,9 +160,7 @@ fn height_of_the_car() -> f64 {
 
 #[test]
 fn the_quarter_of_a_car_moves_as_its_equations_say() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/quarter-car.toml");
-    let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
-    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(built_in::named("quarter-car").unwrap()).unwrap_or_else(|why| panic!("{why}"));
     let values = prepared.analysis().forward(&prepared.x).unwrap().values;
     let exact = height_of_the_car();
     // stops and a tyre that lifts off bend the forces within steps

@@ -1,6 +1,7 @@
 //! Meshes of scene files against shells on grids, and design variables of faces and nodes against one of all.
 
-use costate::scenes::{AnyScene, FileScene, Prepared};
+use super::parsed;
+use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 
 /// A clamped sheet that falls, with what is between the marks.
 fn sheet(variable: &str, shell: &str, names: [&str; 3]) -> FileScene {
@@ -79,7 +80,7 @@ direction = [0, 0, 1]
 over = "terminal"
 "#
     );
-    FileScene::parse("sheet.toml", &text).unwrap_or_else(|why| panic!("{why}"))
+    parsed(&text)
 }
 
 const GRID: &str = r#"
@@ -227,22 +228,10 @@ fn a_condition_wants_points_that_are_numbers() {
 /// parts, whose round-off is no reason to give up.
 #[test]
 fn a_drive_that_stops_shakes_a_metal_sheet_with_an_exact_gradient() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes");
-    let mut text = std::fs::read_to_string(folder.join("bracket.toml")).unwrap();
-    let mesh = format!("file = {:?}", folder.join("bracket.msh").to_str().unwrap());
-    for (old, new) in [
-        ("end = 0.2", "end = 0.05"),
-        ("steps = 40", "steps = 6"),
-        ("young = 3e9", "young = 70e9"),
-        ("poisson = 0.4", "poisson = 0.33"),
-        ("density = 1140", "density = 2700"),
-        ("\"60 * deg\", duration = 0.2", "\"10 * deg\", duration = 0.025"),
-        ("file = \"bracket.msh\"", &mesh),
-    ] {
-        assert!(text.contains(old), "{old}");
-        text = text.replace(old, new);
-    }
-    let scene = FileScene::parse("bracket.toml", &text).unwrap_or_else(|why| panic!("{why}"));
+    let changes = "settings = { end = 0.05, steps = 6 }
+        material.polyamide = { young = 70e9, poisson = 0.33, density = 2700 }
+        driver.swing.angle = { type = 'smooth_ramp', to = '10 * deg', duration = 0.025 }";
+    let scene = built_in::changed("bracket", changes).unwrap_or_else(|why| panic!("{why}"));
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).unwrap_or_else(|why| panic!("{why}"));

@@ -1,12 +1,9 @@
 //! Derivatives of frequencies and growth: closed forms, and quotients of whole solutions.
 
+use super::parsed;
 use costate::integrators::{Mode, STATIC_TABLE};
-use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, Prepared};
+use costate::scenes::{AnyScene, DifferentiatedModes, Prepared, built_in};
 use num_complex::Complex64;
-
-fn scene(text: &str) -> FileScene {
-    FileScene::parse("modes.toml", text).unwrap_or_else(|why| panic!("{why}"))
-}
 
 fn prepared<'s>(scene: &'s dyn AnyScene, x: &[f64], statics: bool) -> Prepared<'s> {
     let settings = scene.settings();
@@ -16,7 +13,7 @@ fn prepared<'s>(scene: &'s dyn AnyScene, x: &[f64], statics: bool) -> Prepared<'
 }
 
 fn gradients(text: &str, count: usize, damped: bool) -> DifferentiatedModes {
-    let scene = scene(text);
+    let scene = parsed(text);
     Prepared::new(&scene).unwrap().modes_with_gradients(count, damped).unwrap_or_else(|why| panic!("{why}"))
 }
 
@@ -166,15 +163,10 @@ fn against_quotients(scene: &dyn AnyScene, (count, damped, statics): (usize, boo
     }
 }
 
-fn example(name: &str) -> FileScene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes").join(name);
-    FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"))
-}
-
 #[test]
 fn loaded_structures_agree_with_quotients() {
-    for name in ["right-angle-cantilever.toml", "von-mises-truss.toml"] {
-        against_quotients(&example(name), (3, false, true), 1e-6);
+    for name in ["right-angle-cantilever", "von-mises-truss"] {
+        against_quotients(built_in::named(name).unwrap(), (3, false, true), 1e-6);
     }
 }
 
@@ -195,8 +187,8 @@ functional = [{ name = "x", type = "position", on = "tip", direction = [1, 0, 0]
 
 #[test]
 fn what_flies_agrees_with_quotients() {
-    against_quotients(&scene(FREE), (9, false, false), 1e-6);
-    against_quotients(&scene(FREE), (8, true, false), 1e-6);
+    against_quotients(&parsed(FREE), (9, false, false), 1e-6);
+    against_quotients(&parsed(FREE), (8, true, false), 1e-6);
 }
 
 /// A disc on a bushing with damping, whose shaft turns at a rate that is a variable; it hangs out of the axis.
@@ -218,12 +210,12 @@ functional = [{ name = "x", type = "position", on = "disc", direction = [1, 0, 0
 
 #[test]
 fn what_turns_agrees_with_quotients() {
-    against_quotients(&scene(ROTOR), (6, true, false), 1e-6);
+    against_quotients(&parsed(ROTOR), (6, true, false), 1e-6);
     // without the motor the shaft is free
     let free = ROTOR
         .replace("settings =", "hold = [{ nodes = [\"hub\"], directions = [\"rotation_z\"] }]\nsettings =")
         .replace("driver = [{ name = \"motor\"", "state = []\n# [{ name = \"motor\"");
-    against_quotients(&scene(&free), (7, true, false), 1e-6);
+    against_quotients(&parsed(&free), (7, true, false), 1e-6);
 }
 
 /// A closed loop of bars on more hinges than it needs, which hangs under gravity from two flexible cables' end and finds its equilibrium.
@@ -253,7 +245,7 @@ functional = [{ name = "x", type = "position", on = "floor", direction = [1, 0, 
 #[test]
 fn a_redundant_loop_agrees_with_quotients() {
     for damped in [false, true] {
-        against_quotients(&scene(LOOP), (1, damped, false), 1e-6);
+        against_quotients(&parsed(LOOP), (1, damped, false), 1e-6);
     }
 }
 
@@ -353,7 +345,7 @@ fn drawn(seed: u64) -> (String, bool) {
 fn drawn_mechanisms_agree_with_quotients() {
     for seed in 0..30 {
         let (text, is_damped) = drawn(1000 + seed);
-        let scene = scene(&text);
+        let scene = parsed(&text);
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let own = prepared(&scene, &x, false);
         let found = own.modes_with_gradients(60, is_damped).unwrap_or_else(|why| panic!("{seed}: {why}\n{text}"));

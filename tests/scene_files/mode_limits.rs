@@ -1,10 +1,11 @@
 //! Modes in optimizations: optima with closed forms.
 
+use super::parsed;
 use costate::optimize::{Optimization, Optimized, Sqp};
 use costate::scenes::{AnyScene, FileScene, Prepared};
 
 fn optimized(text: &str) -> (FileScene, Optimized) {
-    let scene = FileScene::parse("modes.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(text);
     let optimization = Optimization::of(&scene).unwrap();
     let optimized = optimization.run(&Sqp, &optimization.initial(), &mut ()).unwrap();
     assert!(optimized.ended.reason.is_optimum(), "{:?}", optimized.ended);
@@ -92,7 +93,7 @@ fn the_lightest_bar_keeps_its_frequency() {
 #[test]
 fn a_mode_that_is_not_there_is_told() {
     let text = slider("").replace("number = 1\ndamped", "number = 2\ndamped");
-    let scene = FileScene::parse("modes.toml", &text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(&text);
     let optimization = Optimization::of(&scene).unwrap();
     let failure = optimization.run(&Sqp, &optimization.initial(), &mut ()).expect_err("one mode").to_string();
     assert!(failure.contains("\"omega\" is of mode 2; there are only 1"), "{failure}");

@@ -1,17 +1,13 @@
 //! Modes about motions that repeat themselves: closed forms, and the published case of ground resonance.
 
+use super::parsed;
 use costate::integrators::Mode;
-use costate::scenes::{AnyScene, FileScene, PeriodicModes, Prepared};
+use costate::scenes::{AnyScene, FileScene, PeriodicModes, Prepared, built_in};
 use std::f64::consts::TAU;
-use std::path::Path;
 
 fn periodic(scene: &FileScene, count: usize) -> Result<PeriodicModes, String> {
     let prepared = Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"));
     prepared.periodic_modes(count).map_err(|why| why.to_string())
-}
-
-fn parsed(text: &str) -> FileScene {
-    FileScene::parse("periodic.toml", text).unwrap_or_else(|why| panic!("{why}"))
 }
 
 /// What stands still repeats itself after any time: the modes are those of a damped mass and of a first-order lag.
@@ -89,9 +85,8 @@ fn a_start_that_is_not_found_is_told() {
 /// (Floquet), kept apart.
 #[test]
 fn ground_resonance_grows_as_fast_as_hammonds_equations() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/ground-resonance.toml");
-    let scene = FileScene::read(&file).unwrap_or_else(|why| panic!("{why}"));
-    let PeriodicModes { period, gap, modes, faded, .. } = periodic(&scene, 20).unwrap();
+    let scene = built_in::named("ground-resonance").unwrap();
+    let PeriodicModes { period, gap, modes, faded, .. } = periodic(scene, 20).unwrap();
     assert!(gap < 1e-11 && faded == 0, "{gap:e} {faded}");
     // twelve states: six pairs, or real ones
     assert!((6..=12).contains(&modes.len()), "{}", modes.len());
@@ -104,7 +99,7 @@ fn ground_resonance_grows_as_fast_as_hammonds_equations() {
     let mut settings = scene.settings();
     settings.steps = 90;
     let method = Prepared::method_of(&settings).unwrap();
-    let prepared = Prepared::with(&scene, &[4067.5], method, settings).unwrap();
+    let prepared = Prepared::with(scene, &[4067.5], method, settings).unwrap();
     let modes = prepared.periodic_modes(1).unwrap().modes;
     assert!(modes[0].growth < -0.4, "{}", modes[0].growth);
 }

@@ -1,9 +1,10 @@
 //! Power and work of loads, dampers, actuators and drivers: closed forms, and the balance of energies.
 
+use super::parsed;
 use costate::scenes::{AnyScene, FileScene, Prepared};
 
 fn values(text: &str) -> Vec<f64> {
-    let scene = FileScene::parse("power.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(text);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let analysis = prepared.analysis();

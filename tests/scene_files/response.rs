@@ -5,7 +5,7 @@ use costate::elements::{NodeKind, Parameter, State};
 use costate::functionals::Quantity;
 use costate::scalar::{Complex64, Scalar};
 use costate::scenes::file::OwnParts;
-use costate::scenes::{FileScene, Prepared};
+use costate::scenes::{FileScene, Prepared, built_in};
 
 const RATES: [f64; 6] = [0.0, 1.0, 4.0, 7.1, 12.0, 80.0];
 const MASS: f64 = 2.0;
@@ -147,8 +147,7 @@ fn what_has_no_response_is_told() {
 /// At rest the response is the derivative of the equilibrium by the variable, of which the adjoint knows nothing of vibrations.
 #[test]
 fn at_rate_zero_the_response_is_the_gradient_of_the_equilibrium() {
-    let scene = FileScene::read("examples/scenes/princeton-beam.toml".as_ref()).unwrap_or_else(|why| panic!("{why}"));
-    let prepared = Prepared::new(&scene).unwrap();
+    let prepared = Prepared::new(built_in::named("princeton-beam").unwrap()).unwrap();
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).unwrap();
     let gradient = analysis.adjoint(&prepared.x, &forward).unwrap();

@@ -1,5 +1,6 @@
 //! Scenarios: one mechanism in several circumstances, alone and together.
 
+use super::parsed;
 use costate::optimize::{Case, Optimization, Sqp};
 use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
 use costate::sensitivity::largest_difference;
@@ -59,10 +60,6 @@ settings.steps = 2
 minimize = "mass [down]"
 constraint = [{ functional = "way", at_most = 1e-4 }]
 "#;
-
-fn parsed(text: &str) -> FileScene {
-    FileScene::parse("bracket.toml", text).unwrap_or_else(|why| panic!("{why}"))
-}
 
 fn values(scene: &dyn AnyScene) -> Vec<f64> {
     let prepared = Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"));

@@ -1,7 +1,7 @@
 //! Functions of time that files give as formulas.
 
-use super::wrong_files::refusal;
-use costate::scenes::{FileScene, Prepared};
+use super::{parsed, refused};
+use costate::scenes::Prepared;
 use costate::sensitivity::largest_difference;
 
 /// A motor on a welded base turns an arm (report 2966 of Bullet): the weld has the moment of the motor, the hinge none about its axis.
@@ -62,7 +62,7 @@ over = "terminal"
 
 #[test]
 fn a_formula_of_time_is_exact_with_its_rates() {
-    let scene = FileScene::parse("motor.toml", MOTOR).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(MOTOR);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).unwrap();
@@ -87,7 +87,7 @@ fn a_formula_of_time_uses_any_names_and_may_choose() {
     let vectors = vectors.replacen("variable.", "define.half = [0.5, 0, 0]\nvariable.", 1);
     let blend = stop("\"if_less(t, 0.5, 0.5 * acceleration * t^2, 0.125 * acceleration + 0.5 * acceleration * (t - 0.5))\"");
     for (text, angle) in [(vectors, 1.5_f64), (blend, 1.125)] {
-        let scene = FileScene::parse("motor.toml", &text).unwrap_or_else(|why| panic!("{why}"));
+        let scene = parsed(&text);
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
         let forward = prepared.analysis().forward(&prepared.x).unwrap();
         let rate = if angle > 1.2 { 3.0 } else { 0.0 };
@@ -109,7 +109,7 @@ fn motions_that_jump_and_formulas_that_end_too_early_are_refused() {
         ("value = \"t\"", ["start violates its constraints", "motor"]),
         ("value = \"t\", breakpoints = 0.5", ["breakpoints of", "a list of numbers"]),
     ] {
-        let message = refusal(&MOTOR.replace(formula, by));
+        let message = refused(&MOTOR.replace(formula, by));
         assert!(parts.iter().all(|part| message.contains(part)), "{by}: {message}");
     }
 }

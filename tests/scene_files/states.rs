@@ -1,10 +1,10 @@
 //! States of first order: controllers, actuators, what lags behind.
 
-use super::runge_kutta;
+use super::{parsed, refused, runge_kutta};
 use costate::integrators::Mode;
 use costate::prelude::*;
 use costate::scalar::Complex64;
-use costate::scenes::{AnyScene, FileScene};
+use costate::scenes::{AnyScene, built_in};
 
 /// A mass on a rail that a controller with an integral and a lagging actuator brings to a target.
 const CONTROLLED: &str = r#"
@@ -107,10 +107,6 @@ fn run(scene: &dyn costate::scenes::AnyScene) -> (Vec<f64>, Vec<Vec<f64>>) {
         assert!(apart < 1e-12, "{apart:e}");
     }
     (forward.values, gradient)
-}
-
-fn parsed(text: &str) -> FileScene {
-    FileScene::parse("states.toml", text).unwrap_or_else(|why| panic!("{why}"))
 }
 
 #[test]
@@ -485,19 +481,14 @@ fn what_is_wrong_with_a_state_is_told() {
     ] {
         assert!(CONTROLLED.contains(from), "{from}");
         let text = CONTROLLED.replace(from, to);
-        let told = match FileScene::parse("states.toml", &text) {
-            Ok(scene) => Prepared::new(&scene).map(drop).expect_err(to).to_string(),
-            Err(why) => why,
-        };
+        let told = refused(&text);
         assert!(told.contains(part), "{to}: {told}");
     }
 }
 
 #[test]
 fn the_controlled_arm_moves_as_its_equations_say() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/controlled-arm.toml");
-    let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
-    let (values, _) = run(&scene);
+    let (values, _) = run(built_in::named("controlled-arm").unwrap());
     let (kp, ki, kd, target, rise, lag) = (60.0, 80.0, 8.0, std::f64::consts::FRAC_PI_3, 0.3, 0.02);
     let (inertia, weight) = ((1.2 / 3.0 + 0.5) * 0.64, (1.2 * 0.4 + 0.5 * 0.8) * 9.81);
     let slope = |_: f64, [angle, rate, command, sum, torque, _]: [f64; 6]| {
@@ -764,10 +755,7 @@ fn what_is_wrong_with_entries_of_states_is_told() {
         assert!(fine.contains(from), "{from}");
         let circle = "[[state]]\nname = \"other\"\ntype = \"formula\"\nnodes = { s = \"slow\" }\ninitial = { z = 0 }\nrate = { z = \"s.rate\" }\noutput = { out = \"s.rate\" }\n";
         let text = sprung(&[&fine.replacen(from, to, 1), circle].concat());
-        let told = match FileScene::parse("states.toml", &text) {
-            Ok(scene) => Prepared::new(&scene).map(drop).expect_err(to).to_string(),
-            Err(why) => why,
-        };
+        let told = refused(&text);
         assert!(told.contains(part), "{to}: {told}");
     }
 }

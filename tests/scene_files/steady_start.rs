@@ -1,5 +1,6 @@
 //! Motions that begin with a steady turn: where parts stand in it, that they stay there, gradients through it, what does not go on turning.
 
+use super::{parsed, refused};
 use costate::integrators::Verdict;
 use costate::scenes::{FileScene, Prepared};
 use costate::sensitivity::{Forward, largest_difference};
@@ -24,10 +25,6 @@ fn whirled(changes: &[(&str, &str)]) -> String {
     })
 }
 
-fn scene(text: &str) -> FileScene {
-    FileScene::parse("steady.toml", text).unwrap_or_else(|why| panic!("{why}"))
-}
-
 fn prepared(scene: &FileScene) -> Prepared<'_> {
     Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"))
 }
@@ -36,19 +33,9 @@ fn forward(prepared: &Prepared) -> Forward {
     prepared.analysis().forward(&prepared.x).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// What is said of a scene that cannot be run.
-fn refused(text: &str) -> String {
-    let scene = match FileScene::parse("steady.toml", text) {
-        Ok(scene) => scene,
-        Err(why) => return why,
-    };
-    let run = Prepared::new(&scene).and_then(|prepared| prepared.analysis().forward(&prepared.x).map(drop));
-    run.err().unwrap_or_else(|| panic!("this was taken:\n{text}")).to_string()
-}
-
 #[test]
 fn a_mass_on_a_spring_turns_where_centrifugal_force_and_spring_are_equal() {
-    let scene = scene(&whirled(&[]));
+    let scene = parsed(&whirled(&[]));
     let prepared = prepared(&scene);
     let (forward, analysis) = (forward(&prepared), prepared.analysis());
     // k (r - r0) = m omega^2 r
@@ -74,7 +61,7 @@ fn beyond_its_critical_speed_a_mass_turns_on_the_other_side() {
     let line = "type = \"line\"\nbetween = [\"hub\", \"mass\"]\nstiffness = \"k\"\nrest_length = 0.5";
     let along =
         "type = \"slide\"\nbetween = [\"hub\", \"mass\"]\naxis = [1, 0, 0]\nstiffness = \"k\"\nrest_displacement = 0.5";
-    let scene = scene(&whirled(&[("initial = 20,", "initial = 50,"), (line, along)]));
+    let scene = parsed(&whirled(&[("initial = 20,", "initial = 50,"), (line, along)]));
     let prepared = prepared(&scene);
     let start = prepared.resting_start().unwrap();
     let place = prepared.model().nodes.iter().find(|node| node.name == "mass").map(|node| node.dofs.start).unwrap();
@@ -97,7 +84,7 @@ fn all_kinds_of_members_go_on_turning() {
     let upright = text
         .replace("gravity = [3, 0, -9.81]", "gravity = [0, 0, -9.81]")
         .replace("end = 0.1\nsteps = 20", "end = 0.05\nsteps = 100");
-    let scene = scene(&upright);
+    let scene = parsed(&upright);
     let prepared = prepared(&scene);
     let (start, mut most, mut speed) = (prepared.resting_start().unwrap(), 0.0_f64, 0.0_f64);
     // distances of tips from the axis, and heights, in every step
@@ -114,14 +101,14 @@ fn all_kinds_of_members_go_on_turning() {
     prepared.analysis().for_each_sample(&forward(&prepared), see).unwrap();
     assert!(most < 1e-8 && speed > 10.0, "{most:e} m at {speed} m/s");
     // weights count along the axis: gravity across it changes nothing
-    let inclined = self::scene(text);
+    let inclined = self::parsed(text);
     let other = self::prepared(&inclined).resting_start().unwrap();
     assert!(start.iter().zip(&other).all(|(own, other)| own == other));
 }
 
 #[test]
 fn gradients_of_a_steady_turn_are_quotients_of_whole_runs() {
-    let scene = scene(include_str!("coverage/steady.toml"));
+    let scene = parsed(include_str!("coverage/steady.toml"));
     let prepared = prepared(&scene);
     let analysis = prepared.analysis();
     let own = analysis.adjoint(&prepared.x, &forward(&prepared)).unwrap();

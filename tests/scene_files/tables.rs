@@ -1,11 +1,10 @@
 //! Tables: values at times and at points of s, from lists and from files.
 
-use super::wrong_files::refusal;
+use super::{parsed, refused};
 use costate::elements::{Table, TimeFunction};
 use costate::internals::{ArgumentKind, Formula, ProgramWork, Recorded};
 use costate::prelude::*;
 use costate::scalar::Curve;
-use costate::scenes::FileScene;
 use costate::sensitivity::largest_difference;
 use num_dual::Dual2_64;
 use std::path::PathBuf;
@@ -132,7 +131,7 @@ fn of_design(way: &str) -> String {
 #[test]
 fn gradients_by_the_values_of_tables_are_exact() {
     for (way, _) in WAYS {
-        let scene = FileScene::parse("tables.toml", &of_design(way)).unwrap_or_else(|why| panic!("{why}"));
+        let scene = parsed(&of_design(way));
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
         let analysis = prepared.analysis();
         let forward = analysis.forward(&prepared.x).unwrap();
@@ -197,7 +196,7 @@ fn a_run_takes_as_long_with_many_points_as_with_few() {
         let rows: String = times.iter().zip(&values).map(|(t, y)| format!("{t},{y}\n")).collect();
         let text = of_file(&file(&format!("long{count}"), &rows), "").replace("steps = 100", "steps = 20000");
         let start = Instant::now();
-        let scene = FileScene::parse("tables.toml", &text).unwrap_or_else(|why| panic!("{why}"));
+        let scene = parsed(&text);
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
         let (read, start) = (start.elapsed(), Instant::now());
         let analysis = prepared.analysis();
@@ -236,7 +235,7 @@ fn a_run_is_none_of_a_scene_whose_table_has_changed() {
     let path = file("changed", &rows(2.0));
     let scenes = [2.0, 2.0, 2.5].map(|last| {
         std::fs::write(&path, rows(last)).unwrap();
-        FileScene::parse("tables.toml", &of_file(&path, "")).unwrap_or_else(|why| panic!("{why}"))
+        parsed(&of_file(&path, ""))
     });
     let [first, same, other] = scenes.each_ref().map(|scene| Prepared::new(scene).unwrap_or_else(|why| panic!("{why}")));
     let run = first.analysis().forward(&first.x).unwrap();
@@ -248,7 +247,7 @@ fn a_run_is_none_of_a_scene_whose_table_has_changed() {
 #[test]
 fn files_give_what_their_numbers_say_in_a_list() {
     let value = |text: &str| {
-        let scene = FileScene::parse("tables.toml", text).unwrap_or_else(|why| panic!("{why}"));
+        let scene = parsed(text);
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
         prepared.analysis().forward(&prepared.x).unwrap().values[0]
     };
@@ -280,7 +279,7 @@ fn what_is_wrong_with_a_file_of_a_table_is_told() {
         ("columns", "0,1\n1,2\n", ", columns = [1]", "two names or numbers of columns"),
         ("way", "0,1\n1,2\n", ", interpolation = \"linear\"", "lines"),
     ] {
-        let told = refusal(&of_file(&file(name, text), more));
+        let told = refused(&of_file(&file(name, text), more));
         assert!(told.contains(part), "{name}: {told}");
     }
     for (size, part) in [
@@ -291,7 +290,7 @@ fn what_is_wrong_with_a_file_of_a_table_is_told() {
         ("{ type = \"table\", times = [0, 1], values = [0] }", "there are 2 times, but 1 values"),
         ("{ type = \"table\", times = [1, 0], values = [0, 1] }", "must increase"),
     ] {
-        let told = refusal(&pushed(size));
+        let told = refused(&pushed(size));
         assert!(told.contains(part), "{size}: {told}");
     }
 }
@@ -310,7 +309,7 @@ fn named(table: &str, x: f64, value: &str) -> String {
 
 /// Value and derivatives by w and x.
 fn of_named(text: &str) -> [f64; 3] {
-    let scene = FileScene::parse("tables.toml", text).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(text);
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).unwrap();
@@ -367,10 +366,10 @@ fn what_is_wrong_with_a_named_table_is_told() {
         (sound, "f(p.position)", "is a number, and this is a vector"),
         (sound, "g(w)", "\"g\""),
     ] {
-        let told = refusal(&named(table, 1.0, value));
+        let told = refused(&named(table, 1.0, value));
         assert!(told.contains(part), "{table}, {value}: {told}");
         assert_eq!(told.lines().count(), 1, "{told}");
     }
-    let told = refusal(&named(sound, 1.0, "f(w)").replace("double", "f"));
+    let told = refused(&named(sound, 1.0, "f(w)").replace("double", "f"));
     assert!(told.contains("is taken by"), "{told}");
 }

@@ -1,5 +1,6 @@
 //! Wrong files of many kinds: each is refused with code 2 and a message that says where, what is there, and what is allowed.
 
+use super::{parsed, refused};
 use costate::scenes::{AnyScene, FileScene, Prepared};
 use std::process::Command;
 
@@ -184,8 +185,10 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("steps = 10", "steps = 10\nmethod = \"variational:2\"", "26:10", &["variational:2", "from 0 to 1"]),
     ("steps = 10", "steps = 10\ntolerance = 1e-6", "26:13", &["steps and tolerance"]),
     ("steps = 10", "steps = 10\nlongest_step = 0.1", "26:16", &["means nothing without the key tolerance"]),
+    ("steps = 10\n", "steps = 10\n[output]\nfilm = true\n", "27:1", &["film", "report.html, plays"]),
     ("steps = 10\n", "steps = 10\n[output]\nstep = 1e-300\n", "27:8", &["step of [output] is", "fit into 1 s"]),
-    ("steps = 10", "steps = 10\nconstraint_level = \"velocty\"", "26:20", &["did you mean \"velocity\"?"]),
+    ("steps = 10", "steps = 10\nconstraint_level = \"positon\"", "26:20", &["did you mean \"position\"?"]),
+    ("steps = 10", "steps = 10\nconstraint_level = \"velocity\"", "26:20", &["not known any more", "\"acceleration\" has"]),
     ("steps = 10", "steps = 10\nsolver = \"sparse\"", "26:10", &["automatic, dense, multifrontal"]),
     ("steps = 10", "steps = 10\nnewton = 3", "26:10", &["newton of [settings]", "round-off, residual"]),
     // soft joints and sections that change
@@ -303,21 +306,9 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("[[body]]", "[[drawing]]", "", &["key \"name\""]),
 ];
 
-pub fn refusal(text: &str) -> String {
-    let scene = match FileScene::parse("scene.toml", text) {
-        Ok(scene) => scene,
-        Err(why) => return why,
-    };
-    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    match scene.build_real(&x) {
-        Ok(_) => Prepared::new(&scene).err().map_or_else(|| "nothing was found".into(), |error| error.to_string()),
-        Err(why) => why,
-    }
-}
-
 #[test]
 fn the_sound_file_is_sound() {
-    let scene = FileScene::parse("scene.toml", SOUND).unwrap_or_else(|why| panic!("{why}"));
+    let scene = parsed(SOUND);
     Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
 }
 
@@ -327,7 +318,7 @@ fn each_wrong_file_is_told_with_place_value_and_remedy() {
     let mut failed = Vec::new();
     for (what, by, place, parts) in CASES {
         assert!(SOUND.contains(what), "{what} is not in the file");
-        let message = refusal(&SOUND.replacen(what, by, 1));
+        let message = refused(&SOUND.replacen(what, by, 1));
         let placed = message.lines().any(|line| line.starts_with(&format!("scene.toml:{place}")));
         if !placed || !parts.iter().all(|part| message.contains(part)) {
             failed.push(format!("{what:?} -> {by:?}\n  wanted {place} {parts:?}\n  {message}"));
@@ -340,7 +331,7 @@ fn each_wrong_file_is_told_with_place_value_and_remedy() {
 fn all_mistakes_of_a_file_are_told_at_once_in_their_order() {
     let text =
         SOUND.replace("mass = 1.0", "mass = -1").replace("steps = 10", "stpes = 10").replace("unit = \"m\"", "unit = 3");
-    let message = refusal(&text);
+    let message = refused(&text);
     let lines: Vec<&str> = message.lines().map(|line| line.split(": ").next().unwrap()).collect();
     assert_eq!(lines, ["scene.toml:7:8", "scene.toml:25:1", "scene.toml:33:8"], "{message}");
 }
@@ -366,7 +357,7 @@ fn one_mistake_makes_no_others() {
             .replace("[0, 7]", "[0, 2]")
             .replace("[0, 8]", "[0, 3]")
     );
-    assert_eq!(refusal(&whole), "nothing was found");
+    assert_eq!(refused(&whole), "nothing was found");
     for (what, by) in [
         ("for = { i = { from = 1, to = 2 } }", "for = { i = 3 }"),
         ("second = [0, 1, 0]\nelements", "second = [1, 0, 0]\nelements"),
@@ -375,7 +366,7 @@ fn one_mistake_makes_no_others() {
         ("type = \"plate\"\nfirst", "type = \"plte\"\nfirst"),
     ] {
         assert!(whole.contains(what), "{what}");
-        let message = refusal(&whole.replacen(what, by, 1));
+        let message = refused(&whole.replacen(what, by, 1));
         assert_eq!(message.lines().count(), 1, "{by}: {message}");
     }
 }

@@ -1,6 +1,6 @@
 //! Wrong entries of meshes: each is told with the line of what is wrong, and for a file of Gmsh with its line, too.
 
-use super::wrong_files::refusal;
+use super::refused;
 
 const SOUND: &str = r#"version = 1
 
@@ -211,7 +211,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
 
 #[test]
 fn the_sound_mesh_is_sound() {
-    assert_eq!(refusal(SOUND), "nothing was found");
+    assert_eq!(refused(SOUND), "nothing was found");
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn wrong_meshes_are_told_with_their_line() {
         let text = SOUND.replacen(what, by, 1);
         let at = text.find(marked).unwrap_or_else(|| panic!("{marked} is not in the file with {by}"));
         let place = format!("scene.toml:{}:", text[..at].matches('\n').count() + 1);
-        let message = refusal(&text);
+        let message = refused(&text);
         if !message.lines().any(|line| line.starts_with(&place)) || !parts.iter().all(|part| message.contains(part)) {
             failed.push(format!("{what:?} -> {by:?}\n  wanted {place} {parts:?}\n  {message}"));
         }

@@ -115,7 +115,7 @@ over = "integral"
 fn gradients_go_through_bodies_without_mass() {
     for (method, level) in [
         ("esdirk4", ConstraintLevel::Acceleration),
-        ("bdf2", ConstraintLevel::Velocity),
+        ("bdf2", ConstraintLevel::Acceleration),
         ("generalized-alpha", ConstraintLevel::Acceleration),
     ] {
         let scene = scene(HOOK);

@@ -3,8 +3,7 @@
 use costate::functionals::Over;
 use costate::internals::table_named;
 use costate::prelude::*;
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::{FiveBar, FlexiblePendulum};
+use costate::scenes::{AnyScene, built_in};
 
 fn prepared<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Prepared<'s> {
     let mut settings = scene.settings().without_method();
@@ -20,9 +19,8 @@ fn largest(values: &[f64]) -> f64 {
 
 #[test]
 fn derivatives_over_time_are_those_of_complex_step_and_of_the_adjoint_of_shorter_runs() {
-    let pendulum = FlexiblePendulum::default();
-    let scenes: [(&dyn AnyScene, f64); 2] = [(FiveBar.as_ref(), 0.01), (&pendulum, 0.0025)];
-    for (scene, h) in scenes {
+    for (name, h) in [("five-bar", 0.01), ("flexible-pendulum", 0.0025)] {
+        let scene = built_in::named(name).expect("built in");
         for method in ["esdirk4", "variational", "bdf2"] {
             let steps = 60;
             let whole = prepared(scene, method, h * steps as f64, steps);

@@ -2,7 +2,7 @@
 
 use costate::internals::{AppliedForce, AppliedTorque};
 use costate::prelude::*;
-use costate::scenes::built_in::{FiveBar, Pendulum};
+use costate::scenes::built_in;
 
 /// f = A sin(w t + r t^2 / 2).
 struct Chirp;
@@ -128,7 +128,7 @@ fn histories_of_functionals_nodes_and_joints_are_found_by_name() -> Result<(), R
     assert!(fy > 4.0 && hinge.moments[0].iter().all(|moment| moment.abs() < 1e-9));
 
     // points cannot turn
-    let pendulum = Prepared::new(&Pendulum)?;
+    let pendulum = Prepared::new(built_in::named("pendulum")?)?;
     let run = pendulum.run()?;
     let bob = run.node("bob")?;
     assert!(bob.axes.is_empty() && bob.angular_velocities.is_empty() && bob.positions.len() == bob.times.len());
@@ -162,7 +162,8 @@ fn what_was_built_is_at_hand_by_its_name() -> Result<(), RunError> {
 
 #[test]
 fn what_main_prints_of_an_error_is_its_sentence() {
-    let error = Prepared::new(&FiveBar).and_then(|scene| scene.node("bar")).unwrap_err();
+    let five_bar = built_in::named("five-bar").unwrap();
+    let error = Prepared::new(five_bar).and_then(|scene| scene.node("bar")).unwrap_err();
     assert_eq!(format!("{error:?}"), error.to_string());
     assert!(error.to_string().starts_with("node \"bar\" is not known"), "{error}");
 }

@@ -7,8 +7,7 @@ use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, StepRecord, table_by_name};
 use costate::internals::{AppliedForce, march};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::built_in::DoublePendulum;
-use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, Violation};
+use costate::scenes::{AnyScene, DesignVariable, MechanismBuilder, Prepared, Scene, Settings, Violation, built_in};
 
 /// A heavy top whose body frame sits at its tip: the joint's equation is r = 0, and any round-off in r is all of r.
 struct TopWithFrameAtTip;
@@ -65,7 +64,7 @@ fn projections_converge_at_small_steps() {
 #[test]
 fn projected_velocities_satisfy_the_joints_to_round_off() {
     for (table, steps) in [("esdirk3", 4000), ("sdirk4", 4000)] {
-        let worst = worst_violation(DoublePendulum.as_ref(), table, 4.0, steps);
+        let worst = worst_violation(built_in::named("double-pendulum").expect("built in"), table, 4.0, steps);
         assert!(worst.velocity <= 1e-12, "{table}: {worst:?}");
     }
 }

@@ -3,8 +3,11 @@
 use costate::internals::SolverPlan;
 use costate::linalg::Backend;
 use costate::prelude::*;
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::{CarAxis, FiveBar, FlexibleFourBar, PlatePendulum, SliderCrank, Thicknesses};
+use costate::scenes::{AnyScene, built_in};
+
+fn named(name: &str) -> &'static dyn AnyScene {
+    built_in::named(name).expect("built in")
+}
 
 /// Values and gradients of a scene, with the solver that was used.
 fn results(scene: &dyn AnyScene, settings: Settings, backend: Backend) -> (SolverPlan, Vec<Vec<f64>>) {
@@ -20,7 +23,7 @@ fn results(scene: &dyn AnyScene, settings: Settings, backend: Backend) -> (Solve
 
 #[test]
 fn gradients_are_the_same_whatever_solves_the_systems() {
-    let scene = FiveBar.as_ref();
+    let scene = named("five-bar");
     let settings = scene.settings();
     let settings = Settings { end: 20.0 * settings.end / settings.steps as f64, steps: 20, ..settings };
     let (_, expected) = results(scene, settings.clone(), Backend::Automatic);
@@ -37,7 +40,8 @@ fn gradients_are_the_same_whatever_solves_the_systems() {
 /// Stages, projections and accelerations take turns with one solver there.
 #[test]
 fn a_large_system_whose_solver_is_shared_has_an_exact_gradient() {
-    let plate = PlatePendulum { elements: [40, 8], thicknesses: Thicknesses::Strips(2), milliseconds: 2 };
+    let changes = "define = { along = 40, across = 8 }\nsettings = { end = 2e-3, steps = 2 }";
+    let plate = built_in::changed("plate-pendulum", changes).expect("sound");
     let prepared = Prepared::new(&plate).expect("a scene");
     let fill = prepared.linear_solver().expect("a plan").work.expect("an analysis").fill;
     assert!(fill > 1_000_000, "{fill} entries of L and U: small systems do not share");
@@ -54,15 +58,17 @@ fn a_large_system_whose_solver_is_shared_has_an_exact_gradient() {
 /// Systems that have a solver each, by dense and by multifrontal LU, which threads factor ahead, and large ones that share a solver.
 #[test]
 fn gradients_have_the_same_bits_on_any_number_of_threads() {
-    let four_bar = FlexibleFourBar { elements: [2, 4, 2], run: (0.2, 20) };
+    let coarse = "beam = { AB.elements = 2, BC.elements = 4, CD.elements = 2 }\nsettings = { end = 0.2, steps = 20 }";
+    let four_bar = &built_in::changed("flexible-four-bar", coarse).expect("sound");
+    let first_steps = |name| (named(name), None, Settings { end: 0.2, steps: 20, ..named(name).settings() });
     let net = Net { side: 40 };
     let cases: [(&dyn AnyScene, Option<&'static str>, Settings); 7] = [
-        (four_bar.as_ref(), Some("esdirk4"), Scene::settings(&four_bar)),
-        (four_bar.as_ref(), Some("bdf2"), Scene::settings(&four_bar)),
-        (four_bar.as_ref(), Some("variational"), Scene::settings(&four_bar)),
-        (FiveBar.as_ref(), None, Settings { end: 0.2, steps: 20, ..Scene::settings(&FiveBar) }),
-        (CarAxis.as_ref(), None, Settings { end: 0.2, steps: 20, ..Scene::settings(&CarAxis) }),
-        (SliderCrank.as_ref(), None, Settings { end: 0.2, steps: 20, ..Scene::settings(&SliderCrank) }),
+        (four_bar, Some("esdirk4"), four_bar.settings()),
+        (four_bar, Some("bdf2"), four_bar.settings()),
+        (four_bar, Some("variational"), four_bar.settings()),
+        first_steps("five-bar"),
+        first_steps("car-axis"),
+        first_steps("slider-crank"),
         (&net, None, Scene::settings(&net)),
     ];
     for (scene, method, settings) in cases {
@@ -92,8 +98,7 @@ fn gradients_have_the_same_bits_on_any_number_of_threads() {
 /// The other limits are three times what moving all coordinates by one rounding changes.
 #[test]
 fn a_flexible_mechanism_has_the_same_gradient_whatever_solves_its_systems() {
-    let scene = FlexibleFourBar { run: (0.2, 20), ..FlexibleFourBar::default() };
-    let scene: &dyn AnyScene = scene.as_ref();
+    let scene = &built_in::changed("flexible-four-bar", "settings = { end = 0.2, steps = 20 }").expect("sound");
     let prepared = |backend: Backend| {
         let settings = scene.settings();
         let method = Method { backend, ..Prepared::method_of(&settings).expect("a method") };
@@ -125,8 +130,7 @@ fn a_flexible_mechanism_has_the_same_gradient_whatever_solves_its_systems() {
 /// thousand times above its round-off, and motions that differ by roundings would have gradients that differ by 1e-9.
 #[test]
 fn short_steps_are_solved_to_their_round_off() {
-    let scene = FlexibleFourBar { run: (0.25, 100), ..FlexibleFourBar::default() };
-    let scene: &dyn AnyScene = scene.as_ref();
+    let scene = &built_in::changed("flexible-four-bar", "settings = { end = 0.25, steps = 100 }").expect("sound");
     let of = |backend| results(scene, scene.settings(), backend).1;
     let (expected, own) = (of(Backend::Dense), of(Backend::Multifrontal));
     // values first, then a gradient for each functional: that of the largest moment

@@ -75,12 +75,11 @@ fn a_straight_path_loses_its_stability_at_the_load_of_euler() {
 
 #[test]
 fn a_truss_on_joints_has_a_symmetric_stiffness_at_every_number_of_load_steps() {
-    let scenes = built_in::all();
-    let scene = scenes.iter().find(|scene| scene.name() == "von-mises-truss").expect("built in");
+    let scene = built_in::named("von-mises-truss").expect("built in");
     for steps in [1, 3, 4, 10] {
         let settings = Settings { steps, ..scene.settings() };
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-        let prepared = Prepared::with(&**scene, &x, Prepared::method_of(&settings).unwrap(), settings).unwrap();
+        let prepared = Prepared::with(scene, &x, Prepared::method_of(&settings).unwrap(), settings).unwrap();
         let end = prepared.analysis().forward(&x).unwrap().stability.expect("of equilibria").end;
         assert!(end.determinant.is_none() && end.verdict() == Verdict::Stable, "{steps} steps: {end:?}");
     }
@@ -294,11 +293,10 @@ fn equal_modes_near_a_critical_load_are_two() {
 /// A plate with a tied stiffener: its multipliers are pivots of fronts far above those that they come from.
 #[test]
 fn what_ties_delay_in_several_fronts_has_its_signs() {
-    let scene =
-        FileScene::parse("stiffened-plate.toml", include_str!("../../examples/scenes/stiffened-plate.toml")).unwrap();
+    let scene = built_in::named("stiffened-plate").unwrap();
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     for solver in [costate::linalg::Backend::Dense, costate::linalg::Backend::Multifrontal] {
-        let mut prepared = Prepared::new(&scene).unwrap();
+        let mut prepared = Prepared::new(scene).unwrap();
         prepared.method.backend = solver;
         let end = prepared.analysis().forward(&x).unwrap().stability.expect("of equilibria").end;
         assert!(end.negative == 0 && end.verdict() == Verdict::Stable, "{solver:?}: {end:?}");

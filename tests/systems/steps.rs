@@ -7,8 +7,7 @@ use costate::integrators::{
 };
 use costate::internals::{QuadratureWeights, march, table_named};
 use costate::prelude::*;
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::{FiveBar, all};
+use costate::scenes::{AnyScene, built_in};
 use costate::sensitivity::{Analysis, Forward};
 
 /// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
@@ -407,7 +406,7 @@ fn by_rule(scene: &dyn AnyScene, table: &str, rule: NewtonTolerance, settings: S
 
 #[test]
 fn phases_are_measured_by_the_method_that_asks_for_it_and_by_no_other() {
-    let own = Prepared::new(FiveBar.as_ref()).unwrap();
+    let own = Prepared::new(built_in::named("five-bar").unwrap()).unwrap();
     let method = Method { measures_phases: true, ..own.analysis().method.clone() };
     let (plain, measuring) = (own.analysis(), Analysis { method: &method, ..own.analysis() });
     let (first, second) = (plain.forward(&own.x).unwrap(), measuring.forward(&own.x).unwrap());
@@ -430,8 +429,7 @@ fn the_scaled_rule_saves_corrections_and_changes_less_than_the_error_of_the_step
         ("flexible-four-bar", "bdf2", 100, 1.0, 0.94),
         ("double-pendulum", "variational", 400, 1.0, 0.7),
     ] {
-        let scene = all().into_iter().find(|scene| scene.name() == name).unwrap();
-        let scene: &dyn AnyScene = scene.as_ref();
+        let scene = built_in::named(name).unwrap();
         let run = |rule, steps| by_rule(scene, table, rule, Settings { steps, end, ..scene.settings() });
         let (exact, scaled) = (run(NewtonTolerance::RoundOff, steps), run(NewtonTolerance::Scaled, steps));
         let finer = run(NewtonTolerance::RoundOff, 2 * steps);
@@ -448,8 +446,7 @@ fn the_scaled_rule_saves_corrections_and_changes_less_than_the_error_of_the_step
 
 #[test]
 fn the_scaled_rule_follows_the_tolerance_of_chosen_steps() {
-    let scene = all().into_iter().find(|scene| scene.name() == "five-bar").unwrap();
-    let scene: &dyn AnyScene = scene.as_ref();
+    let scene = built_in::named("five-bar").unwrap();
     for tolerance in [1e-5, 1e-7, 1e-9] {
         let settings = || Settings { control: Some(StepControl::new(tolerance)), end: 1.0, ..scene.settings() };
         let [exact, scaled] =
@@ -462,8 +459,7 @@ fn the_scaled_rule_follows_the_tolerance_of_chosen_steps() {
 
 #[test]
 fn a_run_by_the_scaled_rule_is_taken_again_bit_by_bit_and_has_no_derivative() {
-    let scene = all().into_iter().find(|scene| scene.name() == "five-bar").unwrap();
-    let scene: &dyn AnyScene = scene.as_ref();
+    let scene = built_in::named("five-bar").unwrap();
     for table in ["esdirk4", "generalized-alpha", "bdf2"] {
         let settings = Settings {
             newton: NewtonTolerance::Scaled,

@@ -8,10 +8,7 @@ use costate::history::Watch;
 use costate::integrators::{StepRecord, discrete_momentum};
 use costate::internals::{Measured, march, table_named};
 use costate::prelude::*;
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::{
-    DoublePendulum, FiveBar, FlexibleFourBar, FlexiblePendulum, FlyingRod, FreeBody, HeavyTop, Pendulum, SliderCrank,
-};
+use costate::scenes::{AnyScene, built_in};
 use costate::sensitivity::largest_difference;
 
 fn prepared<'s>(scene: &'s dyn AnyScene, name: &str, end: f64, steps: usize) -> Prepared<'s> {
@@ -35,19 +32,20 @@ fn steps(prepared: &Prepared) -> Vec<StepRecord<f64>> {
 
 #[test]
 fn adjoint_direct_differentiation_and_complex_step_agree() {
-    let scenes: [(&dyn AnyScene, f64); 8] = [
-        (Pendulum.as_ref(), 0.4),
-        (DoublePendulum.as_ref(), 0.4),
-        (FreeBody.as_ref(), 0.4),
-        (HeavyTop.as_ref(), 0.2),
-        (FiveBar.as_ref(), 0.4),
-        (SliderCrank.as_ref(), 0.4),
+    let scenes = [
+        ("pendulum", 0.4),
+        ("double-pendulum", 0.4),
+        ("free-body", 0.4),
+        ("heavy-top", 0.2),
+        ("five-bar", 0.4),
+        ("slider-crank", 0.4),
         // with the point at an end of the step, forces are explicit: stiff members need short steps
-        (FlyingRod.as_ref(), 0.02),
-        (FlexiblePendulum { elements: 5 }.as_ref(), 0.008),
+        ("flying-rod", 0.02),
+        ("flexible-pendulum", 0.008),
     ];
     let mut wrong = Vec::new();
-    for (scene, end) in scenes {
+    for (name, end) in scenes {
+        let scene = built_in::named(name).expect("built in");
         for alpha in ["0", "0.3", "0.5", "1"] {
             let prepared = prepared(scene, &format!("variational:{alpha}"), end, 20);
             let (analysis, x) = (prepared.analysis(), &prepared.x);
@@ -77,7 +75,8 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
 
 #[test]
 fn the_order_is_two_with_the_point_in_the_middle_and_one_elsewhere() {
-    for (scene, end) in [(HeavyTop.as_ref(), 0.1), (DoublePendulum.as_ref(), 0.5)] {
+    for (name, end) in [("heavy-top", 0.1), ("double-pendulum", 0.5)] {
+        let scene = built_in::named(name).expect("built in");
         let last = |name: &str, count: usize| -> [Vec<f64>; 2] {
             let step = steps(&prepared(scene, name, end, count)).pop().expect("steps");
             [step.q, step.v]
@@ -108,7 +107,7 @@ fn moment_of_momentum(q: &[f64], p: &[f64]) -> [f64; 3] {
 
 #[test]
 fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_drift() {
-    let prepared = prepared(FreeBody.as_ref(), "variational", 200.0, 20_000);
+    let prepared = prepared(built_in::named("free-body").expect("built in"), "variational", 200.0, 20_000);
     let problem = prepared.problem();
     let (mut first, mut worst, mut energies) = (None, 0.0_f64, Vec::new());
     let energy = Measured::energy();
@@ -130,8 +129,8 @@ fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_
 
 #[test]
 fn what_it_cannot_integrate_is_refused_with_the_reason() {
-    let scene = FlexibleFourBar { elements: [2, 2, 2], run: (0.01, 1) };
     let refused = table_named("variational:1.5").expect_err("outside the step");
     assert!(refused.contains("from 0 to 1"), "{refused}");
-    assert_eq!(prepared(&scene, "variational", 0.01, 1).method.constraint_level(), ConstraintLevel::Position);
+    let scene = built_in::named("flexible-four-bar").expect("built in");
+    assert_eq!(prepared(scene, "variational", 0.01, 1).method.constraint_level(), ConstraintLevel::Position);
 }

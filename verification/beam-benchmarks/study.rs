@@ -2,8 +2,7 @@ mod member;
 
 use crate::verification::{Noise, Report, Study};
 use costate::prelude::*;
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::PrincetonBeam;
+use costate::scenes::{AnyScene, built_in};
 use member::{GROWING, Member, Rest, TipLoad};
 use std::f64::consts::PI;
 
@@ -134,8 +133,7 @@ fn princeton(report: &mut Report) -> Result<(), String> {
         (30.0, [0.0794572226645, 0.0101472563547]),
         (45.0, [0.109043083125, 0.00888888596702]),
     ];
-    let scene = PrincetonBeam::default();
-    let scene: &dyn AnyScene = scene.as_ref();
+    let scene = built_in::named("princeton-beam")?;
     for (degrees, expected) in reference {
         let x: Vec<f64> = scene
             .variables()

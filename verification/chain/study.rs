@@ -4,8 +4,7 @@ use crate::allocations;
 use crate::verification::{Clock, Form, PHASES, Report, Study, on_one_thread, with_phases};
 use costate::history::Keep;
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, table_by_name};
-use costate::scenes::built_in::{Chain, ChainVariables};
-use costate::scenes::{AnyScene, Prepared, Settings};
+use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};
 use costate::sensitivity::Analysis;
 use std::time::Instant;
 
@@ -151,16 +150,20 @@ fn numbers_in_turn() -> f64 {
     8e-9 * NUMBERS as f64 / seconds.fold(f64::INFINITY, f64::min)
 }
 
+/// A chain of so many bars.
+fn chain(bars: usize) -> Result<FileScene, String> {
+    built_in::changed("chain-common", &format!("define.bars = {bars}"))
+}
+
 /// Error of the tip against the time that it takes, for all methods.
 fn compare_errors(report: &mut Report) -> Result<(), String> {
+    let scene = chain(LADDER_BODIES)?;
     let tip = |name: &str, level: ConstraintLevel, tolerance, steps: usize| -> Result<([f64; 3], f64), String> {
-        let scene = Chain { bodies: LADDER_BODIES, variables: ChainVariables::Common };
-        let scene: &dyn AnyScene = scene.as_ref();
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let table = table_by_name(name).ok_or("a method is not listed")?;
         let method = Method { tolerance, ..Method::new(table, level) };
         let settings = Settings { steps, ..scene.settings().without_method() };
-        let prepared = Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())?;
+        let prepared = Prepared::with(&scene, &x, method, settings).map_err(|error| error.to_string())?;
         let (analysis, start) = (prepared.analysis(), Clock::start());
         let forward = analysis.forward(&x).map_err(|error| error.to_string())?;
         let seconds = start.seconds();
@@ -227,12 +230,11 @@ fn write_one(report: &mut Report, method: &str, (bodies, steps): (usize, usize),
 
 /// Bytes of the heap that building, preparing and running a chain take at most, by a body.
 fn bytes_of_a_body(method: &Method, bodies: usize) -> Result<f64, String> {
+    let scene = chain(bodies)?;
     let (run, bytes) = allocations::most_bytes(|| -> Result<(), String> {
-        let scene = Chain { bodies, variables: ChainVariables::Common };
-        let scene: &dyn AnyScene = scene.as_ref();
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let settings = Settings { end: STEP * FEW as f64, steps: FEW, ..scene.settings().without_method() };
-        let prepared = Prepared::with(scene, &x, method.clone(), settings).map_err(|error| error.to_string())?;
+        let prepared = Prepared::with(&scene, &x, method.clone(), settings).map_err(|error| error.to_string())?;
         prepared.analysis().values(&x).map(|_| ()).map_err(|error| error.to_string())
     });
     run?;
@@ -241,12 +243,11 @@ fn bytes_of_a_body(method: &Method, bodies: usize) -> Result<f64, String> {
 
 /// Steps of one chain without a history, and with one the adjoint of its two functionals.
 fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> Result<Cost, String> {
-    let scene = Chain { bodies, variables: ChainVariables::Common };
-    let scene: &dyn AnyScene = scene.as_ref();
+    let scene = chain(bodies)?;
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let prepare = |steps: usize| {
         let settings = Settings { end: STEP * steps as f64, steps, ..scene.settings().without_method() };
-        Prepared::with(scene, &x, method.clone(), settings).map_err(|error| error.to_string())
+        Prepared::with(&scene, &x, method.clone(), settings).map_err(|error| error.to_string())
     };
     // a first step alone costs what is set up once: it is subtracted
     let one = prepare(1)?;

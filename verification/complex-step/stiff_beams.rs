@@ -5,8 +5,7 @@ use crate::verification::Report;
 use crate::verification::rounding::SCATTER;
 use costate::integrators::RunError;
 use costate::internals::{DesignMap, ModelNumbers, Recorded};
-use costate::scenes::built_in::{RightAngleCantilever, SpinUpBeam};
-use costate::scenes::{AnyScene, Prepared};
+use costate::scenes::{AnyScene, Prepared, built_in};
 use costate::sensitivity::Analysis;
 
 /// Name of a functional of a section's axial force in the list of scenes.
@@ -47,9 +46,9 @@ fn scatter(analysis: &Analysis, x: &[f64]) -> Result<Vec<f64>, RunError> {
 /// Adjoint and quotients of both scenes, and what makes those of axial forces scatter.
 pub fn run(report: &mut Report) -> Result<(), RunError> {
     for axial in STIFFNESS.1 {
-        of_scene(report, &SpinUpBeam, 4.0, Some(axial))?;
+        of_scene(report, built_in::named("spin-up-beam")?, 4.0, Some(axial))?;
     }
-    of_scene(report, &RightAngleCantilever::default(), 3.0, None)
+    of_scene(report, built_in::named("right-angle-cantilever")?, 3.0, None)
 }
 
 /// One scene up to an end [s] with steps of 0.01 s.

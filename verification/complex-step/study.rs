@@ -47,8 +47,8 @@ const SHARE: usize = 5;
 const ALL_OF_BEAMS: [&str; 2] = ["bdf2", DEFAULT_TABLE];
 /// That which only scenes with elastic energy go with, and bodies: momenta are carried.
 const VARIATIONAL: &str = "variational";
-/// Their tolerances at the position, velocity and acceleration level, where errors and so steps differ.
-const TOLERANCES: [f64; 3] = [1e-4, 1e-5, 1e-7];
+/// Their tolerances at the position and the acceleration level, where errors and so steps differ.
+const TOLERANCES: [f64; 2] = [1e-4, 1e-7];
 /// Their longest step [s]: never less than 50 of them.
 const LONGEST: f64 = 0.02;
 

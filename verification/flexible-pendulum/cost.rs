@@ -1,11 +1,10 @@
 //! What a step of the flexible pendulum costs.
 
-use super::path::prepare;
+use super::path::{pendulum, prepare};
 use crate::verification::{Clock, Report};
 use costate::integrators::{Counters, DEFAULT_TABLE, NewtonTolerance, RunError};
 use costate::internals::{Nothing, march};
 use costate::scenes::Prepared;
-use costate::scenes::built_in::FlexiblePendulum;
 
 /// Numbers of elements, with the steps that are taken.
 const SIZES: [(usize, usize); 4] = [(5, 800), (10, 400), (20, 200), (40, 100)];
@@ -37,9 +36,9 @@ pub fn costs(report: &mut Report) -> Result<(), RunError> {
 }
 
 fn cost(method: &str, tolerance: NewtonTolerance, elements: usize, steps: usize) -> Result<(f64, Counters), RunError> {
-    let scene = FlexiblePendulum { elements };
+    let scene = pendulum(elements)?;
     let of = |steps: usize| -> Result<Prepared, RunError> {
-        let mut prepared = prepare(scene.as_ref(), method, STEP * steps as f64, steps)?;
+        let mut prepared = prepare(&scene, method, STEP * steps as f64, steps)?;
         prepared.method.tolerance = tolerance;
         Ok(prepared)
     };

@@ -4,7 +4,7 @@ use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord};
 use costate::internals::{Measured, march, table_named};
-use costate::scenes::{AnyScene, Prepared};
+use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 
 /// Moments at which runs are compared, in equal distances; every number of steps is a multiple of it.
 pub const MOMENTS: usize = 400;
@@ -32,6 +32,11 @@ impl Path {
         let [a, b] = [self, other].map(|path| path.tip[path.tip.len() - 1]);
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
+}
+
+/// The pendulum of so many elements.
+pub fn pendulum(elements: usize) -> Result<FileScene, String> {
+    built_in::changed("flexible-pendulum", &format!("cable.pendulum.elements = {elements}"))
 }
 
 /// A scene at its initial design, with a method by its name.

@@ -1,11 +1,10 @@
 //! Sensitivities of the deflection of the tip to height, density and Young's modulus over time.
 
-use super::path::{MOMENTS, prepare};
+use super::path::{MOMENTS, pendulum, prepare};
 use super::{END, line};
 use crate::verification::Report;
 use costate::cli::Chart;
 use costate::integrators::{DEFAULT_TABLE, RunError};
-use costate::scenes::built_in::FlexiblePendulum;
 use costate::sensitivity::GradientCourse;
 
 /// Largest difference of exact derivatives, by the largest one so far.
@@ -31,8 +30,8 @@ fn by_largest_so_far(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 /// Deflection with its derivatives at every step; with a report, these are compared with complex step and adjoint.
 fn course(elements: usize, method: &str, steps: usize, report: Option<&mut Report>) -> Result<GradientCourse, RunError> {
-    let scene = FlexiblePendulum { elements };
-    let prepared = prepare(scene.as_ref(), method, END, steps)?;
+    let scene = pendulum(elements)?;
+    let prepared = prepare(&scene, method, END, steps)?;
     let mut analysis = prepared.analysis();
     analysis.functionals = &prepared.functionals()[..1];
     let x = &prepared.x;
@@ -49,7 +48,7 @@ fn course(elements: usize, method: &str, steps: usize, report: Option<&mut Repor
     let mut worst = [0.0_f64; 3];
     for end in ENDS {
         let last = end * steps / MOMENTS;
-        let part = prepare(scene.as_ref(), method, END * end as f64 / MOMENTS as f64, last)?;
+        let part = prepare(&scene, method, END * end as f64 / MOMENTS as f64, last)?;
         let mut analysis = part.analysis();
         analysis.functionals = &part.functionals()[..1];
         let adjoint = analysis.adjoint(x, &analysis.forward(x)?)?;

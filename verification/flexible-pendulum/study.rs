@@ -8,8 +8,7 @@ mod sensitivities;
 use crate::verification::{Clock, Report, Study, on_one_thread};
 use costate::cli::{Chart, Series, Style};
 use costate::integrators::{DEFAULT_TABLE, RunError};
-use costate::scenes::built_in::FlexiblePendulum;
-use path::{MOMENTS, Path, path};
+use path::{MOMENTS, Path, path, pendulum};
 use scenes::{Formulation, Pushed, Stiffened};
 
 /// Duration [s].
@@ -51,7 +50,7 @@ fn line(name: impl Into<String>, points: impl Iterator<Item = (f64, f64)>) -> Se
 
 /// Paths with more and more elements against the finest, the default method with 1 ms.
 fn meshes(report: &mut Report) -> Result<(), RunError> {
-    let of = |elements: usize, steps: usize| path(FlexiblePendulum { elements }.as_ref(), DEFAULT_TABLE, END, steps);
+    let of = |elements: usize, steps: usize| path(&pendulum(elements)?, DEFAULT_TABLE, END, steps);
     let finest = of(40, 8000)?;
     let counts = [2, 5, 10, 20];
     let paths = counts.into_iter().map(|elements| of(elements, 4000)).collect::<Result<Vec<Path>, _>>()?;
@@ -112,11 +111,11 @@ fn pushed(report: &mut Report) -> Result<(), RunError> {
 
 /// Five elements with shorter and shorter steps, by methods that have nothing in common but the elements.
 fn steps(report: &mut Report) -> Result<(), RunError> {
-    let scene = FlexiblePendulum::default();
-    let exact = path(scene.as_ref(), "esdirk5", END, 32_000)?;
+    let scene = pendulum(5)?;
+    let exact = path(&scene, "esdirk5", END, 32_000)?;
     for method in ["variational", "generalized-alpha", DEFAULT_TABLE] {
         for steps in [1600, 4000, 16_000] {
-            let own = path(scene.as_ref(), method, END, steps)?;
+            let own = path(&scene, method, END, steps)?;
             let figure = |what: &str| format!("steps/{method}/{} ms/{what}", 1e3 * END / steps as f64);
             report.inform(figure("largest distance of the tips [m]"), own.distance(&exact));
             report.inform(figure("at the end [m]"), own.distance_at_end(&exact));
@@ -131,12 +130,11 @@ fn steps(report: &mut Report) -> Result<(), RunError> {
     }
     // stretching goes with 1000 rad/s and undamped: orders show where steps resolve its phase
     let end = 0.4;
-    let exact = path(scene.as_ref(), "esdirk5", end, 16_000)?;
+    let exact = path(&scene, "esdirk5", end, 16_000)?;
     for (method, order, coarsest) in
         [("variational", 2.0, 4000), ("generalized-alpha", 2.0, 4000), (DEFAULT_TABLE, 4.0, 800)]
     {
-        let errors =
-            [1, 2].map(|factor| path(scene.as_ref(), method, end, factor * coarsest).map(|own| own.distance(&exact)));
+        let errors = [1, 2].map(|factor| path(&scene, method, end, factor * coarsest).map(|own| own.distance(&exact)));
         let [coarse, fine] = errors;
         report.compare(format!("steps/{method}/order"), (coarse? / fine?).log2(), order, 0.1);
     }

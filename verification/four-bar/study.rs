@@ -5,8 +5,7 @@ use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};
 use costate::internals::march_dividing;
 use costate::prelude::*;
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::FlexibleFourBar;
+use costate::scenes::{AnyScene, FileScene, built_in};
 use std::time::Instant;
 
 /// The flexible four-bar mechanism with every method: forces, time, gradients.
@@ -103,9 +102,15 @@ fn prepare<'s>(scene: &'s dyn AnyScene, name: &str) -> Result<Prepared<'s>, RunE
     Prepared::with(scene, &x, method, scene.settings().without_method())
 }
 
+/// The scene with changes over some time in some steps.
+fn changed(changes: &str, (end, steps): (f64, usize)) -> Result<FileScene, String> {
+    built_in::changed("flexible-four-bar", &format!("{changes}\nsettings = {{ end = {end:e}, steps = {steps} }}"))
+}
+
 fn run(name: &str, elements: [usize; 3], steps: usize) -> Result<Course, RunError> {
-    let scene = FlexibleFourBar { elements, run: (END, steps) };
-    let prepared = prepare(scene.as_ref(), name)?;
+    let [ab, bc, cd] = elements;
+    let scene = changed(&format!("beam = {{ AB.elements = {ab}, BC.elements = {bc}, CD.elements = {cd} }}"), (END, steps))?;
+    let prepared = prepare(&scene, name)?;
     let model = prepared.model();
     let p = &prepared.mechanism.numbers.p;
     let find = |name: &&str| prepared.functionals().iter().find(|functional| functional.name == *name);
@@ -265,10 +270,9 @@ fn gradients(report: &mut Report) -> Result<(), String> {
     eprintln!("[3/3] gradients");
     let available = std::thread::available_parallelism().map_or(1, usize::from);
     for name in [DEFAULT_TABLE, "bdf2"].into_iter().take(if report.is_short() { 1 } else { 2 }) {
-        let scene = FlexibleFourBar::default();
-        let run = if report.is_short() { (0.1 * END, MOMENTS / 10) } else { scene.run };
-        let scene = FlexibleFourBar { run, ..scene };
-        let prepared = prepare(scene.as_ref(), name).map_err(|error| error.to_string())?;
+        let run = if report.is_short() { (0.1 * END, MOMENTS / 10) } else { (END, MOMENTS) };
+        let scene = changed("", run)?;
+        let prepared = prepare(&scene, name).map_err(|error| error.to_string())?;
         let first: Vec<_> = prepared.functionals().iter().take(1).map(|functional| functional.name.clone()).collect();
         let mut analysis = prepared.analysis();
         analysis.functionals = &prepared.functionals()[..1];

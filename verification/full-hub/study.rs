@@ -6,14 +6,13 @@ use crate::verification::whole_runs::{compare_with_whole_runs, inside};
 use crate::verification::{Form, PHASES, Report, Study, largest, on_threads, with_phases};
 use costate::cli::{Chart, Series, Style};
 use costate::integrators::{Counters, DEFAULT_TABLE, RunError};
-use costate::scenes::{AnyScene, FileScene, Prepared};
+use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 use std::fmt::Write;
 use std::time::Instant;
 
 /// Adjoint against complex steps, as a share of the largest derivative of a functional.
 const EXACT: f64 = 1e-10;
 
-const HUB: &str = include_str!("../../examples/scenes/rotor-hub.toml");
 /// Functionals of the scene that belong to Table 6, and those that it has not.
 const OWN: [&str; 2] = ["mass", "stress"];
 const AGGREGATES: [(&str, &str); 4] = [
@@ -61,17 +60,7 @@ fn told(error: RunError) -> String {
 
 /// The scene with so many panels, each of one element along the blade and some across it, and the functionals of Table 6.
 fn hub(panels: usize, across: usize) -> Result<FileScene, String> {
-    let mut text = HUB.to_string();
-    for (from, to) in [
-        ("along = 12 ", format!("along = {panels} ")),
-        ("across = 1\n", format!("across = {across}\n")),
-        ("count = 12", format!("count = {panels}")),
-    ] {
-        if text.matches(from).count() != 1 {
-            return Err(format!("the scene has no single \"{from}\""));
-        }
-        text = text.replace(from, &to);
-    }
+    let mut text = format!("define = {{ along = {panels}, across = {across} }}\nvariable.panel.count = {panels}\n");
     let over = |kind: &str, more: &str| format!("{{ aggregate = \"{kind}\", sharpness = 50{more} }}");
     let stress = |text: &mut String, name: &str, over: String| {
         writeln!(
@@ -92,7 +81,7 @@ fn hub(panels: usize, across: usize) -> Result<FileScene, String> {
         Ok(())
     };
     add().map_err(|error| error.to_string())?;
-    FileScene::parse("rotor-hub.toml", &text)
+    built_in::changed("rotor-hub", &text)
 }
 
 /// The scene in so many steps or the whole turn, at a design away from bounds.

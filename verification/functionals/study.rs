@@ -2,12 +2,12 @@
 
 mod scene;
 
+use crate::verification::falling::tube;
 use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
 use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, with_phases};
 use costate::cli::{Chart, Series, Style};
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::integrators::{ConstraintLevel, Counters, DEFAULT_TABLE, Method, RunError, table_by_name};
-use costate::scenes::built_in::BoxTubePendulum;
 use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::{Gradient, largest_difference};
 use scene::{Entry, Measure, RATIO, ShellPendulum, YOUNG, of_the_table};
@@ -254,7 +254,7 @@ fn second_functional(report: &mut Report) -> Result<(), RunError> {
 
 /// What a second functional adds on the model on which the source measures it.
 fn second_on_the_tube(report: &mut Report) -> Result<(), RunError> {
-    let scene = BoxTubePendulum { elements: TUBE, milliseconds: 1 };
+    let scene = tube(TUBE)?;
     let prepared = prepare(&scene, "dirk2")?;
     let (analysis, x) = (prepared.analysis(), &prepared.x);
     let both: Vec<bool> =

@@ -2,7 +2,6 @@
 
 use crate::verification::{Clock, Form, Report, Study, median, on_threads, with_phases};
 use costate::integrators::{Counters, RunError};
-use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::time::Instant;
 
@@ -59,11 +58,10 @@ struct Times {
 
 fn all_scenes(report: &mut Report, threads: usize) -> Result<(), String> {
     let repeats = if report.is_short() { 1 } else { REPEATS };
-    let scenes = built_in::all();
     for (name, end, steps) in SCENES {
-        let scene = scenes.iter().find(|scene| scene.name() == name).ok_or(format!("no scene \"{name}\""))?;
+        let scene = built_in::named(name)?;
         let settings = Settings { end, steps, control: None, ..scene.settings() };
-        let prepared = prepare(&**scene, settings)?;
+        let prepared = prepare(scene, settings)?;
         let functionals = prepared.functionals().len();
         let mut times = Times::default();
         for _ in 0..repeats {
@@ -142,7 +140,8 @@ fn ratio(times: &[f64], others: &[f64]) -> f64 {
 
 /// A chain with one design variable that touches every bar, and one in which every number of every bar is one.
 fn numbers_of_variables(report: &mut Report) -> Result<(), String> {
-    let chains = [ChainVariables::Common, ChainVariables::Separate].map(|variables| Chain { bodies: BARS, variables });
+    let bars = format!("define.bars = {BARS}");
+    let chains = [built_in::changed("chain-common", &bars)?, built_in::changed("chain-separate", &bars)?];
     let mut prepared = Vec::new();
     for chain in &chains {
         prepared.push(prepare(chain, Settings { end: 0.01, steps: 2, ..chain.settings() })?);

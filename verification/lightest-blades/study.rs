@@ -1,12 +1,12 @@
 //! The lightest blades of a rotor hub whose stress stays below a limit in three flights under air loads.
 
 use crate::verification::optimized::{by_iteration, optimize_from, seconds};
-use crate::verification::rotor_hub::{extended, told};
+use crate::verification::rotor_hub::told;
 use crate::verification::{Form, Report, Study};
 use costate::cli::{Chart, Series, Style};
 use costate::optimize::{GradientBy, Optimization, Optimized};
 use costate::prelude::DesignVariable;
-use costate::scenes::{AnyScene, FileScene};
+use costate::scenes::{AnyScene, FileScene, built_in};
 
 /// By how much optima from two starts differ, as a share of the mass.
 const OPTIMA: f64 = 1e-3;
@@ -35,7 +35,7 @@ impl Study for LightestBlades {
 }
 
 fn optimum_of(report: &mut Report, panels: usize) -> Result<(), String> {
-    let scene = extended(&format!("panels {panels}"), &format!("define.along = {panels}\n"))?;
+    let scene = built_in::changed("rotor-hub-flight", &format!("define.along = {panels}"))?;
     let problem = Optimization::of(&scene).map_err(told)?.problem;
     let mut masses = Vec::new();
     let (mut thicknesses, mut courses) = (Vec::new(), Vec::new());

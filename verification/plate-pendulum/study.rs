@@ -1,11 +1,11 @@
 //! Time and memory of a plate of shells, phase by phase, on one thread and two.
 
+use crate::verification::falling::{plate, tube};
 use crate::verification::phases::{Phases, USUAL, prepare, timed};
 use crate::verification::{Form, Report, Study, median, on_one_thread, on_threads};
-use costate::integrators::RunError;
-use costate::scenes::built_in::{BoxTubePendulum, PlatePendulum, Thicknesses};
-use costate::scenes::{AnyScene, Prepared};
-use costate::sensitivity::largest_difference;
+use costate::elements::flexible::Material;
+use costate::prelude::*;
+use costate::scenes::{AnyScene, Edge, FileScene, ShellMesh, built_in};
 
 /// The study.
 pub struct PlatePendulumStudy;
@@ -33,22 +33,18 @@ impl Study for PlatePendulumStudy {
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         let words = |error: RunError| error.to_string();
-        gradient(report, &PlatePendulum::default()).map_err(words)?;
-        gradient(report, &BoxTubePendulum::default()).map_err(words)?;
+        gradient(report, built_in::named("plate-pendulum")?).map_err(words)?;
+        gradient(report, built_in::named("box-tube-pendulum")?).map_err(words)?;
         if report.is_short() {
             return Ok(());
         }
         let of_mesh = |elements: [usize; 2]| {
             let name = format!("{} x {}", elements[0], elements[1]);
-            let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
-            Subject { name, elements: elements[0] * elements[1], scene: Box::new(plate) }
+            Ok(Subject { name, elements: elements[0] * elements[1], scene: plate(elements)? })
         };
-        let tube = Subject {
-            name: format!("box tube {} x 4 x {}", TUBE[0], TUBE[1]),
-            elements: 4 * TUBE[0] * TUBE[1],
-            scene: Box::new(BoxTubePendulum { elements: TUBE, milliseconds: 1 }),
-        };
-        let subjects: Vec<Subject> = MESHES.into_iter().map(of_mesh).chain([tube]).collect();
+        let name = format!("box tube {} x 4 x {}", TUBE[0], TUBE[1]);
+        let tube = Subject { name, elements: 4 * TUBE[0] * TUBE[1], scene: tube(TUBE)? };
+        let subjects = MESHES.into_iter().map(of_mesh).chain([Ok(tube)]).collect::<Result<Vec<Subject>, String>>()?;
         for (index, subject) in subjects.iter().enumerate() {
             eprintln!("[{}/{}] {}", index + 1, subjects.len() + 1, subject.name);
             for threads in [1, 2] {
@@ -65,7 +61,7 @@ struct Subject {
     name: String,
     /// Number of shell elements.
     elements: usize,
-    scene: Box<dyn AnyScene>,
+    scene: FileScene,
 }
 
 /// Gradients of a coarse mesh against complex step.
@@ -84,13 +80,41 @@ fn gradient(report: &mut Report, scene: &dyn AnyScene) -> Result<(), RunError> {
     Ok(())
 }
 
+/// A clamped plate of one thickness, or with a thickness of each node.
+struct OfNodes {
+    for_each: bool,
+}
+
+impl Scene for OfNodes {
+    fn name(&self) -> String {
+        "plate".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        let count = if self.for_each { OF_NODES.iter().map(|count| 2 * count + 1).product() } else { 1 };
+        (0..count).map(|node| DesignVariable::new(format!("thickness {node}"), 0.01, (0.002, 0.03), "m")).collect()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1e-3, 1)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let material = Material { young: S::from(70e9), poisson: S::from(0.3), density: S::from(2500.0) };
+        let edges = [[0.25, 0.0, 0.0], [0.0, 0.05, 0.0]].map(Vector3::from_f64);
+        let mesh = ShellMesh::plate(Vector3::zeros(), edges, OF_NODES).clamped(Edge::FirstStart);
+        let thickness = |_, shares: [f64; 2]| {
+            let [i, j] = [0, 1].map(|k| (shares[k] * (2 * OF_NODES[k]) as f64).round() as usize);
+            x[if self.for_each { i + j * (2 * OF_NODES[0] + 1) } else { 0 }]
+        };
+        let plate = m.tapered_shell("plate", mesh, &material, thickness);
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
+        m.strain_energy_functional("strain energy", Over::Integral, &plate.group());
+        m.mass_functional("mass", Over::Initial);
+        Ok(())
+    }
+}
+
 /// A gradient by one thickness, and by that of each of 10,000 nodes.
 fn thicknesses(report: &mut Report) -> Result<(), RunError> {
-    let scenes = [Thicknesses::Strips(1), Thicknesses::Nodes].map(|thicknesses| PlatePendulum {
-        elements: OF_NODES,
-        thicknesses,
-        milliseconds: 1,
-    });
+    let scenes = [false, true].map(|for_each| OfNodes { for_each });
     let mut all = Vec::new();
     for scene in &scenes {
         let prepared = prepare(scene, 1, 1)?;
@@ -117,7 +141,7 @@ fn thicknesses(report: &mut Report) -> Result<(), RunError> {
 /// Phases of one step, whole steps, and their gradient.
 fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), RunError> {
     let name = |what: &str| format!("{}, {threads} thread{}/{what}", subject.name, if threads > 1 { "s" } else { "" });
-    let own = Phases::measure(&*subject.scene, USUAL)?;
+    let own = Phases::measure(&subject.scene, USUAL)?;
     report.inform(name("unknowns"), own.system.unknowns);
     for (what, [seconds, _]) in own.system.parts {
         report.inform(name(&format!("{what} [s]")), seconds);

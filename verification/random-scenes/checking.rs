@@ -153,7 +153,7 @@ impl Case {
             let moved = energy_moved(prepared, &forward)?;
             Ok((forward.values, rows, moved))
         })?;
-        let others = self.finer(&DRAWN, ("sdirk4", ConstraintLevel::Velocity), other, |prepared| {
+        let others = self.finer(&DRAWN, ("sdirk4", ConstraintLevel::Acceleration), other, |prepared| {
             prepared.analysis().values(&prepared.x)
         })?;
         let direction = self.direction();

@@ -202,7 +202,7 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     let end = if kind == Kind::Equilibrium { 1.0 } else { round(lots.number(0.5, 2.5) * units.size("s")) };
     let methods: Vec<_> = tables().into_iter().filter(|table| !table.is_static()).collect();
     let method = &methods[lots.below(methods.len())];
-    let level = lots.pick(&["position", "velocity", "acceleration"]);
+    let level = lots.pick(&["position", "acceleration"]);
     let may_choose = kind == Kind::Motion && method.embedded.is_some() && lots.happens(0.3);
     let tolerance = may_choose.then(|| round(lots.size(1e-7, 1e-3)));
     let steps = match kind {

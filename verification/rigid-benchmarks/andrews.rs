@@ -3,8 +3,7 @@
 use super::{end_state, place, prepare, watch, worse};
 use crate::verification::Report;
 use crate::verification::andrews::{self as angles, PUBLISHED, START};
-use costate::scenes::Prepared;
-use costate::scenes::built_in::Andrews;
+use costate::scenes::{Prepared, built_in};
 
 const NAMES: [&str; 7] = ["beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon"];
 /// Duration [s].
@@ -36,7 +35,7 @@ fn planar(table: &str, steps: usize) -> Result<[f64; 7], String> {
 }
 
 fn rigid_bodies(steps: usize) -> Result<[f64; 7], String> {
-    let prepared = prepare(Andrews.as_ref(), "sdirk4", END, steps)?;
+    let prepared = prepare(built_in::named("andrews")?, "sdirk4", END, steps)?;
     let places = places_of_bodies(&prepared)?;
     let (mut last, mut turns) = (body_angles(&prepared.mechanism.numbers.q, places), [0.0; 7]);
     watch(&prepared, |_, _, q, _| {

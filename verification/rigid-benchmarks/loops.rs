@@ -4,8 +4,7 @@ use super::{prepare, watch, worse};
 use crate::verification::Report;
 use costate::functionals::Sample;
 use costate::internals::{Measured, VectorsAvq};
-use costate::scenes::built_in::Bricard;
-use costate::scenes::{Prepared, Violation};
+use costate::scenes::{Prepared, Violation, built_in};
 
 /// What is conserved over a run.
 pub struct Conserved {
@@ -40,7 +39,7 @@ pub fn conserved(prepared: &Prepared) -> Result<Conserved, String> {
 
 /// Order 4, h = 1 ms: energy and constraints over 10 s; the motion against a method of order 5 with the same step.
 pub fn bricard(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(Bricard.as_ref(), "sdirk4", 10.0, 10_000)?;
+    let prepared = prepare(built_in::named("bricard")?, "sdirk4", 10.0, 10_000)?;
     report.compare("iftomm-a04/equations left out", prepared.plan.dropped.len() as f64, 1.0, 0.0);
     let Conserved { energy, worst } = conserved(&prepared)?;
     report.at_most("iftomm-a04/largest change of energy over 10 s by the range of the potential energy", energy, 1e-8);
@@ -51,7 +50,7 @@ pub fn bricard(report: &mut Report) -> Result<(), String> {
         true
     })?;
     let mut apart = 0.0;
-    watch(&prepare(Bricard.as_ref(), "esdirk5", 10.0, 10_000)?, |step, _, q, _| {
+    watch(&prepare(built_in::named("bricard")?, "esdirk5", 10.0, 10_000)?, |step, _, q, _| {
         apart = q.iter().zip(&course[step - 1]).fold(apart, |most, (a, b)| worse(most, (a - b).abs()));
         true
     })?;

@@ -7,8 +7,7 @@ use costate::history::Watch;
 use costate::integrators::StepRecord;
 use costate::internals::march;
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
-use costate::scenes::built_in::{FlyballGovernor, GearTrain, Screw, SpatialSliderCrank, UniversalShaft};
-use costate::scenes::{AnyScene, Prepared};
+use costate::scenes::{AnyScene, Prepared, built_in};
 use std::f64::consts::TAU;
 
 /// Initial value of a scene's design variable.
@@ -45,7 +44,8 @@ fn vertical_momentum(prepared: &Prepared, q: &[f64], v: &[f64]) -> f64 {
 
 /// Two methods and steps against each other; nothing has a moment about the vertical, so the angular momentum stays.
 pub fn flyball_governor(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(FlyballGovernor.as_ref(), "esdirk5", 10.0, 20_000)?;
+    let scene = built_in::named("flyball-governor")?;
+    let prepared = prepare(scene, "esdirk5", 10.0, 20_000)?;
     let slider = place(&prepared, "slider")?;
     let shaft = place(&prepared, "shaft")?;
     let numbers = &prepared.mechanism.numbers;
@@ -57,7 +57,7 @@ pub fn flyball_governor(report: &mut Report) -> Result<(), String> {
     })?;
     report.at_most("iftomm-a05/largest change of the angular momentum over 10 s, relative", change, 1e-9);
     let figures = |table: &str, steps: usize| -> Result<[f64; 2], String> {
-        let [q, v] = end_state(&prepare(FlyballGovernor.as_ref(), table, 10.0, steps)?)?;
+        let [q, v] = end_state(&prepare(scene, table, 10.0, steps)?)?;
         Ok([q[slider + 2], omega(&q[shaft..], &v[shaft..])[2]])
     };
     let (fine, coarse, other) = (figures("esdirk5", 20_000)?, figures("esdirk5", 10_000)?, figures("esdirk4", 20_000)?);
@@ -75,9 +75,11 @@ pub fn flyball_governor(report: &mut Report) -> Result<(), String> {
 /// Order 4, h = 0.5 ms: the slider's place and speed are those of the crank's angle and rate; energy; published places.
 pub fn spatial_slider_crank(report: &mut Report) -> Result<(), String> {
     const STEPS: usize = 10_000;
-    let prepared = prepare(SpatialSliderCrank.as_ref(), "sdirk4", 5.0, STEPS)?;
+    let scene = built_in::named("spatial-slider-crank")?;
+    let prepared = prepare(scene, "sdirk4", 5.0, STEPS)?;
     let (crank, slider) = (place(&prepared, "crank")?, place(&prepared, "slider")?);
-    let ([_, beside, above], [length, rod]) = (SpatialSliderCrank::BEARING, SpatialSliderCrank::LENGTHS);
+    // the bearing of the crank, and the lengths
+    let ([beside, above], [length, rod]) = ([0.1, 0.12], [initial(scene, "crank length")?, initial(scene, "rod length")?]);
     let (mut place_error, mut speed_error) = (0.0, 0.0);
     let mut rows = Vec::new();
     watch(&prepared, |step, _, q, v| {
@@ -108,10 +110,10 @@ pub fn spatial_slider_crank(report: &mut Report) -> Result<(), String> {
 
 /// Order 4, h = 1 ms: output angle and rate in closed form, the driving moment from the balance of power.
 pub fn universal_shaft(report: &mut Report) -> Result<(), String> {
-    let (bend, rate) = (initial(UniversalShaft.as_ref(), "bend")?, initial(UniversalShaft.as_ref(), "rate")?);
-    let (inertia, brake) =
-        (initial(UniversalShaft.as_ref(), "inertia of the output")?, initial(UniversalShaft.as_ref(), "braking torque")?);
-    let prepared = prepare(UniversalShaft.as_ref(), "sdirk4", 3.0, 3_000)?;
+    let scene = built_in::named("universal-shaft")?;
+    let (bend, rate) = (initial(scene, "bend")?, initial(scene, "rate")?);
+    let (inertia, brake) = (initial(scene, "inertia of the output")?, initial(scene, "braking torque")?);
+    let prepared = prepare(scene, "sdirk4", 3.0, 3_000)?;
     report.compare("universal shaft/equations left out", prepared.plan.dropped.len() as f64, 3.0, 0.0);
     let output = place(&prepared, "output")?;
     let drive = prepared.model().constraints.iter().find(|joint| joint.name == "drive").ok_or("no drive")?;
@@ -147,9 +149,9 @@ pub fn universal_shaft(report: &mut Report) -> Result<(), String> {
 
 /// Order 5, h = 0.5 ms: the nut's fall is g m / (m + J (2 pi / pitch)^2) t^2 / 2, and it turns with it.
 pub fn screw(report: &mut Report) -> Result<(), String> {
-    let [mass, inertia, pitch] =
-        [initial(Screw.as_ref(), "mass")?, initial(Screw.as_ref(), "inertia")?, initial(Screw.as_ref(), "pitch")?];
-    let prepared = prepare(Screw.as_ref(), "esdirk5", 1.5, 3_000)?;
+    let scene = built_in::named("screw")?;
+    let [mass, inertia, pitch] = [initial(scene, "mass")?, initial(scene, "inertia")?, initial(scene, "pitch")?];
+    let prepared = prepare(scene, "esdirk5", 1.5, 3_000)?;
     let nut = place(&prepared, "nut")?;
     let acceleration = -9.81 * mass / (mass + inertia * (TAU / pitch).powi(2));
     let [mut place_error, mut angle_error, mut rate_error] = [0.0; 3];
@@ -169,12 +171,13 @@ pub fn screw(report: &mut Report) -> Result<(), String> {
 
 /// Order 5, h = 0.5 ms: the rack falls with g m / (m + (J1 + J2 (r1 / r2)^2) / r^2), the flywheel turns against the pinion.
 pub fn gear_train(report: &mut Report) -> Result<(), String> {
-    let own = |name: &str| initial(GearTrain.as_ref(), name);
+    let scene = built_in::named("gear-train")?;
+    let own = |name: &str| initial(scene, name);
     let (mass, radius) = (own("rack mass")?, own("pinion radius")?);
     let ratio = own("first gear radius")? / own("second gear radius")?;
     let inertia = own("inertia of the first shaft")? + own("inertia of the flywheel")? * ratio * ratio;
     let acceleration = -9.81 * mass / (mass + inertia / (radius * radius));
-    let prepared = prepare(GearTrain.as_ref(), "esdirk5", 1.0, 2_000)?;
+    let prepared = prepare(scene, "esdirk5", 1.0, 2_000)?;
     let (rack, angle) = (place(&prepared, "rack")?, place(&prepared, "angle of the flywheel")?);
     let [mut place_error, mut angle_error] = [0.0; 2];
     watch(&prepared, |_, t, q, _| {

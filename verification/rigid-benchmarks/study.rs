@@ -7,8 +7,7 @@ use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};
 use costate::internals::march;
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
-use costate::scenes::built_in::{CarAxis, DoublePendulum, FiveBar, FreeBody, HeavyTop, Pendulum, TwoFourBar};
-use costate::scenes::{AnyScene, Prepared, Settings, Violation};
+use costate::scenes::{AnyScene, Prepared, Settings, Violation, built_in};
 
 pub use andrews::{angles_of_turns, body_angles, places_of_bodies};
 
@@ -103,7 +102,7 @@ fn rows(csv: &str) -> Result<Vec<[f64; 3]>, String> {
 fn pendulum(report: &mut Report) -> Result<(), String> {
     const STEPS_PER_ROW: usize = 100;
     let reference = rows(include_str!("iftomm_a01_pendulum.csv"))?;
-    let prepared = prepare(Pendulum.as_ref(), "sdirk4", 10.0, STEPS_PER_ROW * (reference.len() - 1))?;
+    let prepared = prepare(built_in::named("pendulum")?, "sdirk4", 10.0, STEPS_PER_ROW * (reference.len() - 1))?;
     let first = place(&prepared, "bob")?;
     let mut largest: f64 = 0.0;
     watch(&prepared, |step, _, q, _| {
@@ -126,7 +125,7 @@ fn worse(a: f64, b: f64) -> f64 {
 fn two_four_bar(report: &mut Report) -> Result<(), String> {
     const STEPS_PER_ROW: usize = 200;
     let reference = rows(include_str!("iftomm_a02_two_four_bar.csv"))?;
-    let prepared = prepare(TwoFourBar.as_ref(), "sdirk4", 10.0, STEPS_PER_ROW * (reference.len() - 1))?;
+    let prepared = prepare(built_in::named("two-four-bar")?, "sdirk4", 10.0, STEPS_PER_ROW * (reference.len() - 1))?;
     let first = place(&prepared, "vertical 0")?;
     // B0 is one metre from A0 along the body's x axis
     let head = |q: &[f64]| {
@@ -185,7 +184,7 @@ fn flat_time() -> f64 {
 
 /// Order 4, h = 0.1 ms; relative errors of all coordinates and velocities at t = 3.
 fn car_axis(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(CarAxis.as_ref(), "sdirk4", 3.0, 30_000)?;
+    let prepared = prepare(built_in::named("car-axis")?, "sdirk4", 3.0, 30_000)?;
     let [q, v] = end_state(&prepared)?;
     let (left, right) = (place(&prepared, "left")?, place(&prepared, "right")?);
     let computed = [
@@ -214,7 +213,7 @@ fn body_omega(q: &[f64], v: &[f64]) -> Vector3<f64> {
 
 /// Order 4, h = 1 ms.
 fn free_body(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(FreeBody.as_ref(), "sdirk4", 10.0, 10_000)?;
+    let prepared = prepare(built_in::named("free-body")?, "sdirk4", 10.0, 10_000)?;
     let [q, v] = end_state(&prepared)?;
     let omega = body_omega(&q, &v).components();
     let reference = [-0.921069998444332, 0.389397044115332, 0.974400660583082];
@@ -226,7 +225,7 @@ fn free_body(report: &mut Report) -> Result<(), String> {
 
 /// Order 4, h = 0.5 ms.
 fn heavy_top(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(HeavyTop.as_ref(), "sdirk4", 5.0, 10_000)?;
+    let prepared = prepare(built_in::named("heavy-top")?, "sdirk4", 5.0, 10_000)?;
     let top = place(&prepared, "top")?;
     let [q, _] = end_state(&prepared)?;
     let axis = Quaternion::from_slice(&q[top + 3..]).rotate(Vector3::new(0.0, 0.0, 1.0)).components();
@@ -237,7 +236,7 @@ fn heavy_top(report: &mut Report) -> Result<(), String> {
 
 /// Order 4, h = 1 ms; relative errors.
 fn five_bar(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(FiveBar.as_ref(), "sdirk4", 5.0, 5_000)?;
+    let prepared = prepare(built_in::named("five-bar")?, "sdirk4", 5.0, 5_000)?;
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).map_err(|e| e.to_string())?;
     let gradient = analysis.adjoint(&prepared.x, &forward).map_err(|e| e.to_string())?;
@@ -252,9 +251,8 @@ fn five_bar(report: &mut Report) -> Result<(), String> {
 /// The default method, h = 1 ms, 100,000 steps.
 fn constraint_drift(report: &mut Report) -> Result<(), String> {
     const STEPS: usize = 100_000;
-    for scene in [DoublePendulum.as_ref(), HeavyTop.as_ref()] {
-        let name = scene.name();
-        let prepared = prepare(scene, DEFAULT_TABLE, 100.0, STEPS)?;
+    for name in ["double-pendulum", "heavy-top"] {
+        let prepared = prepare(built_in::named(name)?, DEFAULT_TABLE, 100.0, STEPS)?;
         let mut worst = Violation::default();
         watch(&prepared, |step, t, q, v| {
             worst = worst.worse(prepared.violation(t, q, v));

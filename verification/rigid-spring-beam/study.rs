@@ -5,8 +5,7 @@ use costate::functionals::Over;
 use costate::integrators::RunError;
 use costate::internals::Measured;
 use costate::optimize::{GradientBy, Optimized};
-use costate::scenes::built_in::RigidSpringBeam;
-use costate::scenes::{Prepared, Scene, Settings};
+use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};
 use costate::sensitivity::largest_difference;
 
 /// A rigid bar held by a spring and a turning beam: where the beam's hinge must be so that the bar moves least.
@@ -38,7 +37,7 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     };
     // there are several optima, and both ways may lead to others: the steps are compared at one of them
     let (value, design) = best(&coarse);
-    let same = optimize_from(&design, RigidSpringBeam.as_ref(), STEPS[1], GradientBy::Adjoint, ITERATIONS)?;
+    let same = optimize_from(&design, scene()?, STEPS[1], GradientBy::Adjoint, ITERATIONS)?;
     let (fine_value, fine_design) = best(&same);
     report.inform("optimum/objective of the one found with 0.5 ms, by that found with 1 ms", best(&fine).0 / value);
     let shift = PLACE.map(|(k, _)| (design[k] - fine_design[k]).abs());
@@ -48,7 +47,7 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     report.at_most("optimum/objective, relative difference to esdirk4", (value / independent - 1.0).abs(), 0.01);
 
     eprintln!("[3/3] finite differences");
-    let differences = optimize(RigidSpringBeam.as_ref(), STEPS[0], DIFFERENCES, ITERATIONS)?;
+    let differences = optimize(scene()?, STEPS[0], DIFFERENCES, ITERATIONS)?;
     let (other, other_design) = best(&differences);
     report.inform("finite differences/objective [m2 s]", other);
     for (k, name) in PLACE {
@@ -77,7 +76,7 @@ fn simulations(optimized: &Optimized) -> f64 {
 /// At the first design: the adjoint against complex step, for the place of the hinge in space, the stiffness and the mass.
 fn gradient(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[1/3] gradient");
-    let prepared = prepare(RigidSpringBeam.as_ref(), &initial(), STEPS[0])?;
+    let prepared = prepare(scene()?, &initial()?, STEPS[0])?;
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x)?;
     let stepped = analysis.complex_step(&prepared.x, &forward)?;
@@ -94,14 +93,18 @@ fn gradient(report: &mut Report) -> Result<(), RunError> {
 /// rounding of the variables does more, four times that is the limit.
 const GRADIENT_LIMIT: f64 = 1e-10;
 
-fn initial() -> Vec<f64> {
-    RigidSpringBeam.variables().iter().map(|variable| variable.initial).collect()
+fn scene() -> Result<&'static FileScene, String> {
+    built_in::named("rigid-spring-beam")
+}
+
+fn initial() -> Result<Vec<f64>, String> {
+    Ok(scene()?.variables().iter().map(|variable| variable.initial).collect())
 }
 
 fn optimize_with(steps: usize, report: &mut Report) -> Result<Optimized, RunError> {
     let step = format!("{} ms", 1e3 / steps as f64);
     eprintln!("[2/3] steps of {step}");
-    let optimized = optimize(RigidSpringBeam.as_ref(), steps, GradientBy::Adjoint, ITERATIONS)?;
+    let optimized = optimize(scene()?, steps, GradientBy::Adjoint, ITERATIONS)?;
     let history = &optimized.history;
     let ends = history.points.first().zip(history.best());
     let Some((first, best)) = ends else { return Err(RunError::Input("nothing was simulated".into())) };
@@ -120,22 +123,23 @@ fn optimize_with(steps: usize, report: &mut Report) -> Result<Optimized, RunErro
 
 /// The objective of a design with another integrator.
 fn with_method(name: &'static str, design: &[f64], steps: usize) -> Result<f64, RunError> {
-    let settings = Settings { method: Some(name.into()), steps, ..RigidSpringBeam.settings() };
-    let prepared = Prepared::with(RigidSpringBeam.as_ref(), design, Prepared::method_of(&settings)?, settings)?;
+    let settings = Settings { method: Some(name.into()), steps, ..scene()?.settings() };
+    let prepared = Prepared::with(scene()?, design, Prepared::method_of(&settings)?, settings)?;
     Ok(prepared.analysis().values(&prepared.x)?[0])
 }
 
 /// The figures of the source: displacement of B, objective and place of D by iteration.
 fn pictures(report: &mut Report, [coarse, fine, differences]: [&Optimized; 3]) -> Result<(), RunError> {
-    let optimum = coarse.history.best().map_or_else(initial, |point| point.design.clone());
+    let initial = initial()?;
+    let optimum = coarse.history.best().map_or_else(|| initial.clone(), |point| point.design.clone());
     let mut displacements = Vec::new();
     for (name, design, steps) in [
-        ("initial, 1 ms", &initial(), STEPS[0]),
-        ("initial, 0.5 ms", &initial(), STEPS[1]),
+        ("initial, 1 ms", &initial, STEPS[0]),
+        ("initial, 0.5 ms", &initial, STEPS[1]),
         ("optimum, 1 ms", &optimum, STEPS[0]),
         ("optimum, 0.5 ms", &optimum, STEPS[1]),
     ] {
-        let prepared = prepare(RigidSpringBeam.as_ref(), design, steps)?;
+        let prepared = prepare(scene()?, design, steps)?;
         let objective = prepared.functionals().iter().find(|functional| functional.over == Over::Integral);
         let measured: Vec<&Measured> = objective.iter().map(|functional| &functional.measured).collect();
         let courses = over_time(&prepared, &measured)?;

@@ -1,7 +1,7 @@
 //! Negative eigenvalues of the stiffness of an equilibrium by a dense eigensolver, on a basis of the directions that its constraints leave.
 
 use costate::integrators::Stability;
-use costate::internals::{Jacobian, Rerun, Residual, StageSystem, Systems};
+use costate::internals::{Jacobian, Rerun, Residual, StageSystem};
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -48,10 +48,8 @@ fn negative_eigenvalues(prepared: &Prepared, forward: &Forward) -> Result<[usize
     let mut steps = forward.history.forward(&rerun).map_err(|error| error.to_string())?;
     let mut found = Err("no step to count in".to_string());
     while let Some(step) = steps.next().map_err(|error| error.to_string())? {
-        let systems = Systems::new(problem.model, &prepared.method, &step.dropped);
-        let (Some(stage), system) = (step.stages.iter().rfind(|stage| stage.known.is_none()), &systems.stage) else {
-            continue;
-        };
+        let system = &*prepared.method.system(problem.model, &step.dropped);
+        let Some(stage) = step.stages.iter().rfind(|stage| stage.known.is_none()) else { continue };
         let solve = &stage.solve;
         let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
         let mut residual = Residual::default();

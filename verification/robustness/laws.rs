@@ -34,7 +34,7 @@ impl Laws {
         let mut one_of = |count: usize| between(0.0, count as f64) as usize % count;
         let frame = [LoadFrame::World, LoadFrame::Body][one_of(2)];
         let (signal, element, over, weight) = (one_of(3), one_of(4), one_of(3), one_of(3));
-        let (table, level) = (one_of(moving().count()), ConstraintLevel::ALL[one_of(3)]);
+        let (table, level) = (one_of(moving().count()), ConstraintLevel::ALL[one_of(2)]);
         Laws { frame, signal, times: [0.03 + 0.01 * one_of(5) as f64, 0.11], element, over, table, level, weight }
     }
 
@@ -52,7 +52,7 @@ impl Laws {
             7 => other.weight = (self.weight + 1) % 3,
             _ => {
                 let place = ConstraintLevel::ALL.iter().position(|own| *own == self.level).unwrap_or(0);
-                other.level = ConstraintLevel::ALL[(place + 1) % 3];
+                other.level = ConstraintLevel::ALL[(place + 1) % 2];
             }
         }
         (other, !matches!(thing, 5 | 7))

@@ -4,8 +4,7 @@ use crate::verification::{Noise, Report};
 use costate::optimize::{
     ConstraintKind, DesignPoint, Gradients, NoValue, NonlinearProgram, Optimization, Sqp, Stopping, Values, minimize,
 };
-use costate::scenes::Prepared;
-use costate::scenes::built_in::SliderCrank;
+use costate::scenes::{Prepared, built_in};
 
 /// Bars of drawn laws.
 const BARS: usize = 2000;
@@ -109,8 +108,7 @@ fn bars(report: &mut Report) {
 
 /// A slider-crank from drawn designs.
 fn slider_crank(report: &mut Report) -> Result<(), String> {
-    let scene = SliderCrank;
-    let mut optimization = Optimization::of(&scene).map_err(|error| error.to_string())?;
+    let mut optimization = Optimization::of(built_in::named("slider-crank")?).map_err(|error| error.to_string())?;
     (optimization.cases[0].settings.end, optimization.cases[0].settings.steps) = (2.5, 100);
     let mut noise = Noise::new(11);
     let (mut ends, mut unseen) = (Ends::default(), 0);

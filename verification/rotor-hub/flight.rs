@@ -2,10 +2,10 @@
 
 use super::blade_element::{Blade, Strip, power, strips};
 use super::swash_plate::pitch;
-use super::{FLIGHTS, controls, extended, told};
+use super::{FLIGHTS, controls, told};
 use crate::verification::{Report, largest};
 use costate::cli::{Chart, Series};
-use costate::scenes::{AnyScene, FileScene, Prepared};
+use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 use std::f64::consts::TAU;
 
 /// Inflow of strips of rigid blades.
@@ -25,10 +25,10 @@ const STEPS: usize = 72;
 const COLLECTIVE: f64 = 0.05;
 
 /// A flight of some turns with so many steps in each.
-fn flight(name: &str, lifts: [f64; 3], young: f64, [turns, steps]: [usize; 2]) -> Result<FileScene, String> {
+fn flight(lifts: [f64; 3], young: f64, [turns, steps]: [usize; 2]) -> Result<FileScene, String> {
     let [one, two, three] = lifts;
-    extended(
-        name,
+    built_in::changed(
+        "rotor-hub-flight",
         &format!(
             "define = {{ young = {young:e}, u1 = {one}, u2 = {two}, u3 = {three} }}\n\
              settings = {{ end = \"{turns} * 2 * pi / omega\", steps = {} }}\n\
@@ -43,10 +43,10 @@ pub fn air_loads(report: &mut Report) -> Result<(), String> {
     hover(report)?;
     let mut charts = Vec::new();
     for (name, lifts) in FLIGHTS.into_iter().skip(if report.is_short() { 2 } else { 0 }) {
-        let [own, theory] = tip(name, lifts.map(|lift| SLIGHT * lift))?;
+        let [own, theory] = tip(lifts.map(|lift| SLIGHT * lift))?;
         charts.push(compare_tips(report, &format!("{name}, a quarter of the controls"), [&own, &theory], Some(TIP)));
         if !report.is_short() {
-            let [own, theory] = tip(name, lifts)?;
+            let [own, theory] = tip(lifts)?;
             charts.push(compare_tips(report, name, [&own, &theory], None));
         }
     }
@@ -56,7 +56,7 @@ pub fn air_loads(report: &mut Report) -> Result<(), String> {
 
 /// Rigid blades until the inflow has settled.
 fn hover(report: &mut Report) -> Result<(), String> {
-    let scene = flight("rigid", [COLLECTIVE; 3], 70e12, [HOVER, 60])?;
+    let scene = flight([COLLECTIVE; 3], 70e12, [HOVER, 60])?;
     let prepared = Prepared::new(&scene).map_err(told)?;
     let model = prepared.model();
     let inflow = |i: usize| model.nodes.iter().find(|node| node.name == format!("inflow 0 {i}")).map(|node| node.dofs.start);
@@ -81,8 +81,8 @@ fn hover(report: &mut Report) -> Result<(), String> {
 }
 
 /// How the tip of an elastic blade rises and flaps from the steady start on, and how by theory \[m\].
-fn tip(name: &str, lifts: [f64; 3]) -> Result<[Vec<f64>; 2], String> {
-    let scene = flight(name, lifts, 70e9, [FLAPPING, STEPS])?;
+fn tip(lifts: [f64; 3]) -> Result<[Vec<f64>; 2], String> {
+    let scene = flight(lifts, 70e9, [FLAPPING, STEPS])?;
     let prepared = Prepared::new(&scene).map_err(told)?;
     let tip = prepared.model().nodes.iter().find(|node| node.name == "blade 0[24,1]").ok_or("no tip")?.dofs.start;
     let analysis = prepared.analysis();

@@ -1,7 +1,6 @@
 //! A rotor hub at speed: the steady start, frequencies of a turning blade, the kinematics of the swash plate, gradients through all of it.
 
 mod blade_element;
-mod extended;
 mod flight;
 mod series;
 mod swash_plate;
@@ -11,8 +10,7 @@ use crate::verification::{Form, Report, Study};
 use costate::functionals::Sample;
 use costate::integrators::RunError;
 use costate::scalar::Quaternion;
-use costate::scenes::{AnyScene, FileScene, Prepared, Scenario, Settings};
-pub use extended::extended;
+use costate::scenes::{AnyScene, FileScene, Prepared, Scenario, Settings, built_in};
 use series::blade_frequencies;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -44,7 +42,6 @@ const HALVED: f64 = 0.125;
 const RESONANCE: f64 = 1e-8;
 
 const HUB: &str = include_str!("../../examples/scenes/rotor-hub.toml");
-const GROUND_RESONANCE: &str = include_str!("../../examples/scenes/ground-resonance.toml");
 const FLIGHTS: [(&str, [f64; 3]); 3] =
     [("collective", [0.05, 0.05, 0.05]), ("longitudinal", [0.025, 0.025, 0.05]), ("lateral", [0.025, 0.05, 0.025])];
 
@@ -193,8 +190,7 @@ const HAMMOND: [f64; 2] = [0.8361868786, 19.9367071];
 
 fn ground_resonance(report: &mut Report) -> Result<(), String> {
     eprintln!("[3/7] ground resonance");
-    let scene = FileScene::parse("ground-resonance.toml", GROUND_RESONANCE)?;
-    let prepared = Prepared::new(&scene).map_err(told)?;
+    let prepared = Prepared::new(built_in::named("ground-resonance")?).map_err(told)?;
     let found = prepared.periodic_modes(2).map_err(told)?;
     let [first, second] = &found.modes[..] else { return Err("two modes are wanted".into()) };
     let [growth, rate] = HAMMOND;
@@ -309,7 +305,7 @@ fn swash_plate(report: &mut Report) -> Result<(), String> {
 
 fn flights(report: &mut Report) -> Result<(), String> {
     eprintln!("[5/7] three flights of the hub with blades");
-    let scene = FileScene::parse("rotor-hub.toml", HUB)?;
+    let scene = built_in::named("rotor-hub")?;
     let short = report.is_short();
     for Scenario { name, scene } in scene.scenarios().into_iter().take(if short { 1 } else { 3 }) {
         let mut settings = scene.settings();
@@ -340,8 +336,7 @@ fn flights(report: &mut Report) -> Result<(), String> {
 fn steps_and_meshes(report: &mut Report) -> Result<(), String> {
     eprintln!("[6/7] steps and meshes");
     let run = |along: usize, scenario: &str, method: &str, steps: usize| -> Result<[f64; 2], String> {
-        let text = HUB.replace("along = 12 ", &format!("along = {along} ")) + ENERGIES;
-        let scene = FileScene::parse("rotor-hub.toml", &text)?;
+        let scene = built_in::changed("rotor-hub", &format!("define.along = {along}{ENERGIES}"))?;
         let scenarios = scene.scenarios();
         let scene = scenarios.iter().find(|own| own.name == scenario).ok_or("no scenario")?.scene;
         let settings = Settings { steps, method: Some(method.into()), ..scene.settings() };

@@ -1,9 +1,9 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
-use crate::verification::phases::{Effort, OfMumps, Phases, Times, USUAL, prepare};
+use crate::verification::falling::plate;
+use crate::verification::phases::{Effort, OfMumps, Phases, Times, USUAL};
 use crate::verification::{Form, Report, Study};
-use costate::internals::{OnRanks, Systems, of_all_ranks, predicted, traffic};
-use costate::scenes::built_in::{PlatePendulum, Thicknesses};
+use costate::internals::{of_all_ranks, traffic};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -62,10 +62,9 @@ impl Study for Scaling {
                 layouts(report, subject).into_iter().map(|layout| (layout, None)).collect();
             let rounds = if report.is_short() || report.is_long() { 1 } else { ROUNDS };
             for round in 0..rounds {
-                for (place, (layout, known)) in all.iter_mut().enumerate().filter(|(_, own)| round == 0 || !own.0.is_crowded)
-                {
+                for (layout, known) in all.iter_mut().filter(|own| round == 0 || !own.0.is_crowded) {
                     eprintln!("{}: {layout}", subject.name);
-                    let own = layout.measured(subject, place == 0 && round == 0)?;
+                    let own = layout.measured(subject)?;
                     *known = match (known.take(), own) {
                         (Some(known), Some(own)) => {
                             Some(known.least(own).map_err(|name| format!("{layout}: {name} is another one"))?)
@@ -88,9 +87,8 @@ impl Study for Scaling {
     }
 }
 
-/// Names the plate to a process that measures it alone, or with others; and asks one of them for the model.
+/// Names the plate to a process that measures it alone, or with others.
 const ONE_OF_MANY: &str = "COSTATE_SCALING";
-const WITH_MODEL: &str = "COSTATE_SCALING_MODEL";
 /// Tells processes that they have no core each: they disturb each other, so that the least of more repetitions counts.
 const CROWDED_RANKS: &str = "COSTATE_SCALING_CROWDED";
 const CROWDED_REPEATS: usize = 30;
@@ -137,7 +135,7 @@ struct Measured(BTreeMap<String, f64>);
 
 impl Layout {
     /// What processes of this layout measure; nothing where they cannot be started.
-    fn measured(&self, subject: &Subject, with_model: bool) -> Result<Option<Measured>, String> {
+    fn measured(&self, subject: &Subject) -> Result<Option<Measured>, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = match self.ranks {
             1 => Command::new(program),
@@ -151,9 +149,6 @@ impl Layout {
         command.args(["verify", "scaling", "--json"]);
         // containers have no other user
         command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
-        if with_model {
-            command.env(WITH_MODEL, "1");
-        }
         if self.is_crowded {
             command.env(CROWDED_RANKS, "1");
         }
@@ -210,22 +205,7 @@ impl Measured {
                 }
                 continue;
             }
-            let full = if name.starts_with(MODEL) { format!("{}/{name}", subject.name) } else { full };
             report.inform(&full, value);
-            let predicted = base.and_then(|(first, base)| {
-                let [own, first] = [layout, first].map(|layout| base.0.get(&predicted_on(layout)));
-                Some(own? / first?)
-            });
-            // the short form has no figure that depends on the clock
-            let is_held = name.starts_with("factorization") && !(subject.is_for_each || report.is_short());
-            if let (Some(of_base), Some(predicted), true) = (of_base, predicted, is_held) {
-                let (name, ratio) =
-                    (format!("{full}, speed by the one that the model predicts"), of_base / value / predicted);
-                match layout.ranks <= MOST_HELD {
-                    true => report.compare(name, ratio, 1.0, MODEL_ERROR),
-                    false => report.inform(name, ratio),
-                }
-            }
             if let (Some(of_base), true) = (of_base, name.ends_with("[s]") && ![ON_PROCESSORS, WAITING].contains(&&name[..]))
             {
                 let what = if subject.is_for_each { "share of its speed alone" } else { "times as fast" };
@@ -241,23 +221,9 @@ const ON_PROCESSORS: &str = "time on processors, all ranks [s]";
 const ON_PATH: &str = ", longest path [s]";
 const WAITING: &str = "waiting, of the rank that waits most [s]";
 const SECOND: &str = "second functional by the first";
-/// What a model says of more ranks, and by how much it may be wrong.
-const MODEL: &str = "model";
-const MODEL_ERROR: f64 = 0.15;
-/// Ranks up to which it is held to that: more of them take caches from each other where they have no core each.
-const MOST_HELD: usize = 4;
-/// Numbers of ranks, and of threads of each, of which it is asked.
-const RANKS: [usize; 8] = [1, 2, 4, 8, 16, 24, 64, 256];
-const THREADS: [usize; 4] = [1, 2, 4, 16];
-
 /// Whether a figure depends on what the clock says.
 fn is_timed(name: &str) -> bool {
     name.ends_with("[s]") || name == SECOND
-}
-
-/// Name of the speed of a layout by the model.
-fn predicted_on(layout: &Layout) -> String {
-    format!("{MODEL}/{layout}/factorization, times as fast")
 }
 
 impl Subject {
@@ -266,7 +232,7 @@ impl Subject {
         let [along, across] = self.elements;
         let threads = of_all_ranks(&[]).len() * rayon::current_num_threads();
         let elements = [if self.is_for_each { along * threads } else { along }, across];
-        let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: 1 };
+        let plate = plate(elements)?;
         let (before, on_processor) = (traffic(), processor_seconds());
         let effort = match std::env::var_os(CROWDED_RANKS) {
             // what MUMPS sends is on no path here
@@ -292,21 +258,6 @@ impl Subject {
         report.inform(SECOND, own.adjoint[1][0] / own.adjoint[0][0] - 1.0);
         for (place, &value) in own.results.iter().enumerate() {
             report.inform(format!("{RESULT} {place}"), value);
-        }
-        if std::env::var_os(WITH_MODEL).is_some() {
-            let one = prepare(&plate, 1, 1).map_err(|error| error.to_string())?;
-            let systems = Systems::new(one.problem().model, &one.method, &[]);
-            let (all, bound) = predicted(&systems.stage.pattern, &RANKS, &THREADS);
-            for OnRanks { ranks, threads, speed, sent } in all {
-                let layout = Layout { ranks, threads, is_crowded: false };
-                report.inform(predicted_on(&layout), speed);
-                if threads == 1 && ranks > 1 {
-                    report.inform(format!("{MODEL}/{layout}/sent by the one that sends most [MB]"), 8e-6 * sent);
-                }
-            }
-            let name =
-                format!("{MODEL}/any number of ranks of 1 thread with one for each front/factorization, times as fast");
-            report.inform(name, bound);
         }
         let memory = own.memory.unwrap_or(f64::NAN);
         let of_rank = [on_processor, after.waited - before.waited, after.sent - before.sent, memory];

@@ -1,22 +1,20 @@
 //! Condition of a stage matrix.
 
 use costate::integrators::ConstraintLevel;
-use costate::internals::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Systems, VectorsAvq};
+use costate::internals::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, VectorsAvq};
 use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
 use costate::scenes::Prepared;
 
 /// Condition in the 1-norm of the first step's last stage matrix at the start, rows and columns scaled to a largest entry of 1.
 pub fn condition(prepared: &Prepared) -> Result<f64, String> {
     let (problem, table) = (prepared.problem(), &prepared.method.table);
-    let systems = Systems::new(problem.model, &prepared.method, &prepared.plan.dropped);
-    let system = &systems.stage;
+    let system = &*prepared.method.system(problem.model, &prepared.plan.dropped);
     let (t, end) = prepared.grid.span(0);
     let (h, last) = (end - t, table.stages.len() - 1);
     let row = &table.stages[last];
     let shift = StageCoefficients::new(row.a.stages[last], h * row.v.stages[last], h * h * row.q.stages[last]);
     let level = match prepared.method.level {
         ConstraintLevel::Position => Level::Position,
-        ConstraintLevel::Velocity => Level::Stabilized,
         ConstraintLevel::Acceleration => Level::Acceleration,
     };
     let equations = Equations::stage(shift, level);

@@ -11,8 +11,7 @@ use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, StepControl, StepRecord, table_by_name};
 use costate::internals::{march, march_adaptive};
 use costate::scalar::Quaternion;
-use costate::scenes::built_in::Bricard;
-use costate::scenes::{AnyScene, Prepared, Settings, Violation};
+use costate::scenes::{AnyScene, Prepared, Settings, Violation, built_in};
 use std::f64::consts::TAU;
 
 /// Turns of the crank through its dead points.
@@ -120,7 +119,7 @@ pub fn dead_points(report: &mut Report) -> Result<(), String> {
 
 /// Bricard's mechanism over 100,000 steps of 5 ms: one of its thirty equations is left out.
 pub fn redundant_loop(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(Bricard.as_ref(), Prepared::default_method(), 5e-3 * MANY as f64, MANY)?;
+    let prepared = prepare(built_in::named("bricard")?, Prepared::default_method(), 5e-3 * MANY as f64, MANY)?;
     let (energy, worst) = drift(&prepared)?;
     let figure = |what: &str| format!("{MANY:e} steps/bricard/{what}");
     report.compare(figure("equations left out"), prepared.plan.dropped.len() as f64, 1.0, 0.0);

@@ -12,8 +12,7 @@ use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, StepRecord, table_by_name, tables};
 use costate::internals::{Measured, VectorsAvq, march};
-use costate::scenes::built_in::{FreeBody, Pendulum};
-use costate::scenes::{AnyScene, Prepared, Settings, Violation};
+use costate::scenes::{AnyScene, Prepared, Settings, Violation, built_in};
 use costate::sensitivity::largest_difference;
 use rayon::prelude::*;
 use scenes::{Arm, NearlyParallelRods, UnequalMasses, Units};
@@ -76,17 +75,17 @@ fn default_at(level: ConstraintLevel) -> Method {
 
 /// Energy and constraints over many steps, for every table.
 fn long_runs(report: &mut Report) -> Result<(), String> {
-    let scenes: [(&str, &dyn AnyScene); 2] = [("free-body", FreeBody.as_ref()), ("pendulum", Pendulum.as_ref())];
+    let scenes = ["free-body", "pendulum"];
     let runs: Vec<_> = scenes.iter().flat_map(|scene| tables().into_iter().map(move |table| (scene, table))).collect();
     let steps = if report.is_short() { SHORTENED } else { LONG };
     let drifts: Vec<Result<(f64, Violation), String>> = runs
         .par_iter()
-        .map(|((_, scene), table)| {
+        .map(|(scene, table)| {
             let method = Method::new(table.clone(), ConstraintLevel::Acceleration);
-            drift(&prepare(*scene, method, steps as f64 * LONG_STEP, steps)?)
+            drift(&prepare(built_in::named(scene)?, method, steps as f64 * LONG_STEP, steps)?)
         })
         .collect();
-    for (((name, _), table), outcome) in runs.iter().zip(drifts) {
+    for ((name, table), outcome) in runs.iter().zip(drifts) {
         let figure = |what: &str| format!("{steps:e} steps/{name}/{}/{what}", table.name);
         let (energy, worst) = match outcome {
             Ok(drift) => drift,

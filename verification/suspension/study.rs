@@ -6,8 +6,7 @@ use costate::functionals::{Functional, Over};
 use costate::integrators::RunError;
 use costate::internals::{CableLargestStress, Measured, MeasuredQuantity};
 use costate::optimize::{GradientBy, Optimized};
-use costate::scenes::built_in::Suspension;
-use costate::scenes::{AnyScene, Prepared, Settings};
+use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use costate::sensitivity::largest_difference;
 use std::mem::take;
 
@@ -15,6 +14,8 @@ use std::mem::take;
 pub struct SuspensionStudy;
 
 const STEPS: usize = 3000;
+/// Elements of each tube.
+const ELEMENTS: usize = 2;
 const ITERATIONS: usize = 60;
 /// Iterations by finite differences: each takes 61 simulations or more.
 const DIFFERENCE_ITERATIONS: usize = 2;
@@ -39,8 +40,7 @@ impl Study for SuspensionStudy {
 }
 
 fn study(report: &mut Report) -> Result<(), RunError> {
-    let scene = Suspension::default();
-    let scene = scene.as_ref();
+    let scene = built_in::named("suspension")?;
     let initial: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     gradient(report, scene, &initial)?;
     if report.is_short() {
@@ -107,12 +107,24 @@ fn gradient(report: &mut Report, scene: &dyn AnyScene, x: &[f64]) -> Result<(), 
     report.at_most("gradient/adjoint - complex step", largest_difference(&stepped.rows[0], &adjoint.rows[0]), 1e-9);
     let mirrored: Vec<f64> = (0..x.len())
         .map(|index| {
-            let (other, sign) = Suspension::mirrored(index);
+            let (other, sign) = mirrored(index);
             sign * adjoint.rows[0][other]
         })
         .collect();
     report.at_most("gradient/difference of the sides", largest_difference(&adjoint.rows[0], &mirrored), 1e-8);
     Ok(())
+}
+
+/// The variable that mirrors variable `index` on the other side, and its sign.
+fn mirrored(index: usize) -> (usize, f64) {
+    match index {
+        // joints at the chassis, four of each wheel
+        0..48 => {
+            let (corner, place, axis) = (index / 12, index / 3 % 4, index % 3);
+            ((3 - corner) * 12 + place * 3 + axis, if axis == 1 { -1.0 } else { 1.0 })
+        }
+        _ => (index / 4 * 4 + 3 - index % 4, 1.0),
+    }
 }
 
 /// The design, how far it is from its mirror image by the ranges of the variables, and the mean of both.
@@ -121,7 +133,7 @@ fn gradient(report: &mut Report, scene: &dyn AnyScene, x: &[f64]) -> Result<(), 
 fn symmetry(report: &mut Report, scene: &dyn AnyScene, design: &[f64]) -> Vec<f64> {
     let (mut largest, mut mean): (f64, _) = (0.0, Vec::new());
     for (index, variable) in scene.variables().iter().enumerate() {
-        let (other, sign) = Suspension::mirrored(index);
+        let (other, sign) = mirrored(index);
         let mirrored = sign * design[other];
         largest = largest.max((design[index] - mirrored).abs() / (variable.upper - variable.lower));
         mean.push(0.5 * (design[index] + mirrored));
@@ -135,11 +147,7 @@ fn symmetry(report: &mut Report, scene: &dyn AnyScene, design: &[f64]) -> Vec<f6
 fn sharpened(functionals: Vec<Functional>) -> Vec<Measured> {
     let sharp = |functional: Functional| match functional.measured {
         Measured::Local { nodes, constraints, parameters, .. } => {
-            let quantity = CableLargestStress {
-                strain: CableStrain::Exact,
-                elements: Suspension::default().elements,
-                sharpness: 1.0 / READING,
-            };
+            let quantity = CableLargestStress { strain: CableStrain::Exact, elements: ELEMENTS, sharpness: 1.0 / READING };
             let quantity = MeasuredQuantity::new(Box::new(quantity), 0);
             Measured::Local { nodes, constraints, parameters, quantity }
         }
@@ -188,10 +196,9 @@ fn courses(report: &mut Report, scene: &dyn AnyScene, initial: &[f64], optimum: 
 
 /// The objective of the optimum with twice the elements and with half the steps.
 fn refinements(report: &mut Report, design: &[f64], objective: f64) -> Result<(), RunError> {
-    let elements = Suspension::default().elements;
-    for (name, elements, steps) in [("twice the elements", 2 * elements, STEPS), ("half the step", elements, 2 * STEPS)] {
-        let scene = Suspension { elements };
-        let mut prepared = prepare(scene.as_ref(), design, steps)?;
+    for (name, elements, steps) in [("twice the elements", 2 * ELEMENTS, STEPS), ("half the step", ELEMENTS, 2 * STEPS)] {
+        let scene = built_in::changed("suspension", &format!("define.elements = {elements}"))?;
+        let mut prepared = prepare(&scene, design, steps)?;
         prepared.mechanism.functionals.retain(|functional| functional.over == Over::Integral);
         let value = prepared.analysis().values(design)?[0];
         report.at_most(

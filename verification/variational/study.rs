@@ -7,8 +7,7 @@ use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, discrete_momentum};
 use costate::internals::{Measured, Problem, march, table_named};
-use costate::scenes::built_in::{DoublePendulum, FiveBar, FlexiblePendulum, FlyingRod, FreeBody, HeavyTop, SliderCrank};
-use costate::scenes::{AnyScene, Prepared};
+use costate::scenes::{AnyScene, Prepared, built_in};
 use costate::sensitivity::largest_difference;
 use scenes::{Swinging, moment_of_momentum};
 
@@ -68,8 +67,11 @@ fn end_of(prepared: &Prepared) -> Result<[Vec<f64>; 2], RunError> {
 
 fn orders(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[1/3] orders");
-    let scenes: [(&dyn AnyScene, f64, usize); 3] =
-        [(DoublePendulum.as_ref(), 0.5, 200), (HeavyTop.as_ref(), 0.1, 200), (&Swinging::Cable { elements: 2 }, 0.2, 400)];
+    let scenes: [(&dyn AnyScene, f64, usize); 3] = [
+        (built_in::named("double-pendulum")?, 0.5, 200),
+        (built_in::named("heavy-top")?, 0.1, 200),
+        (&Swinging::Cable { elements: 2 }, 0.2, 400),
+    ];
     for (scene, end, coarsest) in scenes {
         let exact = end_of(&prepare(scene, "esdirk5", end, 16 * coarsest)?)?;
         for alpha in ALPHAS {
@@ -90,17 +92,18 @@ fn orders(report: &mut Report) -> Result<(), RunError> {
 fn gradients(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[2/3] gradients");
     // beside the middle, stiff members need steps below their period: forces are explicit at the ends, where round-off grows with the step
-    let scenes: [(&dyn AnyScene, f64, &[f64]); 8] = [
-        (DoublePendulum.as_ref(), 0.4, &ALPHAS),
-        (FreeBody.as_ref(), 0.4, &ALPHAS),
-        (HeavyTop.as_ref(), 0.2, &ALPHAS),
-        (FiveBar.as_ref(), 0.4, &ALPHAS),
-        (SliderCrank.as_ref(), 0.4, &ALPHAS),
-        (FlyingRod.as_ref(), 0.02, &[0.25, 0.5, 0.75]),
-        (FlyingRod.as_ref(), 0.002, &[0.0, 1.0]),
-        (FlexiblePendulum { elements: 5 }.as_ref(), 0.05, &[0.5]),
+    let scenes: [(&str, f64, &[f64]); 8] = [
+        ("double-pendulum", 0.4, &ALPHAS),
+        ("free-body", 0.4, &ALPHAS),
+        ("heavy-top", 0.2, &ALPHAS),
+        ("five-bar", 0.4, &ALPHAS),
+        ("slider-crank", 0.4, &ALPHAS),
+        ("flying-rod", 0.02, &[0.25, 0.5, 0.75]),
+        ("flying-rod", 0.002, &[0.0, 1.0]),
+        ("flexible-pendulum", 0.05, &[0.5]),
     ];
-    for (scene, end, alphas) in scenes {
+    for (name, end, alphas) in scenes {
+        let scene = built_in::named(name)?;
         for &alpha in alphas {
             let prepared = prepare(scene, &format!("variational:{alpha}"), end, 20)?;
             let (analysis, x) = (prepared.analysis(), &prepared.x);
@@ -128,7 +131,7 @@ fn conservation(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[3/3] {MANY} steps");
     let scenes: [(&dyn AnyScene, f64, &[usize]); 3] = [
         (&Swinging::Mass, 1e-3, &[1]),
-        (FreeBody.as_ref(), 1e-2, &[0, 1, 2]),
+        (built_in::named("free-body")?, 1e-2, &[0, 1, 2]),
         (&Swinging::Cable { elements: 2 }, 5e-4, &[1]),
     ];
     for (scene, h, axes) in scenes {

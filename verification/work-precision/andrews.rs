@@ -8,8 +8,7 @@ use crate::verification::andrews::{self, PUBLISHED};
 use crate::verification::rigid_benchmarks::{angles_of_turns, body_angles, places_of_bodies};
 use costate::cli::Chart;
 use costate::integrators::{ConstraintLevel, NewtonTolerance, tables};
-use costate::scenes::Prepared;
-use costate::scenes::built_in::Andrews;
+use costate::scenes::{Prepared, built_in};
 use std::f64::consts::TAU;
 
 /// Accuracies for which others' times are known.
@@ -30,18 +29,18 @@ const PLANAR: Motion = Motion {
     compared: Some(|_, q| q.to_vec()),
     fine: 1e-10,
 };
-fn motions() -> [Motion; 3] {
-    [
+fn motions() -> Result<[Motion; 3], String> {
+    Ok([
         PLANAR,
         Motion { name: "andrews, energies", scene: &andrews::Andrews, most_systems: 20_000, ..PLANAR },
         Motion {
             name: "andrews, rigid bodies",
-            scene: Andrews.as_ref(),
+            scene: built_in::named("andrews")?,
             most_systems: 20_000,
             compared: Some(angles),
             ..PLANAR
         },
-    ]
+    ])
 }
 
 /// The seven angles from the coordinates of rigid bodies: turns are whole ones from where the published angles are.
@@ -54,11 +53,11 @@ fn angles(prepared: &Prepared, q: &[f64]) -> Vec<f64> {
     angles.into_iter().zip(PUBLISHED).map(near).collect()
 }
 
-/// All tables at acceleration level, the planar angles at the other levels too, and chosen steps, with both rules for Newton's method; a chart
+/// All tables at acceleration level, the planar angles at the other level too, and chosen steps, with both rules for Newton's method; a chart
 /// for each model.
 pub fn report_andrews(report: &mut Report) -> Result<Vec<Chart>, String> {
     let mut charts = Vec::new();
-    for motion in &motions() {
+    for motion in &motions()? {
         eprintln!("{}", motion.name);
         let reference = motion.reference()?;
         let ladders = ladders(motion, &reference)?;

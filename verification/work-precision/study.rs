@@ -13,8 +13,7 @@ use chain::report_chain;
 use comparison::{AIMS, Aim, Measured, cheapest, report_comparison, report_tolerances};
 use costate::cli::{Chart, Series, Style};
 use costate::integrators::{ConstraintLevel, NewtonTolerance, tables};
-use costate::scenes::AnyScene;
-use costate::scenes::built_in::{CarAxis, DoublePendulum, HeavyTop, Pendulum};
+use costate::scenes::{AnyScene, built_in};
 use runs::{FINE, Ladder, Motion, Reference, Run};
 use scenes::StiffChain;
 use std::fmt::Write as _;
@@ -35,15 +34,16 @@ fn rigid(name: &'static str, scene: &'static dyn AnyScene, end: f64, [coarsest, 
     Motion { name, scene, end, coarsest, reference_steps, most_systems: 40_000, member: None, compared: None, fine: FINE }
 }
 
-fn motions() -> [Motion; 6] {
-    [
-        rigid("pendulum", Pendulum.as_ref(), 2.0, [20, 8_000]),
-        Motion { most_systems: 160_000, ..rigid("pendulum-long", Pendulum.as_ref(), 40.0, [800, 80_000]) },
-        rigid("heavy-top", HeavyTop.as_ref(), 2.0, [20, 8_000]),
-        rigid("car-axis", CarAxis.as_ref(), 3.0, [100, 24_000]),
-        rigid("double-pendulum", DoublePendulum.as_ref(), 2.0, [40, 8_000]),
+fn motions() -> Result<[Motion; 6], String> {
+    let pendulum = built_in::named("pendulum")?;
+    Ok([
+        rigid("pendulum", pendulum, 2.0, [20, 8_000]),
+        Motion { most_systems: 160_000, ..rigid("pendulum-long", pendulum, 40.0, [800, 80_000]) },
+        rigid("heavy-top", built_in::named("heavy-top")?, 2.0, [20, 8_000]),
+        rigid("car-axis", built_in::named("car-axis")?, 3.0, [100, 24_000]),
+        rigid("double-pendulum", built_in::named("double-pendulum")?, 2.0, [40, 8_000]),
         Motion { member: Some(StiffChain::axial_force), ..rigid("stiff-chain", &StiffChain, 1.0, [50, 20_000]) },
-    ]
+    ])
 }
 
 /// The study.
@@ -68,7 +68,7 @@ fn measure(report: &mut Report) -> Result<(), String> {
     if !Clock::counts_computing() {
         report.note("This system does not tell how long a thread computes: times are those of the clock.");
     }
-    let mut asked = Vec::from(motions());
+    let mut asked = Vec::from(motions()?);
     if report.is_short() {
         asked.retain(|motion| motion.name == SHORT);
     }

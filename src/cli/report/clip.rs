@@ -1,8 +1,8 @@
 //! Motions as a page plays them: places of all vertices at some times, as whole numbers within the box around all of them.
 
 use super::{Page, floats};
-use crate::cli::motions::extent;
-use crate::io::{View, base64};
+use crate::cli::motions::{View, extent};
+use crate::io::base64;
 use crate::scenes::{Drawn, Solids};
 use serde_json::{Value, json};
 

@@ -195,12 +195,12 @@ impl Page {
 mod tests {
     use super::*;
     use crate::io::Style;
-    use crate::scenes::built_in::Pendulum;
+    use crate::scenes::built_in;
 
     #[test]
     fn the_page_is_whole_and_texts_cannot_end_its_script() {
         let text = "</script><b>{{SCRIPT}}<!--<script>--> ]]> & \u{2028}\u{2029} ` ' \" \\";
-        let mut page = Page::by_command(&Pendulum, text);
+        let mut page = Page::by_command(built_in::named("pendulum").unwrap(), text);
         let points = (0..5000).map(|i| (f64::from(i), 1.0)).collect();
         let series = vec![Series { name: "x".into(), points, style: Style::Line }];
         page.charts("histories", &[Chart { series, ..Chart::default() }]);

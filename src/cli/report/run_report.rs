@@ -79,12 +79,11 @@ impl RunReport<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::Prepared;
-    use crate::scenes::built_in::Pendulum;
+    use crate::scenes::{Prepared, built_in};
 
     #[test]
     fn a_run_has_the_page_of_the_command_line_without_its_command() {
-        let prepared = Prepared::new(&Pendulum).unwrap();
+        let prepared = Prepared::new(built_in::named("pendulum").unwrap()).unwrap();
         let run = prepared.run().unwrap();
         let of = |with_gradient, stopped: Option<&str>| {
             let (warnings, stopped) = (vec!["a doubt".to_string()], stopped.map(String::from));

@@ -4,7 +4,7 @@ use super::{Clip, Page};
 use crate::cli::console::{brief, json_number, long_number, relative_effect};
 use crate::cli::energy_balance::EnergyBalance;
 use crate::cli::measured_moments::EnergyCourse;
-use crate::cli::motions::motion;
+use crate::cli::motions::view;
 use crate::cli::projected_start::ProjectedStart;
 use crate::cli::snapshot::Snapshot;
 use crate::cli::stability::{Statement, statement};
@@ -38,7 +38,7 @@ pub struct Shown<'s> {
     pub energy: Option<EnergyCourse>,
     /// Its balance, where it should not.
     pub balance: Option<EnergyBalance>,
-    /// The moments that pictures show.
+    /// The moments that are shown.
     pub moments: &'s [Snapshot],
     /// Histories.
     pub charts: &'s [Chart],
@@ -64,10 +64,10 @@ impl Page {
 
     /// The motion in space.
     pub fn motion(&mut self, prepared: &Prepared, moments: &[Snapshot]) {
-        let Some(picture) = motion(prepared, moments) else { return };
+        let Some(view) = view(prepared, moments) else { return };
         let moments = moments.iter().map(|moment| (moment.t, &moment.q[..])).collect();
         let clip = Clip { name: "motion".into(), swings: false, moments };
-        self.space(&prepared.mechanism.solids(), picture.view, &[clip]);
+        self.space(&prepared.mechanism.solids(), view, &[clip]);
     }
 
     /// How a scene was integrated, and how well.

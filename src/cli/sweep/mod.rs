@@ -129,10 +129,8 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
 
 /// Removes what an earlier sweep has made of its table: one that is killed leaves nothing beside its rows that is not of them.
 fn remove_outdated(folder: &Path) -> Result<(), Failure> {
-    let pictures = |stem: &str| ["png", "svg"].map(|ending| folder.join(format!("{stem}.{ending}")));
-    let whole = ["sweep.arrow", "sweep.json"].map(|name| folder.join(name)).into_iter().chain(pictures("sensitivity"));
-    let by_variable = (1..).map(|axis: usize| pictures(&format!("scatter-{axis}")));
-    let by_variable = by_variable.take_while(|both| both.iter().any(|path| path.is_file())).flatten();
+    let whole = ["sweep.arrow", "sweep.json", "sensitivity.svg"].map(|name| folder.join(name)).into_iter();
+    let by_variable = (1..).map(|axis: usize| folder.join(format!("scatter-{axis}.svg"))).take_while(|path| path.is_file());
     for path in whole.chain(by_variable).filter(|path| path.is_file()) {
         let cannot = |cause| Failure::run(format!("cannot remove {} of an earlier sweep: {cause}", path.display()));
         std::fs::remove_file(&path).map_err(cannot)?;

@@ -1,10 +1,10 @@
-//! The pictures of a sweep: scatter-1.png/.svg and so on, functionals over one variable each, and sensitivity.png/.svg.
+//! The pictures of a sweep: scatter-1.svg and so on, functionals over one variable each, and sensitivity.svg.
 
 use super::Sweep;
 use super::findings::Findings;
 use super::rows::Outcome;
 use crate::cli::failure::Failure;
-use crate::io::{Bars, Chart, Series, Style, write_bars, write_panels};
+use crate::io::{Bars, Chart, Series, Style, write_bars, write_charts};
 use std::path::{Path, PathBuf};
 
 /// Most functionals in one picture, and most pictures and bars of variables: those that matter most.
@@ -21,20 +21,18 @@ pub fn draw(
     findings: &[Findings],
     folder: &Path,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let mut stems = Vec::new();
+    let mut files = Vec::new();
     for axis in most_telling(sweep, findings.iter()) {
-        let stem = folder.join(format!("scatter-{}", axis + 1));
-        write_panels(&scatter(sweep, done, axis), &stem)?;
-        stems.push(stem);
+        files.push(folder.join(format!("scatter-{}.svg", axis + 1)));
+        write_charts(&scatter(sweep, done, axis), &files[files.len() - 1])?;
     }
     // one value of each variable shows no sensitivity
     if findings.iter().any(|own| own.correlations.iter().any(|correlation| correlation.is_finite())) {
-        let stem = folder.join("sensitivity");
+        files.push(folder.join("sensitivity.svg"));
         let label = format!("Spearman's rank correlation over {} designs", done.len());
-        write_bars(&bars(sweep, findings), &label, &stem)?;
-        stems.push(stem);
+        write_bars(&bars(sweep, findings), &label, &files[files.len() - 1])?;
     }
-    Ok(stems.iter().flat_map(|stem| ["png", "svg"].map(|ending| stem.with_extension(ending))).collect())
+    Ok(files)
 }
 
 /// Axes with the largest rank correlation with one of some functionals, in their order.

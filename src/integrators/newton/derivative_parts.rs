@@ -71,8 +71,7 @@ impl<S: RunScalar> Newton<'_, S> {
             let (mut largest, mut beyond) = (0.0_f64, 0.0_f64);
             for part in 0..S::PARTS {
                 let step = self.step(Some(part), unknowns);
-                let twice = self.coordinate_scales.iter().chain(&self.coordinate_scales);
-                let parts = unknowns.x.iter().chain(&unknowns.y).zip(twice);
+                let parts = unknowns.x.iter().zip(&self.coordinate_scales);
                 // max() of floats would lose a NaN, a sum keeps it
                 let (scale, sum) = parts.fold((0.0_f64, 0.0), |(scale, sum), (x, of_coordinate)| {
                     let size = x.part(part).abs() * of_coordinate;
@@ -129,7 +128,7 @@ impl<S: RunScalar> Newton<'_, S> {
                 values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, scale)| s.max(read(x).abs() * scale))
             };
             let moved = |values: &[S], by: f64| if by == 0.0 { 0.0 } else { of(values) / by.abs() };
-            let own = of(&unknowns.x).max(of(&unknowns.y));
+            let own = of(&unknowns.x);
             own.max(moved(&base.v, coefficients.beta)).max(moved(&base.q, coefficients.alpha))
         };
         let relative = |x: &S| if x.value() == 0.0 { x.part(part).abs() } else { (x.part(part) / x.value()).abs() };
@@ -148,7 +147,7 @@ mod tests {
     use super::*;
     use crate::assembly::{Equations, Model, Residual, VectorsAvq};
     use crate::elements::{Element, NodeKind, Parameter, State};
-    use crate::integrators::{ConstraintLevel, Method, NewtonTolerance, Systems, table_by_name};
+    use crate::integrators::{ConstraintLevel, Method, NewtonTolerance, table_by_name};
     use crate::linalg::Backend;
     use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
 
@@ -170,7 +169,7 @@ mod tests {
         let node = model.add_node("mass", NodeKind::Coordinates(1), false);
         model.add_element("push", &[node], Box::new(PushedMass));
         let method = Method::new(table_by_name("bdf2").ok_or("not listed")?, ConstraintLevel::default());
-        let system = Systems::new(&model, &method, &[]).plain;
+        let system = method.system(&model, &[]);
         let mut newton = Newton::<Complex64>::new(system, NewtonTolerance::default(), Backend::default())
             .map_err(|_| "a singular pattern".to_string())?;
         let equations = Equations::acceleration();

@@ -19,8 +19,8 @@ pub struct FactoredAt<S> {
 impl<S> FactoredAt<S> {
     /// Empties it; the memory stays.
     pub(super) fn clear(&mut self) {
-        let (VectorsAvq { a, v, q }, Unknowns { x, y, mu, eta, local_mu, local_eta }) = (&mut self.base, &mut self.unknowns);
-        [a, v, q, x, y, mu, eta, local_mu, local_eta].into_iter().for_each(Vec::clear);
+        let (VectorsAvq { a, v, q }, Unknowns { x, mu, local_mu }) = (&mut self.base, &mut self.unknowns);
+        [a, v, q, x, mu, local_mu].into_iter().for_each(Vec::clear);
         self.t = 0.0;
     }
 }

@@ -41,8 +41,7 @@ impl Newton<'_, f64> {
     pub(in crate::integrators) fn response(&mut self, forces: &[f64], gaps: &[f64]) -> Unknowns<f64> {
         self.rhs.fill(0.0);
         let forces: Vec<f64> = forces.iter().map(|force| -force).collect();
-        let no_rates = vec![0.0; if self.system.options.stabilized { forces.len() } else { 0 }];
-        self.jacobian.restrict_left(&self.system, &forces, &no_rates, &mut self.rhs);
+        self.jacobian.restrict_left(&self.system, &forces, &mut self.rhs);
         for (place, gap) in self.system.multiplier_places().iter().zip(gaps) {
             if let Some(place) = *place {
                 self.rhs[place] = -gap;

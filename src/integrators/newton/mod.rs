@@ -317,7 +317,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let rows = |e: &Equations| if e.metric { Level::Acceleration } else { e.level };
         let (own, other) = (old.residual, new.residual);
         let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);
-        let free = |e: &Equations| self.nonholonomic && e.nonholonomic(false).is_none();
+        let free = |e: &Equations| self.nonholonomic && e.nonholonomic().is_none();
         rows(old) == rows(new) && same && free(old) == free(new) && old.variational.is_some() == new.variational.is_some()
     }
 

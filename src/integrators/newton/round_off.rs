@@ -32,7 +32,7 @@ impl<S: RunScalar> Newton<'_, S> {
     /// through the matrix.
     pub(super) fn round_off(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Floor {
         let step = self.round_off_of(None, stage, unknowns);
-        let sizes = [self.size(&unknowns.x).max(self.size(&unknowns.y)), self.multiplier_size(unknowns)];
+        let sizes = [self.size(&unknowns.x), self.multiplier_size(unknowns)];
         Floor { corrections: [step, self.multiplier_step()], unknowns: sizes }
     }
 
@@ -64,7 +64,7 @@ impl<S: RunScalar> Newton<'_, S> {
         let force = self.residual.f.iter().fold(0.0, |s: f64, f| s.max(f.value().abs()));
         let length = self.residual.constraint_at().q.iter().fold(0.0, |s: f64, q| s.max(q.value().abs()));
         let gap = match equations.level {
-            Level::Position | Level::Stabilized => equations.constraint.alpha,
+            Level::Position => equations.constraint.alpha,
             Level::Velocity | Level::Acceleration => 0.0,
         };
         let largest_gap = self.residual.g.iter().fold(0.0, |s: f64, g| s.max(g.value().abs())) * gap;

@@ -42,7 +42,7 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Largest multiplier, forces and moments alike in the scale of the factored matrix, which no unit changes.
     pub(super) fn multiplier_size(&self, unknowns: &Unknowns<S>) -> f64 {
         let scales = self.factorization.scales();
-        self.system.multipliers_with_places([&unknowns.mu, &unknowns.eta]).fold(0.0, |largest: f64, (values, places)| {
+        self.system.multipliers_with_places(&unknowns.mu).fold(0.0, |largest: f64, (values, places)| {
             largest.max(largest_scaled(values, &scales[places], |x, scale| (x.value() / scale).abs()))
         })
     }
@@ -57,8 +57,8 @@ impl<S: RunScalar> Newton<'_, S> {
 
     /// Largest number of the residual evaluated last, or what is no number.
     pub(super) fn residual_size(&self) -> f64 {
-        let Residual { f, y, g, g_second, .. } = &self.residual;
-        [f, y, g, g_second].into_iter().fold(0.0, |size: f64, list| larger(size, largest_number(list)))
+        let Residual { f, g, .. } = &self.residual;
+        [f, g].into_iter().fold(0.0, |size: f64, list| larger(size, largest_number(list)))
     }
 
     /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.

@@ -60,7 +60,7 @@ impl<S: RunScalar> Newton<'_, S> {
         self.counters.iterations += 1;
         self.counters.projecting.get_mut(kind(stage.equations)).into_iter().for_each(|count| *count += 1);
         let step = self.step(None, unknowns);
-        let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
+        let scale = self.size(&unknowns.x);
         // reactions with an old matrix converge by themselves; those of projections are read by nobody
         let reaction_step = if stage.equations.metric { 0.0 } else { self.multiplier_step() };
         Correction { step, scale, reaction_step, reactions: self.multiplier_size(unknowns) }

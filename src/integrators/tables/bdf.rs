@@ -58,7 +58,6 @@ pub fn bdf(order: usize) -> Table {
         update,
         quadrature: Combination { carried: alpha.to_vec(), stages: vec![beta] },
         aggregate_weights: vec![beta],
-        rates: vec![vec![beta], vec![beta]],
         stiffly_accurate: true,
         embedded: None,
         starter,

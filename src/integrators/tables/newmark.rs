@@ -9,14 +9,7 @@ pub const DEFAULT_RADIUS: f64 = 0.8;
 pub fn newmark() -> Table {
     let b = vec![0.5, 0.5];
     let a = vec![vec![0.0], b.clone()];
-    let mut table = Butcher { name: "newmark".into(), order: 2, stage_order: 2, a, b, ..Butcher::default() }.into_table();
-    table.rates = rates_of_the_new_state();
-    table
-}
-
-/// Rate corrections of the new state alone: averaged with those of the old one they would oscillate from step to step.
-fn rates_of_the_new_state() -> Vec<Vec<f64>> {
-    vec![vec![0.0], vec![0.0, 1.0], vec![0.0, 1.0]]
+    Butcher { name: "newmark".into(), order: 2, stage_order: 2, a, b, ..Butcher::default() }.into_table()
 }
 
 /// Generalized-alpha (Chung & Hulbert 1993; Arnold & Bruls 2007): order 2, at high frequency a step multiplies by the spectral
@@ -54,7 +47,6 @@ pub fn generalized_alpha(name: &str, radius: f64) -> Table {
         update: vec![q, v, a, alpha],
         quadrature: Combination { carried: vec![1.0], stages: vec![0.5, 0.5] },
         aggregate_weights: vec![0.5, 0.5],
-        rates: rates_of_the_new_state(),
         stiffly_accurate: true,
         embedded: None,
         starter: None,

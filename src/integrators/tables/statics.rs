@@ -17,7 +17,6 @@ pub fn statics() -> Table {
         update: vec![q, still],
         quadrature: Combination { carried: vec![1.0], stages: vec![1.0] },
         aggregate_weights: vec![1.0],
-        rates: vec![vec![1.0], vec![1.0]],
         stiffly_accurate: true,
         embedded: None,
         starter: None,

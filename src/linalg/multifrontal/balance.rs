@@ -79,7 +79,7 @@ impl<'s> Pieces<'s> {
         let matrix = OF_UNKNOWN * unknowns.into_iter().max().unwrap_or(0) as f64;
         let handing = |numbers: usize| MESSAGE + HANDED * numbers as f64;
         let factorization = |piece: &Piece, ranks: usize| match ranks > 1 && piece.is_worth_sharing {
-            true => (shared_time(&self.symbolic.fronts[piece.fronts.end - 1], ranks, 1.0), true),
+            true => (shared_time(&self.symbolic.fronts[piece.fronts.end - 1], ranks), true),
             false => (piece.time, false),
         };
         let factorization = self.path(&owners, starts.len(), factorization, |child| handing(child.others.pow(2)));

@@ -28,7 +28,6 @@ mod known_signs;
 mod matrix_view;
 mod multifrontal_lu;
 mod pivots;
-mod prediction;
 mod product;
 mod rank_share;
 mod shared_front;
@@ -51,6 +50,5 @@ pub(super) use kernels::{largest, solve_unit_lower, subtract_columns, subtract_m
 pub(super) use known_signs::known_signs;
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
-pub use prediction::{OnRanks, predicted};
 pub(super) use product::Target;
 pub use symbolic::SMALL_FILL;

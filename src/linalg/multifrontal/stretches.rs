@@ -75,16 +75,11 @@ const SLOWER: f64 = 2.5;
 
 /// Time of a front \[ns\], as measured on one core of 2023 where fronts are large: calls, assembly of the entries, arithmetic.
 pub fn front_time(front: &Front) -> f64 {
-    team_time(front, 1.0)
-}
-
-/// The same with a team of threads, which share the products alone.
-pub fn team_time(front: &Front, threads: f64) -> f64 {
-    shared_time(front, 1, threads)
+    shared_time(front, 1)
 }
 
 /// The same of ranks that share it: they have entries and products of their own, and send each other panels of pivots, one after the other.
-pub fn shared_time(front: &Front, ranks: usize, threads: f64) -> f64 {
+pub fn shared_time(front: &Front, ranks: usize) -> f64 {
     let (size, flops) = (front.size(), elimination_flops(front.pivots, front.size()));
     let alone = (SLOWER * FLOP * (2 * PANEL * front.pivots * size) as f64).min(FLOP * flops);
     let products = FLOP * flops - alone;
@@ -92,7 +87,7 @@ pub fn shared_time(front: &Front, ranks: usize, threads: f64) -> f64 {
         1 => 0.0,
         _ => front.pivots.div_ceil(PANEL) as f64 * MESSAGE + NUMBER * (front.pivots * (size + front.others())) as f64,
     };
-    let shared = ENTRY * size.pow(2) as f64 + products / threads;
+    let shared = ENTRY * size.pow(2) as f64 + products;
     FRONT[usize::from(!front.is_small())] + alone + messages + shared / ranks as f64
 }
 

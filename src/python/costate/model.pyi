@@ -481,7 +481,7 @@ class Model:
         tolerance: Scalar | None = None,
         velocity_tolerance: Scalar | None = None,
         longest_step: Scalar | None = None,
-        constraint_level: Literal['position', 'velocity', 'acceleration'] | None = None,
+        constraint_level: Literal['position', 'acceleration'] | None = None,
         newton: Literal['round-off', 'residual', 'scaled'] | None = None,
         solver: Literal['automatic', 'dense', 'multifrontal'] | None = None,
         start: Literal['given', 'equilibrium', 'steady'] | None = None,
@@ -497,7 +497,7 @@ class Model:
         * ``tolerance`` (number or formula, optional): steps are chosen by their error: relative and absolute; steps of equal size [-]
         * ``velocity_tolerance`` (number or formula, optional): the same for velocities; tolerance [-]
         * ``longest_step`` (number or formula, optional): longest step that tolerance may choose; any [s]
-        * ``constraint_level`` ("position" or "velocity" or "acceleration", optional): time derivative on which constraints are kept; acceleration
+        * ``constraint_level`` ("position" or "acceleration", optional): time derivative on which constraints are kept; acceleration
         * ``newton`` ("round-off" or "residual" or "scaled", optional): when Newton's method stops, as for --newton; round-off
         * ``solver`` ("automatic" or "dense" or "multifrontal", optional): solver of the linear systems; automatic
         * ``start`` ("given" or "equilibrium" or "steady", optional): where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in the frame that turns with what `[[spin]]` names; given
@@ -511,14 +511,12 @@ class Model:
         step: Scalar | None = None,
         histories: Sequence[str] | None = None,
         vtk: bool | None = None,
-        film: bool | None = None,
     ) -> str:
         """What a run writes where the command line does not say otherwise.
 
         * ``step`` (number or formula, optional): histories at multiples of this time; at the steps [s]
         * ``histories`` (list of text, optional): what has columns in them, by names: nodes ("crank", "beam[4]", "beam.end", "plate[2,0]"), members with all their nodes, joints, springs, dampers, elements, states, functionals, and "energy"; everything
         * ``vtk`` (True or False, optional): meshes for ParaView; false
-        * ``film`` (True or False, optional): the motion as a film, film.png; false
         """
     def optimization(
         self,

@@ -11,12 +11,12 @@ use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, PeriodicModes, P
 use costate::sensitivity::Forward;
 use pyo3::prelude::*;
 use self_cell::self_cell;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Where a scene comes from.
 enum Source {
     File(Box<FileScene>),
-    BuiltIn(&'static dyn AnyScene),
+    BuiltIn(&'static FileScene),
     /// One of the scenarios of another scene.
     Scenario(Arc<Source>, usize),
 }
@@ -29,11 +29,6 @@ impl Source {
             Source::Scenario(of, place) => of.scene().scenarios().swap_remove(*place).scene,
         }
     }
-}
-
-fn built_ins() -> &'static [Box<dyn AnyScene>] {
-    static ALL: OnceLock<&'static [Box<dyn AnyScene>]> = OnceLock::new();
-    ALL.get_or_init(|| Box::leak(built_in::all().into()))
 }
 
 self_cell!(
@@ -140,14 +135,13 @@ impl Scene {
     /// A scene of the library by its name.
     #[staticmethod]
     fn built_in(name: &str) -> Option<Self> {
-        let own = built_ins().iter().find(|scene| scene.name() == name)?;
-        Some(Scene::of(Source::BuiltIn(&**own)))
+        built_in::named(name).ok().map(|own| Scene::of(Source::BuiltIn(own)))
     }
 
     /// Names of the scenes of the library.
     #[staticmethod]
     fn built_in_names() -> Vec<String> {
-        built_ins().iter().map(|scene| scene.name()).collect()
+        built_in::names().map(String::from).collect()
     }
 
     fn name(&self) -> String {

@@ -2,6 +2,7 @@
 
 use super::fields::{Fields, Value};
 use super::reader::Reader;
+use crate::scenes::file_bytes;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -59,12 +60,8 @@ fn column(value: &Value) -> Option<Column> {
 }
 
 fn read(path: &Path, columns: [Column; 2]) -> Result<[Vec<f64>; 2], String> {
-    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
-    let size = std::fs::metadata(path).map_err(cannot)?.len();
-    if size > LARGEST {
-        return Err(format!("it has {size} bytes, and a table has at most {LARGEST}"));
-    }
-    parse(&std::fs::read_to_string(path).map_err(cannot)?, columns)
+    let bytes = file_bytes(path, "a table", LARGEST)?;
+    parse(std::str::from_utf8(&bytes).map_err(|error| format!("cannot be read: it is no text: {error}"))?, columns)
 }
 
 /// What stands between numbers: what the first line has of these.

@@ -36,6 +36,7 @@ const ELSEWHERE: &[(&[&str], &str)] = &[
     (&["constraint"], "constraints are [[joint]], also by formulas of one's own, of type \"formula\""),
     (&["sensor", "measure", "measurement", "probe"], "what is measured is [[functional]]"),
     (&["parameter", "param", "constant"], "design variables are [variable], other numbers by names [define]"),
+    (&["film", "movie", "video"], "the report of a run, report.html, plays its motion"),
     (&["solver", "simulation", "integrator", "integration"], "duration, steps and method stand in [settings]"),
 ];
 

@@ -2,6 +2,7 @@
 
 use super::mistake::{Mistake, Source};
 use super::raw::{Entry, Raw, RawValue, put};
+use crate::scenes::file_bytes;
 use std::path::Path;
 
 /// The key that names the other file.
@@ -17,13 +18,8 @@ const LARGEST: u64 = 50_000_000;
 /// A file that cannot be read, is too large or no text.
 pub(super) fn text_of(path: &Path) -> Result<String, String> {
     let name = path.display().to_string();
-    let cannot = |why: String| format!("{name}: cannot be read: {why}");
-    let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
-    if size > LARGEST {
-        return Err(cannot(format!("it has {size} bytes, and a scene file has at most {LARGEST}")));
-    }
-    let bytes = std::fs::read(path).map_err(|error| cannot(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| {
+    let bytes = file_bytes(path, "a scene file", LARGEST).map_err(|why| format!("{name}: {why}"))?;
+    String::from_utf8(bytes.into_owned()).map_err(|error| {
         let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
         let at = before.len();
         Source::new(name, before).told(&Mistake::new(at, "this is no text in UTF-8"))

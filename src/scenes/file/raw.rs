@@ -311,7 +311,7 @@ pub(super) fn repeated_entries(entry: &Raw, wholes: &Wholes) -> Result<Vec<Raw>,
 /// The same within loops around it.
 fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, Mistake> {
     let Some(loops) = entry.get("for") else {
-        return Ok(vec![if around.is_empty() { entry.clone() } else { replaced(entry, around, wholes)? }]);
+        return Ok(vec![replaced(entry, around, wholes)?]);
     };
     let named = loops.entries().filter(|named| !named.is_empty());
     let named = named.ok_or_else(|| Mistake::new(loops.at, format!("for must be a table of names; {FOR_WANTED}")))?;

@@ -162,12 +162,7 @@ impl FileScene {
         let problem = problem(&contents, (&variables, functionals), &mut mistakes);
         let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
             let histories = texts(fields, "histories");
-            Output {
-                step: fixed(fields, "step"),
-                histories,
-                meshes: flag(fields, "vtk", false),
-                film: flag(fields, "film", false),
-            }
+            Output { step: fixed(fields, "step"), histories, meshes: flag(fields, "vtk", false) }
         });
         if let Some(step) = output.step
             && settings.end / step > MOST_STEPS as f64

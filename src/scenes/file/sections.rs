@@ -78,7 +78,7 @@ const OF_ALL: &[Section] = &[
             may("longest_step", Fixed("s", Positive), "longest step that tolerance may choose; any"),
             may(
                 "constraint_level",
-                Choice(&["position", "velocity", "acceleration"]),
+                Choice(&["position", "acceleration"]),
                 "time derivative on which constraints are kept; acceleration"
             ),
             may(
@@ -119,7 +119,6 @@ const OF_ALL: &[Section] = &[
                  nodes, joints, springs, dampers, elements, states, functionals, and \"energy\"; everything"
             ),
             may("vtk", Flag, "meshes for ParaView; false"),
-            may("film", Flag, "the motion as a film, film.png; false"),
         ],
     },
     Section {

@@ -2,7 +2,7 @@
 
 use super::raw::Raw;
 use super::reader::Reader;
-use crate::scenes::TriangleSurface;
+use crate::scenes::{TriangleSurface, file_bytes};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
@@ -32,12 +32,7 @@ impl Reader {
 }
 
 fn read(path: &Path) -> Result<TriangleSurface, String> {
-    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
-    let size = std::fs::metadata(path).map_err(cannot)?.len();
-    if size > LARGEST {
-        return Err(format!("it has {size} bytes, and a surface has at most {LARGEST}"));
-    }
-    parse(std::fs::read(path).map_err(cannot)?)
+    parse(file_bytes(path, "a surface", LARGEST)?.into_owned())
 }
 
 fn parse(mut bytes: Vec<u8>) -> Result<TriangleSurface, String> {

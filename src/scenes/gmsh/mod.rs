@@ -8,6 +8,7 @@ mod raised;
 mod version2;
 mod version4;
 
+use super::file_bytes;
 use super::mesh_data::{FilePlace, MeshData};
 use collected::Collected;
 use input::{Found, Input, Wrong, shown};
@@ -41,15 +42,7 @@ const ANEW: &str = "versions 2.0 to 2.2, 4.0 and 4.1 are read: gmsh OLD.msh -sav
 /// Source: Gmsh reference manual, section "MSH file format".
 pub fn read_gmsh(path: &Path) -> Result<MeshData, String> {
     let name = path.display().to_string();
-    let cannot = |why: String| format!("{name}: cannot be read: {why}");
-    let about = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
-    if !about.is_file() {
-        return Err(cannot("it is no file".into()));
-    }
-    if about.len() > LARGEST {
-        return Err(cannot(format!("it has {} bytes, and a mesh file has at most {LARGEST}", about.len())));
-    }
-    let bytes = std::fs::read(path).map_err(|error| cannot(error.to_string()))?;
+    let bytes = file_bytes(path, "a mesh file", LARGEST).map_err(|why| format!("{name}: {why}"))?;
     parse_gmsh(&name, &bytes)
 }
 

@@ -1,0 +1,21 @@
+//! What stands in a file.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+/// What stands in a file that is read at a time, or was compiled in.
+///
+/// # Errors
+/// A file that cannot be read, or is larger than `what` it is may be \[bytes\].
+pub(super) fn file_bytes(path: &Path, what: &str, largest: u64) -> Result<Cow<'static, [u8]>, String> {
+    #[cfg(feature = "files")]
+    if let Some(own) = super::built_in::bytes_of(path) {
+        return Ok(Cow::Borrowed(own));
+    }
+    let cannot = |why: String| format!("cannot be read: {why}");
+    let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
+    if size > largest {
+        return Err(cannot(format!("it has {size} bytes, and {what} has at most {largest}")));
+    }
+    std::fs::read(path).map(Cow::Owned).map_err(|error| cannot(error.to_string()))
+}
