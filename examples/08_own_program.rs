@@ -51,5 +51,5 @@ impl Scene for Springs {
 }
 
 fn main() -> ExitCode {
-    costate::cli::main(&[&Springs { name: "one-spring", count: 1 }, &Springs { name: "two-springs", count: 2 }])
+    costate_cli::main(&[&Springs { name: "one-spring", count: 1 }, &Springs { name: "two-springs", count: 2 }])
 }

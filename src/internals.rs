@@ -30,9 +30,6 @@ pub use crate::integrators::{
     adaptive::march_adaptive, dividing::march_dividing, given::march, march::Problem, march::Run, record::Recorder,
     tables::table_named,
 };
-#[cfg(feature = "cli")]
-pub use crate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};
-pub use crate::io::{read_csv, write_csv};
 pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
 pub use crate::linalg::{own_unknowns::OwnUnknowns, owners::Owners};
 pub use crate::program::{

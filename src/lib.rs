@@ -13,19 +13,17 @@
 //! | give a joint or spring its keys, from the geometry | [`elements::entries::Entry`] |
 //! | check what was written | [`testing`] |
 //! | improve a design | [`optimize::Optimization`] |
-//! | have the command line for scenes of one's own | `cli::main` |
+//! | have the command line for scenes of one's own | `costate_cli::main` |
 //!
 //! # The way of the data
 //!
 //! The order of the modules: each uses only those before it.
 //!
 //! ```text
-//! scalar        number types: real, complex step, dual, recorded
-//! program       recorded formulas and what is made of them: derivatives, structure, fast execution
+//! program       number types (scalar), recorded formulas and what is made of them: a crate of its own
 //! design        design variables x, the map x -> p, q0, v0 and its transpose
 //! elements      residuals R(a, v, q, p, t), constraints g(q, p, t)
-//! exchange      ranks that share the work of a program (feature `mpi`)
-//! linalg        factor, solve, solve transposed
+//! linalg        factor, solve, solve transposed, ranks that share this (exchange): a crate of its own
 //! assembly      numbering, residual, Jacobian, transposed products
 //! integrators   start, stages, projections, step by step through time
 //! history       states kept for the way back
@@ -33,18 +31,18 @@
 //! sensitivity   backwards: adjoint variables, df/dp, df/dx
 //! scenes        mechanisms as functions of x
 //! optimize      better designs: programs, optimizers, histories
-//! io            charts, meshes, tables, files
-//! cli           the command line of any scenes (feature `cli`)
+//! cli           the command line of any scenes: a crate of its own, which uses this one
 //! guide         how to use all of this, and what it computes: text alone
 //! python        the package for Python: a crate of its own, which uses this one
 //! ```
 
-// much of what the command line draws on is used by nothing else
-#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+// much of what scene files draw on is used by nothing else
+#![cfg_attr(not(feature = "files"), allow(dead_code, unused_imports))]
 
 /// The number types: one formula in, every derivative out.
 pub mod scalar {
-    pub(crate) use costate_program::scalar::*;
+    #[doc(hidden)]
+    pub use costate_program::scalar::*;
     #[doc(inline)]
     pub use costate_program::scalar::{
         COMPLEX_STEP, Complex64, Curve, Interpolant, MOST_BREAKPOINTS, Matrix3, Quaternion, Scalar, SpatialVector, TANGENTS,
@@ -52,25 +50,30 @@ pub mod scalar {
     };
 }
 
-use costate_program as program;
+#[doc(hidden)]
+pub use costate_program as program;
 
-mod design;
+#[doc(hidden)]
+pub mod design;
 
 pub mod elements;
 
-use costate_linalg::exchange;
+#[doc(hidden)]
+pub use costate_linalg::exchange;
 
 /// Linear systems: analyse a pattern once, factor values, solve, solve transposed.
 pub mod linalg {
-    pub(crate) use costate_linalg::*;
-    #[doc(inline)]
-    pub use costate_linalg::{Backend, DenseLu, Inertia, LinearSolver, MultifrontalLu, Singular, SparsePattern};
     #[cfg(feature = "mumps")]
     #[doc(inline)]
     pub use costate_linalg::MumpsLu;
+    #[doc(hidden)]
+    pub use costate_linalg::*;
+    #[doc(inline)]
+    pub use costate_linalg::{Backend, DenseLu, Inertia, LinearSolver, MultifrontalLu, Singular, SparsePattern};
 }
 
-mod assembly;
+#[doc(hidden)]
+pub mod assembly;
 
 pub mod integrators;
 
@@ -83,11 +86,6 @@ pub mod sensitivity;
 pub mod scenes;
 
 pub mod optimize;
-
-mod io;
-
-#[cfg(feature = "cli")]
-pub mod cli;
 
 pub mod testing;
 

@@ -1431,7 +1431,7 @@ fn many_redundant_equations_are_told_in_few_words_and_what_is_not_determined_is_
 #[test]
 fn a_joint_that_is_there_twice_in_a_long_chain_bears_half_of_its_load() {
     let folder = Folder::new("long-chain");
-    let scene = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/chain-common.toml")).unwrap();
+    let scene = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenes/chain-common.toml")).unwrap();
     let scene = scene.replace("bars = 100", "bars = 3000").replace("[settings]", "[settings]\ndrop_redundant = true");
     let load = "[[functional]]\nname = \"load\"\ntype = \"reaction\"\njoint = \"joint 1501\"\nweights = [1, 0, 0]\nover = \"terminal\"\n";
     let again =

@@ -299,7 +299,7 @@ fn histories_of_chosen_parts_are_columns_of_all() {
         let output = folder.run(&["run", &format!("{scene}.toml"), "--out", scene, "--no-report"]);
         assert!(output.status.success(), "{}", said(&output));
     }
-    let read = |scene: &str| costate::internals::read_csv(&folder.0.join(scene).join("histories.csv")).unwrap();
+    let read = |scene: &str| costate_cli::io::read_csv(&folder.0.join(scene).join("histories.csv")).unwrap();
     let ((names, rows), (all_names, all_rows)) = (read("solids"), read("all"));
     assert!(names.len() < all_names.len() && names.iter().all(|name| !name.starts_with("flywheel")), "{names:?}");
     for wanted in [

@@ -2,12 +2,10 @@
 
 use std::path::Path;
 
-const ORDER: [&str; 16] = [
-    "scalar",
+const ORDER: [&str; 13] = [
     "program",
     "design",
     "elements",
-    "exchange",
     "linalg",
     "assembly",
     "integrators",
@@ -16,7 +14,6 @@ const ORDER: [&str; 16] = [
     "sensitivity",
     "scenes",
     "optimize",
-    "io",
     "cli",
     "guide",
 ];

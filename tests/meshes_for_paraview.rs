@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use costate::elements::flexible::FaceKind;
-use costate::internals::{Attribute, MeshCell, MeshSeries, UnstructuredMesh, read_csv};
+use costate_cli::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh, read_csv};
 use flate2::read::ZlibDecoder;
 use std::collections::HashMap;
 use std::io::Read;

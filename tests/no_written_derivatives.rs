@@ -49,9 +49,9 @@ const OTHERS: [(&str, &str, &str); 50] = [
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
     ("program/formula.rs", "derived gradient", "of what was recorded"),
     ("program/derivatives.rs", "partials", "of the single operations of a recording: where all derivatives begin"),
-    ("scalar/jet.rs", "derivatives_of_power", "of an operation that a recording has"),
+    ("program/scalar/jet.rs", "derivatives_of_power", "of an operation that a recording has"),
     (
-        "scalar/rotation.rs",
+        "program/scalar/rotation.rs",
         "g_transposed_times rotation_gradient_transposed",
         "G(e)^T m and the generalized force of a force on a body, as formulas have them",
     ),

@@ -15,7 +15,7 @@ const LONGEST_WAIT: &str = if cfg!(debug_assertions) { "60" } else { "4" };
 
 const MPIRUN: &str = "mpirun is installed where the feature mpi is tested";
 const PROGRAM: &str = env!("CARGO_BIN_EXE_costate");
-const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/");
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenes/");
 
 /// A scene of the examples in which each of some lines is another one.
 fn edited(scene: &str, edits: &[(&str, &str)]) -> String {

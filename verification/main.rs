@@ -4,7 +4,7 @@ mod allocations;
 #[path = "mod.rs"]
 mod verification;
 
-use costate::cli::CommandLine;
+use costate_cli::CommandLine;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

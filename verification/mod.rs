@@ -62,7 +62,7 @@ mod whole_runs;
 mod work_precision;
 
 pub use clock::{Clock, PHASES, largest, median, with_phases};
-pub use costate::cli::{Figure, Form, Report, Study};
+pub use costate_cli::{Figure, Form, Report, Study};
 pub use noise::{Lots, Noise};
 
 /// Measures with one thread: that of a pool of its own.

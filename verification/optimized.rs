@@ -1,12 +1,12 @@
 //! Optimizations as studies measure them: what they cost, how the objective went, and quantities over time of a design.
 
-use costate::cli::{Series, Style};
 use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{RunError, StepRecord};
 use costate::internals::Measured;
 use costate::optimize::{DesignHistory, GradientBy, Optimization, Optimized, Sqp};
 use costate::scenes::{AnyScene, Prepared};
+use costate_cli::{Series, Style};
 
 /// Finite differences as in the source: one more simulation for each variable, at 1 % more of its value.
 pub const DIFFERENCES: GradientBy = GradientBy::Difference { share: 0.01 };

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Tells models apart, so that what belongs to one is not taken for a part of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct ModelIdentity(u64);
+#[doc(hidden)]
+pub struct ModelIdentity(u64);
 
 impl Default for ModelIdentity {
     /// One that no other model has.
@@ -24,7 +25,7 @@ pub struct NodeId(pub(crate) usize, pub(crate) ModelIdentity);
 pub struct ElementId(pub(crate) usize, pub(crate) ModelIdentity);
 /// A constraint of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ConstraintId(pub(crate) usize, pub(crate) ModelIdentity);
+pub struct ConstraintId(#[doc(hidden)] pub usize, #[doc(hidden)] pub ModelIdentity);
 
 /// A set of coordinates with a name.
 #[derive(Clone)]
@@ -108,12 +109,14 @@ impl Model {
     }
 
     /// What no other model has.
-    pub(crate) fn identity(&self) -> ModelIdentity {
+    #[doc(hidden)]
+    pub fn identity(&self) -> ModelIdentity {
         self.identity
     }
 
     /// The node with a number.
-    pub(crate) fn node_id(&self, index: usize) -> NodeId {
+    #[doc(hidden)]
+    pub fn node_id(&self, index: usize) -> NodeId {
         NodeId(index, self.identity)
     }
 

@@ -2,9 +2,9 @@
 
 use super::console::{json_number, say};
 use super::failure::Failure;
-use crate::integrators::Mode;
 use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv};
-use crate::scenes::Prepared;
+use costate::integrators::Mode;
+use costate::scenes::Prepared;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

@@ -2,11 +2,11 @@ use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
 use super::options::{located, named};
-use crate::integrators::RunError;
-use crate::optimize::Optimization;
-use crate::scenes::file::OwnParts;
-use crate::scenes::{AnyScene, Prepared, Scenario, check_modes};
 use clap::Args;
+use costate::integrators::RunError;
+use costate::optimize::Optimization;
+use costate::scenes::file::OwnParts;
+use costate::scenes::{AnyScene, Prepared, Scenario, check_modes};
 use serde_json::json;
 
 /// Options of `costate check`.
@@ -72,7 +72,7 @@ fn check(options: &CheckOptions, name: &str, scene: &dyn AnyScene) -> Result<(),
 
 /// `costate schema`: the JSON schema of scene files.
 pub fn schema(parts: &OwnParts) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(&crate::scenes::file::schema(parts));
+    let text = serde_json::to_string_pretty(&costate::scenes::file::schema(parts));
     say(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
     Ok(())
 }

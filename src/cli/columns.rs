@@ -1,10 +1,10 @@
 //! The columns of the histories: what stands in them, and their names.
 
-use crate::assembly::{Attached, Model, Node};
-use crate::elements::{ElementPhysics, NodeKind, Output};
-use crate::functionals::{Functional, Measured, Sample};
-use crate::scalar::SpatialVector;
-use crate::scenes::{JointEnd, Prepared, unknown};
+use costate::assembly::{Attached, Model, Node};
+use costate::elements::{ElementPhysics, NodeKind, Output};
+use costate::functionals::{Functional, Measured, Sample};
+use costate::scalar::SpatialVector;
+use costate::scenes::{JointEnd, Prepared, unknown};
 
 /// Who has the column of the energy.
 const ENERGY: &str = "energy";

@@ -6,7 +6,7 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::Simulation;
 use crate::io::{Cell, Chart, Series, Table, write_file};
-use crate::scenes::{AnyScene, COMPARISON, Prepared};
+use costate::scenes::{AnyScene, COMPARISON, Prepared};
 use serde_json::{Value, json};
 
 /// A functional in all scenarios; in some it may be missing.

@@ -1,6 +1,6 @@
 //! Words for people on stdout, one JSON object behind them, messages on stderr; of several ranks the first one says them.
 
-use crate::exchange::is_first;
+use costate::exchange::is_first;
 use serde_json::Value;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};

@@ -2,7 +2,7 @@
 
 use super::console::say;
 use super::failure::Failure;
-use crate::exchange::is_first;
+use costate::exchange::is_first;
 use std::path::Path;
 
 /// The table of an earlier run of the same command in the same folder keeps its rows, under the first number that is free.

@@ -2,11 +2,11 @@
 
 use super::console::json_number;
 use super::measured_moments::ENERGY_ROUNDING;
-use crate::assembly::{ConstraintId, Model};
-use crate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Sample, Values};
-use crate::integrators::{StartRecord, StepRecord};
 use crate::io::number;
-use crate::scenes::Prepared;
+use costate::assembly::{ConstraintId, Model};
+use costate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Sample, Values};
+use costate::integrators::{StartRecord, StepRecord};
+use costate::scenes::Prepared;
 use serde_json::{Value, json};
 
 /// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.

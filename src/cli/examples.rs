@@ -1,8 +1,8 @@
 //! Examples below the help of each command, with the names of the program and of its scenes.
 
 use super::CommandLine;
-use crate::design::DesignVariable;
-use crate::scenes::AnyScene;
+use costate::design::DesignVariable;
+use costate::scenes::AnyScene;
 
 /// Lines of a command: what stands behind the name of the program, and what it does.
 type Examples = Vec<(String, &'static str)>;

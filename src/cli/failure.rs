@@ -1,6 +1,6 @@
-use crate::exchange::sent_by_fields;
-use crate::integrators::RunError;
 use crate::io::IoError;
+use costate::exchange::sent_by_fields;
+use costate::integrators::RunError;
 
 /// Why the program ends without success: exit code and one message.
 #[derive(Debug)]

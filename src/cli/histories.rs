@@ -1,7 +1,7 @@
 //! Where runs keep their steps.
 
 use super::failure::Failure;
-use crate::history::Keep;
+use costate::history::Keep;
 use std::path::Path;
 
 /// What `--history` and `--resume` say together.

@@ -3,11 +3,11 @@
 use super::columns::{Columns, courses, moving};
 use super::motions::extent;
 use super::snapshot::{Snapshot, thinned};
-use crate::assembly::{Node, NodeId};
-use crate::elements::Output;
-use crate::functionals::Measured;
 use crate::io::{Chart, Series, Style};
-use crate::scenes::Prepared;
+use costate::assembly::{Node, NodeId};
+use costate::elements::Output;
+use costate::functionals::Measured;
+use costate::scenes::Prepared;
 
 /// A joint whose load is below this share of the largest, a moment being a force by the size of the mechanism, carries none.
 const NO_LOAD: f64 = 1e-9;

@@ -2,7 +2,7 @@
 
 use super::console::{brief, long_number, relative_effect, say};
 use crate::io::{Cell, Table};
-use crate::scenes::Prepared;
+use costate::scenes::Prepared;
 
 /// Prints the derivatives of what has a name, unit and value, and beside them those of a check by its name, with how far both are apart.
 pub fn say_influences(

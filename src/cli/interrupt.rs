@@ -1,7 +1,7 @@
 //! Ctrl-C: at once when there is nothing to lose, after the step in hand when there is.
 
 use super::failure::{Failure, INTERRUPTED};
-use crate::exchange::is_shared;
+use costate::exchange::is_shared;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 

@@ -1,8 +1,8 @@
 //! So many moments of a run as a page can show.
 
 use super::snapshot::{MOST_POINTS, Snapshot};
-use crate::history::Observer;
-use crate::integrators::{RunError, StartRecord, StepRecord};
+use costate::history::Observer;
+use costate::integrators::{RunError, StartRecord, StepRecord};
 
 /// Every so many-th moment, and the last one.
 pub struct KeptMoments {

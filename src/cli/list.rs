@@ -2,11 +2,11 @@ use super::CommandLine;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::options::located;
-use crate::design::DesignVariable;
-use crate::elements::entries::Key;
 use crate::io::Table;
-use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
+use costate::design::DesignVariable;
+use costate::elements::entries::Key;
+use costate::scenes::{AnyScene, Prepared};
 use serde_json::{Value, json};
 
 /// Options of `costate list`.

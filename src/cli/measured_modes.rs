@@ -3,9 +3,9 @@
 use super::console::{json_number, long_number, relative_effect, say, warn};
 use super::influences::say_influences;
 use super::report::Page;
-use crate::integrators::RunError;
 use crate::io::Table;
-use crate::scenes::{ModeMeasure, Prepared, check_modes};
+use costate::integrators::RunError;
+use costate::scenes::{ModeMeasure, Prepared, check_modes};
 use serde_json::{Map, Value, json};
 
 /// They are of the start or the equilibrium, and known before a run.

@@ -5,10 +5,10 @@ use super::history_charts::charts;
 use super::kept_moments::KeptMoments;
 use super::snapshot::Snapshot;
 use super::table_ranges::TableWatch;
-use crate::assembly::VectorsAvq;
-use crate::functionals::{Measured, Sample};
 use crate::io::Chart;
-use crate::scenes::Prepared;
+use costate::assembly::VectorsAvq;
+use costate::functionals::{Measured, Sample};
+use costate::scenes::Prepared;
 
 /// How the energy of a conservative scene, which is constant in an exact motion, changes.
 #[derive(Clone, Copy, Debug)]

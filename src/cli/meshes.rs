@@ -1,11 +1,11 @@
 //! What a mechanism is made of as meshes for ParaView: shells as surfaces with their stress, beams and cables as lines
 //! with their section forces and stress, bodies as lines, the rest as points.
 
-use crate::assembly::ElementId;
-use crate::functionals::{Functional, Measured, Sample};
 use crate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
-use crate::scalar::larger;
-use crate::scenes::{Drawn, LineElement, NodePoint, Prepared, Surface};
+use costate::assembly::ElementId;
+use costate::functionals::{Functional, Measured, Sample};
+use costate::scalar::larger;
+use costate::scenes::{Drawn, LineElement, NodePoint, Prepared, Surface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 

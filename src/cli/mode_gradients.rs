@@ -3,9 +3,9 @@
 use super::console::{json_number, relative_effect, say};
 use super::failure::Failure;
 use super::report::Page;
-use crate::design::DesignVariable;
 use crate::io::{Cell, Table, number, write_csv};
-use crate::scenes::{DifferentiatedModes, ModeGradient, Prepared};
+use costate::design::DesignVariable;
+use costate::scenes::{DifferentiatedModes, ModeGradient, Prepared};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 

@@ -9,10 +9,10 @@ use super::report::{Clip, Page};
 use super::simulation::names;
 use super::snapshot::Snapshot;
 use super::still::StillOptions;
-use crate::integrators::{Mode, RunError};
 use crate::io::{Cell, Table, number as number_of, write_file};
-use crate::scenes::{DifferentiatedModes, PeriodicModes, Prepared};
 use clap::Args;
+use costate::integrators::{Mode, RunError};
+use costate::scenes::{DifferentiatedModes, PeriodicModes, Prepared};
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! A mechanism in space as pages show it: from where it is seen first, and how modes of vibration swing.
 
 use super::snapshot::{Snapshot, thinned};
-use crate::integrators::Mode;
-use crate::scenes::{Prepared, Sketch};
+use costate::integrators::Mode;
+use costate::scenes::{Prepared, Sketch};
 
 /// Displacement of a shown mode by the extent of the mechanism.
 const MODE_SHARE: f64 = 0.15;

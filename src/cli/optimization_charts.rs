@@ -1,8 +1,8 @@
 //! The charts of an optimization.
 
-use crate::design::DesignVariable;
 use crate::io::{Chart, Series, Style};
-use crate::optimize::{DesignHistory, DesignPoint, Optimization};
+use costate::design::DesignVariable;
+use costate::optimize::{DesignHistory, DesignPoint, Optimization};
 
 /// Most curves of variables in one chart: those that move most.
 const MOST_CURVES: usize = 10;

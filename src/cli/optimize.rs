@@ -15,16 +15,16 @@ use super::results::check_folder;
 use super::simulation::{crossings_json, steps_in_words};
 use super::snapshot::Snapshot;
 use super::stability::{Statement, statement};
-use crate::design::DesignVariable;
-use crate::history::Keep;
-use crate::integrators::{Crossing, RunError};
 use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
-use crate::optimize::{
+use clap::Args;
+use costate::design::DesignVariable;
+use costate::history::Keep;
+use costate::integrators::{Crossing, RunError};
+use costate::optimize::{
     Case, DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
-use crate::scenes::unknown;
-use crate::scenes::{AnyScene, Prepared, Scenario, Sense};
-use clap::Args;
+use costate::scenes::unknown;
+use costate::scenes::{AnyScene, Prepared, Scenario, Sense};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 

@@ -2,11 +2,11 @@
 
 use super::console::{json_number, say, warn};
 use super::simulation::json_extreme;
-use crate::design::DesignVariable;
-use crate::functionals::Extremes;
 use crate::io::{Cell, Table};
-use crate::optimize::{Conditions, DesignPoint, Ended, Optimization, Optimized};
-use crate::scenes::{FunctionalConstraint, Limit};
+use costate::design::DesignVariable;
+use costate::functionals::Extremes;
+use costate::optimize::{Conditions, DesignPoint, Ended, Optimization, Optimized};
+use costate::scenes::{FunctionalConstraint, Limit};
 use serde_json::{Value, json};
 
 /// Names of the constraints, nonlinear ones first.

@@ -1,14 +1,14 @@
 use super::CommandLine;
 use super::console::say;
 use super::failure::Failure;
-use crate::design::{DesignVariable, check_design, shortest};
-use crate::integrators::{
+use clap::Args;
+use costate::design::{DesignVariable, check_design, shortest};
+use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
 };
-use crate::linalg::Backend;
-use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
-use crate::scenes::{check_folders, unknown};
-use clap::Args;
+use costate::linalg::Backend;
+use costate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
+use costate::scenes::{check_folders, unknown};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! How much a functional changes by relative changes of each part of a mechanism: what its picture is coloured by.
 
 use super::report::Page;
-use crate::scenes::{Prepared, Solids};
+use costate::scenes::{Prepared, Solids};
 use std::ops::Range;
 
 /// The parameters whose derivatives results show, beside those that design variables touch.
@@ -18,7 +18,7 @@ struct Coloured<'p> {
     elements: Vec<(usize, Vec<usize>)>,
 }
 
-/// Places of the sizes of an element among all parameters: see [`Parameter::is_size`](crate::elements::Parameter::is_size).
+/// Places of the sizes of an element among all parameters: see [`Parameter::is_size`](costate::elements::Parameter::is_size).
 fn sizes(prepared: &Prepared, element: usize) -> Vec<usize> {
     let own = &prepared.model().elements[element];
     let list = own.physics.parameter_list();

@@ -2,11 +2,11 @@
 
 use super::columns::moving;
 use super::console::{count, json_number};
-use crate::elements::{Frame, NodeKind};
-use crate::integrators::{INCONSISTENT, StartRecord};
 use crate::io::{Table, number};
-use crate::scalar::{SpatialVector, Vector3};
-use crate::scenes::Prepared;
+use costate::elements::{Frame, NodeKind};
+use costate::integrators::{INCONSISTENT, StartRecord};
+use costate::scalar::{SpatialVector, Vector3};
+use costate::scenes::Prepared;
 use serde_json::{Value, json};
 
 /// A vector of coordinates and velocities.

@@ -5,13 +5,13 @@ use super::history_files::HistoryFiles;
 use super::measured_moments::{EnergyCourse, MeasuredMoments};
 use super::meshes::Meshes;
 use super::snapshot::Snapshot;
-use crate::assembly::VectorsAvq;
-use crate::design::shortest;
-use crate::functionals::{Sample, StepEnds};
-use crate::history::{Dense, Observer};
-use crate::integrators::{RunError, StartRecord, StepRecord};
 use crate::io::{Chart, write_file};
-use crate::scenes::{Output, Prepared};
+use costate::assembly::VectorsAvq;
+use costate::design::shortest;
+use costate::functionals::{Sample, StepEnds};
+use costate::history::{Dense, Observer};
+use costate::integrators::{RunError, StartRecord, StepRecord};
+use costate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
 
 /// Makes sure that the folder can take files, before anything is computed.
@@ -210,13 +210,13 @@ impl Observer for Results<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::history_files::HISTORIES;
-    use crate::cli::motions::{View, view};
-    use crate::cli::snapshot::MOST_POINTS;
-    use crate::design::DesignVariable;
-    use crate::elements::{Element, NodeKind, Parameter, State};
-    use crate::scalar::{Scalar, SpatialVector, Vector3};
-    use crate::scenes::{MechanismBuilder, Scene, Settings};
+    use crate::history_files::HISTORIES;
+    use crate::motions::{View, view};
+    use crate::snapshot::MOST_POINTS;
+    use costate::design::DesignVariable;
+    use costate::elements::{Element, NodeKind, Parameter, State};
+    use costate::scalar::{Scalar, SpatialVector, Vector3};
+    use costate::scenes::{MechanismBuilder, Scene, Settings};
 
     /// R = a + q: an oscillator without a place in space, and without energies.
     struct Oscillator;

@@ -6,9 +6,9 @@ use super::histories::{check_history, check_one_history, keep, resumed};
 use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::{Simulation, say_work, simulate};
-use crate::history::Keep;
-use crate::scenes::{AnyScene, Prepared, Scenario};
 use clap::Args;
+use costate::history::Keep;
+use costate::scenes::{AnyScene, Prepared, Scenario};
 
 /// Options of `costate run`.
 #[derive(Args)]

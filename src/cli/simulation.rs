@@ -10,18 +10,18 @@ use super::report::{Page, Shown};
 use super::results::{Finished, Results, check_folder};
 use super::snapshot::Snapshot;
 use super::stability::{self, Statement};
-use crate::design::shortest;
-use crate::exchange::is_shared;
-use crate::functionals::{Extreme, Extremes};
-use crate::history::{Observer, Usage};
-use crate::integrators::{
+use crate::io::{Cell, Chart, Progress, Table, write_file};
+use costate::design::shortest;
+use costate::exchange::is_shared;
+use costate::functionals::{Extreme, Extremes};
+use costate::history::{Observer, Usage};
+use costate::integrators::{
     Counters, Crossing, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
 };
-use crate::io::{Cell, Chart, Progress, Table, write_file};
-use crate::linalg::SolverPlan;
-use crate::program::{SwitchKind, making_time, refuses_machine_code};
-use crate::scenes::{Prepared, Settings};
-use crate::sensitivity::Forward;
+use costate::linalg::SolverPlan;
+use costate::program::{SwitchKind, making_time, refuses_machine_code};
+use costate::scenes::{Prepared, Settings};
+use costate::sensitivity::Forward;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::time::Instant;

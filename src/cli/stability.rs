@@ -1,11 +1,11 @@
 //! Whether the equilibrium of a run stands, in words and as JSON.
 
 use super::console::{count, json_number};
-use crate::elements::NodeKind;
-use crate::integrators::{Stability, StabilityCourse, Verdict};
 use crate::io::number;
-use crate::scenes::Prepared;
-use crate::sensitivity::Forward;
+use costate::elements::NodeKind;
+use costate::integrators::{Stability, StabilityCourse, Verdict};
+use costate::scenes::Prepared;
+use costate::sensitivity::Forward;
 use serde_json::{Value, json};
 
 /// What is said of an equilibrium.

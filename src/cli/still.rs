@@ -3,9 +3,9 @@
 use super::CommandLine;
 use super::failure::Failure;
 use super::options::{changed_design, located, only_scenario};
-use crate::integrators::{RunError, STATIC_TABLE};
-use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
+use costate::integrators::{RunError, STATIC_TABLE};
+use costate::scenes::{AnyScene, Prepared};
 use std::path::PathBuf;
 
 /// A scene, the design, about which state, and where results go.

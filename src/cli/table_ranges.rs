@@ -1,11 +1,11 @@
 //! Parts that read their tables beyond their points.
 
-use crate::assembly::{Model, NodeId};
-use crate::design::shortest;
-use crate::functionals::{Sample, Times};
-use crate::integrators::Place;
-use crate::program::{Formula, Program, ProgramWork, TableRange};
-use crate::scenes::Prepared;
+use costate::assembly::{Model, NodeId};
+use costate::design::shortest;
+use costate::functionals::{Sample, Times};
+use costate::integrators::Place;
+use costate::program::{Formula, Program, ProgramWork, TableRange};
+use costate::scenes::Prepared;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -92,7 +92,7 @@ fn directions(dimension: usize) -> [u32; BITS] {
 /// Source: Sobol' (1967); Joe & Kuo (2008).
 ///
 /// # Errors
-/// More than [`SOBOL_DIMENSIONS`], or than 2^32 points.
+/// More than `SOBOL_DIMENSIONS`, or than 2^32 points.
 pub fn sobol(count: usize, dimensions: usize, seed: Option<u64>) -> Result<Vec<Vec<f64>>, String> {
     if dimensions > SOBOL_DIMENSIONS || count as u64 > 1 << BITS {
         return Err(format!(

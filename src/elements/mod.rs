@@ -23,7 +23,8 @@ mod table;
 mod time_formula;
 mod time_function;
 
-pub(crate) mod bodies;
+#[doc(hidden)]
+pub mod bodies;
 pub mod entries;
 pub mod flexible;
 pub mod forces;
@@ -32,10 +33,12 @@ pub mod joints;
 pub(crate) use at_rest::{AtRest, OfStates, SPIN_PARAMETERS, turn, turn_gradient};
 pub use characteristic::{Characteristic, ForceLaw};
 pub use constraint::Constraint;
+#[doc(hidden)]
+pub use dyn_layer::ElementPhysics;
 pub use dyn_layer::{AnyConstraint, AnyElement};
 pub(crate) use dyn_layer::{
-    ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here,
-    motion_derivatives, unrelated_numbers,
+    ConstraintPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here, motion_derivatives,
+    unrelated_numbers,
 };
 pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;

@@ -68,7 +68,8 @@ impl NodeKind {
     }
 
     /// Name of coordinate `index`.
-    pub(crate) fn coordinate_name(self, index: usize) -> String {
+    #[doc(hidden)]
+    pub fn coordinate_name(self, index: usize) -> String {
         match self {
             NodeKind::Coordinates(_) => format!("coordinate {index}"),
             NodeKind::States(_) => format!("state {index}"),

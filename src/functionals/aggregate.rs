@@ -177,8 +177,8 @@ impl AggregateKind {
     }
 
     /// What the largest value of all would give: that of y, of |y|, or of the squares.
-    #[cfg(feature = "cli")]
-    pub(crate) fn limit_value(self, smallest: f64, largest: f64) -> f64 {
+    #[doc(hidden)]
+    pub fn limit_value(self, smallest: f64, largest: f64) -> f64 {
         let either = if self.is_power() { largest.abs().max(smallest.abs()) } else { largest };
         match self {
             AggregateKind::SquaredExponential => largest * largest,

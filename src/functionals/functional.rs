@@ -113,7 +113,8 @@ impl<S: RunScalar> Sample<S> {
     }
 
     /// Shares the forces of redundant constraints among all of them, if equations were dropped.
-    pub(crate) fn share(&mut self, model: &Model, p: &[S]) {
+    #[doc(hidden)]
+    pub fn share(&mut self, model: &Model, p: &[S]) {
         if !self.dropped.is_empty() && !self.mu.is_empty() {
             let shared = least_multipliers(model, &self.dropped, p, &self.at.q, &self.mu, self.t);
             self.solved_mu = std::mem::replace(&mut self.mu, shared);
@@ -180,8 +181,8 @@ impl Functional {
     }
 
     /// The formula of what it measures of nodes and joints, and where its arguments stand.
-    #[cfg(feature = "cli")]
-    pub(crate) fn formula(&self, model: &Model) -> Option<(Arc<Formula>, Vec<Place>)> {
+    #[doc(hidden)]
+    pub fn formula(&self, model: &Model) -> Option<(Arc<Formula>, Vec<Place>)> {
         match &self.measured {
             Measured::Energy(_) | Measured::Group(_) => None,
             local => local.reading(model).map(|own| (Arc::clone(own.formula), own.places.to_vec())),

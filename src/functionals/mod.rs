@@ -27,20 +27,26 @@ pub use aggregate::{Aggregate, AggregateKind};
 pub(crate) use aggregate::{PointWeights, Totals};
 pub use beam_quantity::{BeamQuantity, OfBeams};
 pub use element_group::ElementGroup;
-pub(crate) use element_sum::ElementSum;
+#[doc(hidden)]
+pub use element_sum::ElementSum;
 pub use extremes::{Extreme, Extremes};
-pub(crate) use functional::Measured;
+#[doc(hidden)]
+pub use functional::Measured;
 pub use functional::{Functional, Sample};
 pub(crate) use gradient::{FunctionalGradient, SampleSeeds};
 pub use load::LoadKind;
-pub(crate) use load::{JointLoad, joint_force_and_moment};
-pub(crate) use measured_group::{GroupFormula, GroupPart, MeasuredGroup};
+#[doc(hidden)]
+pub use load::{JointLoad, joint_force_and_moment};
+#[doc(hidden)]
+pub use measured_group::{GroupFormula, GroupPart, MeasuredGroup};
 pub use over::{Over, Times};
 pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};
 pub(crate) use quantity::MeasuredQuantity;
 pub use quantity::{AnyQuantity, Quantity, QuantityPart, QuantityVisitor};
 pub(crate) use reactions::multipliers_without_forces;
 pub use shell_quantity::{OfShells, ShellQuantity};
-pub(crate) use step_ends::StepEnds;
-pub(crate) use values::Values;
+#[doc(hidden)]
+pub use step_ends::StepEnds;
+#[doc(hidden)]
+pub use values::Values;
 pub(crate) use weights::{QuadratureWeights, StageWeight};

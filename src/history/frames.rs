@@ -54,7 +54,7 @@ impl fmt::Display for Damage {
 }
 
 /// Whether a regular file stands at a place, or nothing: others hang when they are opened, or would be replaced by a file.
-pub(crate) fn check_place(path: &Path) -> io::Result<()> {
+pub fn check_place(path: &Path) -> io::Result<()> {
     let what = match std::fs::symlink_metadata(path) {
         // what cannot be there is told by the one who makes it
         Err(cause) if matches!(cause.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => return Ok(()),

@@ -20,9 +20,11 @@ mod sliced;
 
 pub(crate) use checkpoints::Checkpoints;
 pub use dense::Snapshot;
-pub(crate) use dense::{Dense, moments};
+#[doc(hidden)]
+pub use dense::{Dense, moments};
 pub(crate) use file::FileHistory;
-pub(crate) use frames::check_place;
+#[doc(hidden)]
+pub use frames::check_place;
 use handed::Handed;
 pub(crate) use memory::Memory;
 pub(crate) use nothing::Nothing;

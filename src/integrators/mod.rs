@@ -59,12 +59,14 @@ pub(crate) use complex_modes::complex_modes;
 pub use counters::Counters;
 pub(crate) use counters::Phase;
 pub use crossings::Crossing;
-pub(crate) use crossings::{Place, SwitchWatch, each_formula};
+#[doc(hidden)]
+pub use crossings::{Place, SwitchWatch, each_formula};
 pub(crate) use dividing::march_dividing;
 pub use error::RunError;
 pub(crate) use given::{march, march_along};
 pub use grid::TimeGrid;
-pub(crate) use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
+#[doc(hidden)]
+pub use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
 pub(crate) use harmonic_response::{Response, Vibration, harmonic_response};
 pub use march::Method;
 pub(crate) use march::Problem;
@@ -80,14 +82,15 @@ pub(crate) use restart::{Pause, StepSizeState};
 pub(crate) use resting_start::{resting_start, staying_states};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
-#[cfg(feature = "cli")]
-pub(crate) use start::INCONSISTENT;
+#[doc(hidden)]
+pub use start::INCONSISTENT;
 pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;
 pub(crate) use step_points::StepRule;
 pub use table::{Carried, Combination, Embedded, Quadrature, Scheme, Stage, Starter, Table};
-pub(crate) use tables::table_named;
+#[doc(hidden)]
+pub use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::Mode;

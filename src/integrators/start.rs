@@ -57,7 +57,7 @@ pub struct RestingPlan {
 }
 
 /// Violation of a constraint beyond which a start is inconsistent, relative to the size of the coordinates or rates.
-pub(crate) const INCONSISTENT: f64 = 1e-9;
+pub const INCONSISTENT: f64 = 1e-9;
 
 impl StartPlan {
     /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.

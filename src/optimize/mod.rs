@@ -16,7 +16,8 @@ mod optimizer;
 mod program;
 mod quadratic;
 mod run;
-pub(crate) mod runs_at_once;
+#[doc(hidden)]
+pub mod runs_at_once;
 mod scaling;
 mod sent;
 mod simulated;

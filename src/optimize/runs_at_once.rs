@@ -79,7 +79,8 @@ fn results_on<T: Sent + Send>(
 
 /// Calls `run` once with each number below `count`, in their order, several at once: of all `threads` each call has its
 /// share for itself. What a run gives has the same bits on any number of threads.
-pub(crate) fn run_at_once(count: usize, threads: usize, run: impl Fn(usize) + Sync) {
+#[doc(hidden)]
+pub fn run_at_once(count: usize, threads: usize, run: impl Fn(usize) + Sync) {
     let at_once = threads.min(count).max(1);
     let next = AtomicUsize::new(0);
     let work = || {

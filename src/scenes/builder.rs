@@ -85,7 +85,8 @@ pub struct MechanismBuilder<S> {
     /// Solids of bodies.
     pub(crate) solids: Vec<DrawnSolid>,
     /// Nodes that beams and cables made for themselves, which nobody gave a name.
-    pub(crate) nodes_of_members: Vec<NodeId>,
+    #[doc(hidden)]
+    pub nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
     /// What was asked for, with the numbers of masses and of elements of beams, cables and shells that have this weight.
     gravities: Vec<(Vector3<S>, [usize; 4])>,

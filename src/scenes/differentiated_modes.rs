@@ -100,7 +100,8 @@ impl Prepared<'_> {
     ///
     /// # Errors
     /// As for [`Prepared::complex_modes_with_state`]; fewer modes than that.
-    pub(crate) fn measured_modes(&self, measures: &[ModeMeasure]) -> Result<Vec<f64>, RunError> {
+    #[doc(hidden)]
+    pub fn measured_modes(&self, measures: &[ModeMeasure]) -> Result<Vec<f64>, RunError> {
         self.measured(measures, &|modes, measure| Ok(measure.value(&modes[measure.number - 1].0)), &|count, damped| {
             self.modes_at_rest(count, damped || self.spin_rate().is_some())
         })
@@ -110,7 +111,8 @@ impl Prepared<'_> {
     ///
     /// # Errors
     /// As for [`Prepared::modes_with_gradients`]; rigid motions, whose frequency has no derivative.
-    pub(crate) fn measured_modes_by_design(&self, measures: &[ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
+    #[doc(hidden)]
+    pub fn measured_modes_by_design(&self, measures: &[ModeMeasure]) -> Result<Vec<Vec<f64>>, RunError> {
         let row = |modes: &[Measured], measure: &ModeMeasure| {
             let (own, gradient) = &modes[measure.number - 1];
             if gradient.is_none() {

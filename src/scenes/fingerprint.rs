@@ -11,7 +11,7 @@ const BITS: u32 = f64::MANTISSA_DIGITS;
 /// A whole number that is the same for the same laws, numbers, method and settings, and with gradients for the same way in
 /// which the numbers follow the variables: a table whose row has it can be gone on with. Functionals and modes that are not
 /// measured do not count. Not a number for a design that cannot be built.
-pub(crate) fn fingerprint(
+pub fn fingerprint(
     scene: &dyn AnyScene,
     x: &[f64],
     (method, settings): (&Method, &Settings),

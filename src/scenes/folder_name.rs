@@ -8,13 +8,13 @@ const OF_PATHS: &str = "/\\:*?\"<>|";
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 const NUMBERED_DEVICES: [&str; 2] = ["com", "lpt"];
 /// What stands beside the folders of scenarios: their comparison.
-pub(crate) const COMPARISON: [&str; 2] = ["scenarios.json", "scenarios.html"];
+pub const COMPARISON: [&str; 2] = ["scenarios.json", "scenarios.html"];
 
 /// Checks that each name is one of a folder that lies beside those of the others, wherever results are written.
 ///
 /// # Errors
 /// The place of the first name that is none, and why.
-pub(crate) fn check_folders<'n>(names: impl IntoIterator<Item = &'n str>) -> Result<(), (usize, String)> {
+pub fn check_folders<'n>(names: impl IntoIterator<Item = &'n str>) -> Result<(), (usize, String)> {
     let mut known: Vec<(&str, String)> = Vec::new();
     for (place, name) in names.into_iter().enumerate() {
         if let Some(why) = refused(name) {
@@ -34,7 +34,7 @@ pub(crate) fn check_folders<'n>(names: impl IntoIterator<Item = &'n str>) -> Res
 }
 
 /// The nearest name of a folder to one that people chose for something else.
-pub(crate) fn folder_name(name: &str) -> String {
+pub fn folder_name(name: &str) -> String {
     let is_none = |letter: char| letter.is_control() || OF_PATHS.contains(letter);
     let own = name.replace(is_none, "-");
     let own = own.trim_matches(['.', ' ']);

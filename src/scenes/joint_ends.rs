@@ -20,7 +20,8 @@ pub struct JointEnd {
 
 impl MechanismBuilder<f64> {
     /// One for each joint that acts on something in space. The point is that of the joint where it has one, else the origin of the node.
-    pub(crate) fn joint_ends(&self) -> Vec<JointEnd> {
+    #[doc(hidden)]
+    pub fn joint_ends(&self) -> Vec<JointEnd> {
         let end = |joint: usize| -> Option<JointEnd> {
             let constraint = &self.model.constraints[joint];
             let (mut first, mut found) = (0, None);

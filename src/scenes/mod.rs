@@ -6,8 +6,10 @@ mod facets;
 #[cfg(feature = "files")]
 pub mod file;
 mod file_bytes;
-mod fingerprint;
-mod folder_name;
+#[doc(hidden)]
+pub mod fingerprint;
+#[doc(hidden)]
+pub mod folder_name;
 mod gmsh;
 mod joint_ends;
 mod mesh_data;
@@ -33,7 +35,8 @@ pub mod built_in;
 pub use crate::assembly::{ConstraintId, ElementId, NodeId};
 pub use crate::design::DesignVariable;
 
-pub(crate) use builder::LineElement;
+#[doc(hidden)]
+pub use builder::LineElement;
 pub use builder::{
     BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
     MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
@@ -42,29 +45,38 @@ pub use differentiated_modes::{DifferentiatedModes, ModeGradient};
 #[cfg(feature = "files")]
 pub use file::FileScene;
 use file_bytes::file_bytes;
-pub(crate) use fingerprint::{fingerprint, whole_number};
-#[cfg(any(feature = "files", feature = "cli"))]
-pub(crate) use folder_name::check_folders;
-#[cfg(feature = "cli")]
-pub(crate) use folder_name::{COMPARISON, folder_name};
+#[doc(hidden)]
+pub use fingerprint::fingerprint;
+pub(crate) use fingerprint::whole_number;
+#[cfg(feature = "files")]
+#[doc(hidden)]
+pub use folder_name::check_folders;
+#[doc(hidden)]
+pub use folder_name::{COMPARISON, folder_name};
 pub use gmsh::{parse_gmsh, read_gmsh};
 pub use joint_ends::JointEnd;
 pub use mesh_data::{FilePlace, MeshData};
 pub use mode_measure::ModeMeasure;
-pub(crate) use mode_measure::check_modes;
+#[doc(hidden)]
+pub use mode_measure::check_modes;
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use periodic_modes::PeriodicModes;
 pub use prepared::Prepared;
-pub(crate) use prepared::{OF_QUOTIENTS, SCATTER};
+#[doc(hidden)]
+pub use prepared::{OF_QUOTIENTS, SCATTER};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 use scene::built;
 pub use scene::{AnyScene, Output, Scenario, Scene, Settings};
 pub use signal::Signal;
-pub(crate) use sketch::{Drawn, NodePoint, Sketch};
+#[doc(hidden)]
+pub use sketch::{Drawn, NodePoint, Sketch};
 pub use solid::{Solid, SolidShape};
-pub(crate) use solids::Solids;
+#[doc(hidden)]
+pub use solids::Solids;
 pub use statics::Equilibrium;
-pub(crate) use surfaces::Surface;
+#[doc(hidden)]
+pub use surfaces::Surface;
 pub use triangle_surface::TriangleSurface;
-pub(crate) use unknown::unknown;
+#[doc(hidden)]
+pub use unknown::unknown;
 pub use violation::Violation;

@@ -44,13 +44,14 @@ impl ModeMeasure {
     }
 
     /// Its unit.
-    pub(crate) fn unit(&self) -> &'static str {
+    #[doc(hidden)]
+    pub fn unit(&self) -> &'static str {
         if self.growth { "1/s" } else { "rad/s" }
     }
 }
 
 /// Refuses names that functionals have, or that are there twice, and modes without a number.
-pub(crate) fn check_modes(measures: &[ModeMeasure], functionals: &[Functional]) -> Result<(), RunError> {
+pub fn check_modes(measures: &[ModeMeasure], functionals: &[Functional]) -> Result<(), RunError> {
     let mut names: Vec<&str> = functionals.iter().map(|own| own.name.as_str()).collect();
     for ModeMeasure { name, number, .. } in measures {
         if *number == 0 {

@@ -121,7 +121,8 @@ impl OptimizationProblem {
     }
 
     /// The objective in words: `psi`, or `2 mass + 0.5 psi`.
-    pub(crate) fn objective_name(&self) -> String {
+    #[doc(hidden)]
+    pub fn objective_name(&self) -> String {
         let term = |(name, weight): &(String, f64)| if *weight == 1.0 { name.clone() } else { format!("{weight} {name}") };
         self.objective.iter().map(term).collect::<Vec<_>>().join(" + ")
     }

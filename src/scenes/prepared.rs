@@ -41,13 +41,14 @@ pub struct Prepared<'s> {
 }
 
 /// How many times the effect of a rounding of the variables two derivatives may be apart.
-pub(crate) const SCATTER: f64 = 4.0;
+pub const SCATTER: f64 = 4.0;
 /// Largest relative difference between gradients and difference quotients of runs that passes. Where roundings change complex steps by more, these
 /// show nothing that quotients do not.
-pub(crate) const OF_QUOTIENTS: f64 = 1e-6;
+pub const OF_QUOTIENTS: f64 = 1e-6;
 
 /// A run beside a design.
-pub(crate) struct Nearby {
+#[doc(hidden)]
+pub struct Nearby {
     /// Values of the functionals.
     pub values: Vec<f64>,
     /// Their complex-step gradients.
@@ -132,7 +133,8 @@ impl<'s> Prepared<'s> {
 
     /// Takes the steps that were laid for another design of the scene, so that the number of those between two breakpoints does not change from
     /// design to design, and values with it.
-    pub(crate) fn keep_steps_of(&mut self, other: &TimeGrid) {
+    #[doc(hidden)]
+    pub fn keep_steps_of(&mut self, other: &TimeGrid) {
         if self.grid.is_of_same_run(other) {
             self.grid = other.clone();
         }
@@ -187,7 +189,8 @@ impl<'s> Prepared<'s> {
     ///
     /// # Errors
     /// Those of the runs.
-    pub(crate) fn complex_steps_nearby(&self) -> Result<[Nearby; 4], RunError> {
+    #[doc(hidden)]
+    pub fn complex_steps_nearby(&self) -> Result<[Nearby; 4], RunError> {
         let at = |is_up: fn(usize) -> bool| -> Result<Nearby, RunError> {
             let next = |i: usize, x: f64, size: f64| match x {
                 0.0 if is_up(i) => f64::EPSILON * size,

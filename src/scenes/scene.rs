@@ -149,7 +149,8 @@ pub struct Scenario<'s> {
 
 impl<'s> Scenario<'s> {
     /// What of a scene is run: its scenarios, or the scene itself, without a name.
-    pub(crate) fn all_of(scene: &'s dyn AnyScene) -> Vec<Self> {
+    #[doc(hidden)]
+    pub fn all_of(scene: &'s dyn AnyScene) -> Vec<Self> {
         match scene.scenarios() {
             all if all.is_empty() => vec![Scenario { name: String::new(), scene }],
             all => all,

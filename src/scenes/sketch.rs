@@ -76,7 +76,8 @@ pub struct Sketch {
 impl MechanismBuilder<f64> {
     /// The mechanism as lines: its drawings, a line for every part between two points that lie apart at the start, anchors where
     /// joints and links meet the ground, and the points of functionals and point nodes to follow.
-    pub(crate) fn sketch(&self) -> Sketch {
+    #[doc(hidden)]
+    pub fn sketch(&self) -> Sketch {
         let mut sketch = Sketch::default();
         for drawing in &self.drawings {
             let points: Vec<_> = drawing.points.iter().filter_map(|&(node, point)| self.node_point(node, point)).collect();
@@ -145,7 +146,8 @@ impl MechanismBuilder<f64> {
     }
 
     /// What a node is called where curves are read: by its name, or as the end of a beam or cable that made it for itself.
-    pub(crate) fn label(&self, node: NodeId) -> String {
+    #[doc(hidden)]
+    pub fn label(&self, node: NodeId) -> String {
         let ends = |line: &OutlinedLine| {
             let [first, last] = [line.rings.first()?, line.rings.last()?].map(|ring| ring.node);
             let end = if last == node { "end" } else { "start" };
@@ -156,7 +158,8 @@ impl MechanismBuilder<f64> {
     }
 
     /// A place in the frame of a node \[m\]; `None` for a node without a place in space.
-    pub(crate) fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
+    #[doc(hidden)]
+    pub fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
         let node = &self.model.nodes[node.0];
         let kind = node.kind.in_space()?;
         let local = if kind.has_axes() { local } else { [0.0; 3] };

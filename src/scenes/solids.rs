@@ -99,7 +99,8 @@ pub struct Solids<'m> {
 
 impl MechanismBuilder<f64> {
     /// The mechanism in space.
-    pub(crate) fn solids(&self) -> Solids<'_> {
+    #[doc(hidden)]
+    pub fn solids(&self) -> Solids<'_> {
         let mut solids = Solids {
             mechanism: self,
             surfaces: self.surfaces(),

@@ -58,7 +58,8 @@ impl Analysis<'_> {
     ///
     /// # Errors
     /// Steps that were not kept, or cannot be found again.
-    pub(crate) fn roundings(&self, forward: &Forward) -> Result<Vec<f64>, RunError> {
+    #[doc(hidden)]
+    pub fn roundings(&self, forward: &Forward) -> Result<Vec<f64>, RunError> {
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
         let scales = coordinate_scales(rerun.system(), &forward.numbers.q, &forward.numbers.p);

@@ -34,7 +34,7 @@ use toml::de::{DeTable, DeValue};
 
 /// The example files, by name.
 fn files() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes");
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("examples/scenes");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
     files.sort();
@@ -106,7 +106,7 @@ functional = [{ name = "mass", type = "mass", of = "bracket", over = "initial" }
 
 #[test]
 fn the_examples_of_the_pages_are_files_that_run() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let guide = std::fs::read_dir(root.join("src/guide")).unwrap().map(|entry| entry.unwrap().path());
     let pages = guide.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
     let mut count = 0;
@@ -137,7 +137,7 @@ fn the_examples_of_the_pages_are_files_that_run() {
 
 /// Holds a file against the text that belongs into it.
 fn kept(path: &str, text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path);
     if std::env::var_os("COSTATE_WRITE_PAGES").is_some() {
         std::fs::write(&path, text).unwrap();
     }

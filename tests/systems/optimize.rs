@@ -1,7 +1,7 @@
 //! Optimizers on problems with published optima, and scenes optimized by their gradients.
 
 use costate::integrators::RunError;
-use costate::internals::{RunScalar, read_csv, write_csv};
+use costate::internals::RunScalar;
 use costate::optimize::{
     ConstraintKind, DesignHistory, Ended, GradientBy, Gradients, NoValue, NonlinearProgram, Optimization, Optimized, Reason,
     Sqp, Stopping, Values, Watcher, minimize, optimizers,
@@ -10,6 +10,7 @@ use costate::prelude::*;
 use costate::scalar::Tangents;
 use costate::scenes::built_in;
 use costate::scenes::{AnyScene, FileScene, Sense};
+use costate_cli::io::{read_csv, write_csv};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// f and c of a problem, in real numbers and with derivatives along up to eight variables.

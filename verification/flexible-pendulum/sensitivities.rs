@@ -3,9 +3,9 @@
 use super::path::{MOMENTS, pendulum, prepare};
 use super::{END, line};
 use crate::verification::Report;
-use costate::cli::Chart;
 use costate::integrators::{DEFAULT_TABLE, RunError};
 use costate::sensitivity::GradientCourse;
+use costate_cli::Chart;
 
 /// Largest difference of exact derivatives, by the largest one so far.
 const EXACT: f64 = 1e-12;

@@ -6,8 +6,8 @@ mod scenes;
 mod sensitivities;
 
 use crate::verification::{Clock, Report, Study, on_one_thread};
-use costate::cli::{Chart, Series, Style};
 use costate::integrators::{DEFAULT_TABLE, RunError};
+use costate_cli::{Chart, Series, Style};
 use path::{MOMENTS, Path, path, pendulum};
 use scenes::{Formulation, Pushed, Stiffened};
 

@@ -1,11 +1,11 @@
 use crate::verification::{Clock, Form, Report, Study, on_one_thread, on_threads};
-use costate::cli::{Chart, Series, Style};
 use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};
 use costate::internals::march_dividing;
 use costate::prelude::*;
 use costate::scenes::{AnyScene, FileScene, built_in};
+use costate_cli::{Chart, Series, Style};
 use std::time::Instant;
 
 /// The flexible four-bar mechanism with every method: forces, time, gradients.

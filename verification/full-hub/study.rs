@@ -4,9 +4,9 @@
 use crate::verification::memory::{forget_peak, peak_memory};
 use crate::verification::whole_runs::{compare_with_whole_runs, inside};
 use crate::verification::{Form, PHASES, Report, Study, largest, on_threads, with_phases};
-use costate::cli::{Chart, Series, Style};
 use costate::integrators::{Counters, DEFAULT_TABLE, RunError};
 use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
+use costate_cli::{Chart, Series, Style};
 use std::fmt::Write;
 use std::time::Instant;
 

@@ -5,11 +5,11 @@ mod scene;
 use crate::verification::falling::tube;
 use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
 use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, with_phases};
-use costate::cli::{Chart, Series, Style};
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::integrators::{ConstraintLevel, Counters, DEFAULT_TABLE, Method, RunError, table_by_name};
 use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::{Gradient, largest_difference};
+use costate_cli::{Chart, Series, Style};
 use scene::{Entry, Measure, RATIO, ShellPendulum, YOUNG, of_the_table};
 
 /// Methods with their orders in the source, and the default.

@@ -3,10 +3,10 @@
 use crate::verification::optimized::{by_iteration, optimize_from, seconds};
 use crate::verification::rotor_hub::told;
 use crate::verification::{Form, Report, Study};
-use costate::cli::{Chart, Series, Style};
 use costate::optimize::{GradientBy, Optimization, Optimized};
 use costate::prelude::DesignVariable;
 use costate::scenes::{AnyScene, FileScene, built_in};
+use costate_cli::{Chart, Series, Style};
 
 /// By how much optima from two starts differ, as a share of the mass.
 const OPTIMA: f64 = 1e-3;

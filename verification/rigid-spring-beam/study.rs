@@ -1,12 +1,12 @@
 use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, optimize_from, over_time, prepare, seconds};
 use crate::verification::{Report, Study, on_one_thread};
-use costate::cli::{Chart, Series};
 use costate::functionals::Over;
 use costate::integrators::RunError;
 use costate::internals::Measured;
 use costate::optimize::{GradientBy, Optimized};
 use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};
 use costate::sensitivity::largest_difference;
+use costate_cli::{Chart, Series};
 
 /// A rigid bar held by a spring and a turning beam: where the beam's hinge must be so that the bar moves least.
 pub struct RigidSpringBeamStudy;

@@ -1,6 +1,5 @@
 use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, over_time, prepare, seconds, seconds_a_gradient};
 use crate::verification::{Form, Report, Study, on_one_thread};
-use costate::cli::{Chart, Series};
 use costate::elements::flexible::CableStrain;
 use costate::functionals::{Functional, Over};
 use costate::integrators::RunError;
@@ -8,6 +7,7 @@ use costate::internals::{CableLargestStress, Measured, MeasuredQuantity};
 use costate::optimize::{GradientBy, Optimized};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use costate::sensitivity::largest_difference;
+use costate_cli::{Chart, Series};
 use std::mem::take;
 
 /// The suspension of a car with 60 variables, optimized by adjoint and by finite differences.

@@ -6,9 +6,9 @@ use super::{REFERENCE, chart, report_times, times_table};
 use crate::verification::Report;
 use crate::verification::andrews::{self, PUBLISHED};
 use crate::verification::rigid_benchmarks::{angles_of_turns, body_angles, places_of_bodies};
-use costate::cli::Chart;
 use costate::integrators::{ConstraintLevel, NewtonTolerance, tables};
 use costate::scenes::{Prepared, built_in};
+use costate_cli::Chart;
 use std::f64::consts::TAU;
 
 /// Accuracies for which others' times are known.

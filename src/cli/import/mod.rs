@@ -9,8 +9,8 @@ use super::check::{self, CheckOptions};
 use super::console::say;
 use super::failure::Failure;
 use crate::io::write_file;
-use crate::scenes::FileScene;
 use clap::Args;
+use costate::scenes::FileScene;
 use robot::Robot;
 use std::path::PathBuf;
 

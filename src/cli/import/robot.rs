@@ -2,7 +2,7 @@
 //!
 //! Source: the XML specification of the Unified Robot Description Format (links, joints, inertials, visuals).
 
-use crate::scalar::{Quaternion, SpatialVector, Vector3};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use roxmltree::{Document, Node};
 
 /// A frame in another one.
@@ -207,7 +207,7 @@ impl Robot {
         let names: Vec<&str> = self.links.iter().map(|link| &*link.name).collect();
         let joints: Vec<&str> = self.joints.iter().map(|joint| &*joint.name).collect();
         for (what, names) in [("links", &names), ("joints", &joints)] {
-            if let Some(twice) = crate::design::repeated(names.iter().copied()) {
+            if let Some(twice) = costate::design::repeated(names.iter().copied()) {
                 return Err(format!("two {what} are named \"{twice}\""));
             }
         }
@@ -217,7 +217,7 @@ impl Robot {
             }
         }
         match self.roots().len() {
-            _ if crate::design::repeated(self.joints.iter().map(|joint| &*joint.child)).is_some() => {
+            _ if costate::design::repeated(self.joints.iter().map(|joint| &*joint.child)).is_some() => {
                 Err("a link is the child of two joints; a URDF is a tree".into())
             }
             0 => Err("every link is the child of a joint; a URDF is a tree with a root".into()),

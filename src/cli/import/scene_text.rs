@@ -2,11 +2,11 @@
 
 use super::robot::{Joint, Looks, Pose, Robot};
 use super::welded::{BodyInertia, WeldedBody};
-use crate::design::shortest;
-use crate::elements::bodies::inertia_tensor;
-use crate::scalar::{Quaternion, SpatialVector, Vector3};
-use crate::scenes::file::is_free_name;
-use crate::scenes::folder_name;
+use costate::design::shortest;
+use costate::elements::bodies::inertia_tensor;
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
+use costate::scenes::file::is_free_name;
+use costate::scenes::folder_name;
 use std::path::{Path, PathBuf};
 
 /// Names that formulas of joints and elements here give their nodes.

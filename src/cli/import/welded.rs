@@ -1,8 +1,8 @@
 //! Links that fixed joints weld together, as one body.
 
 use super::robot::{Inertial, Joint, Link, Pose, Robot};
-use crate::elements::bodies::inertia_tensor;
-use crate::scalar::{Quaternion, SpatialVector, Vector3};
+use costate::elements::bodies::inertia_tensor;
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
 /// A link and all that fixed joints weld to it.
 pub struct WeldedBody<'r> {

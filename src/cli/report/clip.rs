@@ -1,9 +1,9 @@
 //! Motions as a page plays them: places of all vertices at some times, as whole numbers within the box around all of them.
 
 use super::{Page, floats};
-use crate::cli::motions::{View, extent};
 use crate::io::base64;
-use crate::scenes::{Drawn, Solids};
+use crate::motions::{View, extent};
+use costate::scenes::{Drawn, Solids};
 use serde_json::{Value, json};
 
 /// Bytes for the places and stresses of all motions of a page: in the file a third more.

@@ -14,7 +14,7 @@ pub use sections::{GradientRows, Shown};
 use super::console::json_number;
 use super::failure::Failure;
 use crate::io::{Chart, Series, base64, write_file};
-use crate::scenes::AnyScene;
+use costate::scenes::AnyScene;
 use flate2::read::GzDecoder;
 use serde_json::{Map, Value, json};
 use std::io::Read;
@@ -195,7 +195,7 @@ impl Page {
 mod tests {
     use super::*;
     use crate::io::Style;
-    use crate::scenes::built_in;
+    use costate::scenes::built_in;
 
     #[test]
     fn the_page_is_whole_and_texts_cannot_end_its_script() {

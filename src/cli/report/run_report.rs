@@ -1,12 +1,12 @@
 //! The page of a run that a program made.
 
 use super::{GradientRows, Page, Shown};
-use crate::cli::measured_modes::MeasuredModes;
-use crate::cli::measured_moments::MeasuredMoments;
-use crate::cli::part_sensitivities::PartSensitivities;
-use crate::cli::simulation::energy_in_words;
-use crate::integrators::RunError;
-use crate::scenes::Run;
+use crate::measured_modes::MeasuredModes;
+use crate::measured_moments::MeasuredMoments;
+use crate::part_sensitivities::PartSensitivities;
+use crate::simulation::energy_in_words;
+use costate::integrators::RunError;
+use costate::scenes::Run;
 
 /// The page that `costate run` and `costate gradient` write, of a run that a program made, without the balance of energies, which they add up
 /// while it goes on; it is whole in itself and needs no network.
@@ -26,7 +26,7 @@ impl RunReport<'_> {
     ///
     /// # Errors
     /// A run that kept no steps; for derivatives one that stopped before its end, and those of
-    /// [`Analysis::adjoint`](crate::sensitivity::Analysis::adjoint).
+    /// [`Analysis::adjoint`](costate::sensitivity::Analysis::adjoint).
     pub fn html(&self) -> Result<String, RunError> {
         let Run { prepared, forward } = self.run;
         if self.with_gradient && self.stopped.is_some() {
@@ -79,7 +79,7 @@ impl RunReport<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::{Prepared, built_in};
+    use costate::scenes::{Prepared, built_in};
 
     #[test]
     fn a_run_has_the_page_of_the_command_line_without_its_command() {

@@ -1,19 +1,19 @@
 //! What commands have in common to say on a page.
 
 use super::{Clip, Page};
-use crate::cli::console::{brief, json_number, long_number, relative_effect};
-use crate::cli::energy_balance::EnergyBalance;
-use crate::cli::measured_moments::EnergyCourse;
-use crate::cli::motions::view;
-use crate::cli::projected_start::ProjectedStart;
-use crate::cli::snapshot::Snapshot;
-use crate::cli::stability::{Statement, statement};
-use crate::design::DesignVariable;
-use crate::functionals::{Extreme, Extremes, Functional};
-use crate::integrators::{NewtonTolerance, StepError};
+use crate::console::{brief, json_number, long_number, relative_effect};
+use crate::energy_balance::EnergyBalance;
 use crate::io::{Chart, number};
-use crate::scenes::Prepared;
-use crate::sensitivity::Forward;
+use crate::measured_moments::EnergyCourse;
+use crate::motions::view;
+use crate::projected_start::ProjectedStart;
+use crate::snapshot::Snapshot;
+use crate::stability::{Statement, statement};
+use costate::design::DesignVariable;
+use costate::functionals::{Extreme, Extremes, Functional};
+use costate::integrators::{NewtonTolerance, StepError};
+use costate::scenes::Prepared;
+use costate::sensitivity::Forward;
 use serde_json::{Value, json};
 
 /// A gradient with what it was compared with beside it, if that was asked for: of each functional by each variable.

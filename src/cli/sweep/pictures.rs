@@ -3,7 +3,7 @@
 use super::Sweep;
 use super::findings::Findings;
 use super::rows::Outcome;
-use crate::cli::failure::Failure;
+use crate::failure::Failure;
 use crate::io::{Bars, Chart, Series, Style, write_bars, write_charts};
 use std::path::{Path, PathBuf};
 

@@ -2,11 +2,11 @@
 //! as sweep.arrow, too.
 
 use super::variation::Variation;
-use crate::cli::earlier::keep_earlier;
-use crate::cli::failure::Failure;
-use crate::exchange::sent_by_fields;
-use crate::history::check_place;
+use crate::earlier::keep_earlier;
+use crate::failure::Failure;
 use crate::io::{IoError, fields, quoted, write_file};
+use costate::exchange::sent_by_fields;
+use costate::history::check_place;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

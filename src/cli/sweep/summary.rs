@@ -4,10 +4,10 @@ use super::findings::Findings;
 use super::pictures;
 use super::rows::Outcome;
 use super::{Sampling, Sweep};
-use crate::cli::console::{count, json_number, say, seconds, warn};
-use crate::cli::failure::{Failure, INTERRUPTED};
-use crate::cli::simulation::names;
+use crate::console::{count, json_number, say, seconds, warn};
+use crate::failure::{Failure, INTERRUPTED};
 use crate::io::{Cell, Table};
+use crate::simulation::names;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 

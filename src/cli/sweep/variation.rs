@@ -1,10 +1,10 @@
 //! Which designs a sweep runs: a grid of values of some variables, or points drawn in their ranges.
 
 use super::SweepOptions;
-use crate::cli::failure::Failure;
-use crate::cli::options::variable_named;
-use crate::design::{DesignVariable, check_design, latin_hypercube, shortest, sobol};
+use crate::failure::Failure;
+use crate::options::variable_named;
 use clap::ValueEnum;
+use costate::design::{DesignVariable, check_design, latin_hypercube, shortest, sobol};
 
 /// Most designs of a sweep.
 pub const MOST_DESIGNS: usize = 1_000_000;

@@ -7,7 +7,7 @@ use crate::scalar::{Matrix3, Vector3};
 const ROUND_OFF: f64 = 1e-9;
 
 /// A tensor that no distribution of mass has.
-pub(crate) struct Inadmissible {
+pub struct Inadmissible {
     /// Its principal moments, the least first [kg m2].
     pub moments: [f64; 3],
     /// The nearest tensor that a body can have (xx, yy, zz, xy, xz, yz) [kg m2].
@@ -15,7 +15,8 @@ pub(crate) struct Inadmissible {
 }
 
 /// Round-off of the tensor of a body [kg m2].
-pub(crate) fn round_off(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> f64 {
+#[doc(hidden)]
+pub fn round_off(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> f64 {
     let largest = tensor.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
     ROUND_OFF * largest.max(mass * centre.dot(&centre))
 }
@@ -31,7 +32,8 @@ pub(crate) fn round_off(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> f6
 ///
 /// # Errors
 /// The nearest tensor, where it is off by more than round-off.
-pub(crate) fn check(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> Result<(), Inadmissible> {
+#[doc(hidden)]
+pub fn check(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> Result<(), Inadmissible> {
     let [xx, yy, zz, xy, xz, yz] = tensor;
     let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigen();
     let mut order = [0, 1, 2];

@@ -1,7 +1,8 @@
 //! Elements with inertia, and the constraints inside the nodes of bodies.
 
 mod euler_parameter_norm;
-pub(crate) mod inertia_tensor;
+#[doc(hidden)]
+pub mod inertia_tensor;
 mod natural_body;
 mod orthonormal_axes;
 mod point_mass;

@@ -7,7 +7,8 @@ pub(crate) mod cable_gravity;
 pub(crate) mod cable_inertia;
 mod cable_section;
 pub(crate) mod distributed_load;
-pub(crate) mod faces;
+#[doc(hidden)]
+pub mod faces;
 pub(crate) mod hermite;
 mod laminate;
 mod outline;

@@ -3,11 +3,11 @@
 use crate::doubts::doubts;
 use crate::errors::{guarded, run_error};
 use crate::scene::PreparedScene;
-use costate::cli::RunReport;
 use costate::functionals::Sample;
 use costate::prelude::RunError;
 use costate::scenes;
 use costate::sensitivity::{Forward, SwitchError};
+use costate_cli::RunReport;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -182,7 +182,8 @@ pub struct LineElement {
 
 impl MechanismBuilder<f64> {
     /// The elements of all beams and cables.
-    pub(crate) fn line_elements(&self) -> Vec<LineElement> {
+    #[doc(hidden)]
+    pub fn line_elements(&self) -> Vec<LineElement> {
         let of_line = |line: &super::OutlinedLine| {
             let field = line.field;
             let nodes = |id| self.model.find_element(id).map(|element| element.nodes.to_vec());
@@ -194,7 +195,8 @@ impl MechanismBuilder<f64> {
 
     /// N1, N2, N3 \[N\], M1, M2, M3 [N m] in the middle of an element, and the largest von Mises stress [N/m2] at its
     /// ends if its section tells it, both without damping, at the coordinates of the whole mechanism.
-    pub(crate) fn line_state(&self, line: &LineElement, q: &[f64]) -> ([f64; STRAINS], Option<f64>) {
+    #[doc(hidden)]
+    pub fn line_state(&self, line: &LineElement, q: &[f64]) -> ([f64; STRAINS], Option<f64>) {
         let dofs = line.nodes.iter().flat_map(|&node| self.model.node(node).dofs.clone());
         let q: Vec<f64> = dofs.map(|dof| q[dof]).collect();
         let parameters = self.model.find_element(line.element).map_or(0..0, |element| element.parameters.clone());

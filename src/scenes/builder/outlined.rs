@@ -102,7 +102,8 @@ impl LineField {
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// The node that `BEAM.start` or `BEAM.end` is.
-    pub(crate) fn node_at_end(&self, name: &str) -> Option<NodeId> {
+    #[doc(hidden)]
+    pub fn node_at_end(&self, name: &str) -> Option<NodeId> {
         let (line, end) = name.rsplit_once('.').filter(|(_, end)| matches!(*end, "start" | "end"))?;
         let rings = &self.outlined.iter().find(|own| own.name == line)?.rings;
         let ring = if end == "start" { rings.first() } else { rings.last() };

@@ -245,8 +245,7 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
 }
 
 /// True for a name that a file can give what its formulas use.
-#[cfg(feature = "cli")]
-pub(crate) fn is_free_name(text: &str) -> bool {
+pub fn is_free_name(text: &str) -> bool {
     is_name(text) && meaning(text).is_none()
 }
 

@@ -39,8 +39,8 @@ mod stl;
 mod tables;
 mod values;
 
-#[cfg(feature = "cli")]
-pub(crate) use expression::is_free_name;
+#[doc(hidden)]
+pub use expression::is_free_name;
 pub use own_parts::OwnParts;
 pub use reference::reference;
 pub use scene::FileScene;

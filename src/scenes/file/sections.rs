@@ -161,7 +161,8 @@ pub(super) const FOR: Key = may(
 
 impl OwnParts {
     /// Forms of the sections of joints, drivers, springs, dampers and functionals, with the names of these.
-    pub(crate) fn listed(&self) -> Vec<(&'static str, Form)> {
+    #[doc(hidden)]
+    pub fn listed(&self) -> Vec<(&'static str, Form)> {
         let sections = ["joint", "driver", "spring", "damper", "functional"];
         let own = SECTIONS.iter().filter(|own| sections.contains(&own.name));
         own.flat_map(|own| all_forms(&own.forms, self).into_iter().map(|form| (own.name, form))).collect()
@@ -171,7 +172,8 @@ impl OwnParts {
     ///
     /// # Errors
     /// A name that a part of one's own and another have.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    #[doc(hidden)]
+    pub fn check(&self) -> Result<(), String> {
         for section in SECTIONS {
             let forms = all_forms(&section.forms, self);
             if let Some(name) = repeated(forms.iter().map(|form| form.name)) {

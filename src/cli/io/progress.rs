@@ -12,7 +12,7 @@ impl Progress {
     pub fn new(label: &str, total: u64) -> Self {
         // at most 10 drawings per second, however often a step reports
         let target = ProgressDrawTarget::stderr_with_hz(10);
-        if target.is_hidden() || !crate::exchange::is_first() {
+        if target.is_hidden() || !costate::exchange::is_first() {
             return Self { bar: None };
         }
         let bar = ProgressBar::with_draw_target(Some(total), target);

@@ -2,7 +2,7 @@
 
 use super::xml::xml_text;
 use super::{IoError, write_file};
-use crate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::faces::FaceKind;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;

@@ -28,7 +28,7 @@
 //! }
 //!
 //! fn main() -> ExitCode {
-//!     costate::cli::main(&[&Ball])
+//!     costate_cli::main(&[&Ball])
 //! }
 //! ```
 
@@ -48,6 +48,7 @@ mod history_files;
 mod import;
 mod influences;
 mod interrupt;
+pub mod io;
 mod kept_moments;
 mod list;
 mod manual;
@@ -82,11 +83,11 @@ pub use crate::io::{Chart, Series, Style};
 pub use report::RunReport;
 pub use study::{Figure, Form, Report, Study};
 
-use crate::design::repeated;
-use crate::exchange;
-use crate::scenes::file::OwnParts;
-use crate::scenes::{AnyScene, built_in};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use costate::design::repeated;
+use costate::exchange;
+use costate::scenes::file::OwnParts;
+use costate::scenes::{AnyScene, built_in};
 use failure::Failure;
 use std::path::Path;
 use std::process::ExitCode;

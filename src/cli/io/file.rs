@@ -1,7 +1,7 @@
 //! Files appear under their name only when they are complete.
 
-use crate::exchange::is_first;
-use crate::history::check_place;
+use costate::exchange::is_first;
+use costate::history::check_place;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};

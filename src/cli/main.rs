@@ -1,6 +1,6 @@
 //! The command line of costate with its built-in scenes.
 
-use costate::cli::CommandLine;
+use costate_cli::CommandLine;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

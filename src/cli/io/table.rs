@@ -1,7 +1,7 @@
 //! Numbers as text: CSV for programs, aligned columns for people.
 
 use super::file::{Aside, IoError};
-use crate::exchange::is_first;
+use costate::exchange::is_first;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Seek, Write};
