@@ -1,6 +1,6 @@
 //! `costate modes --speed`: modes over the rate of a steady turn, followed by their shapes through crossings.
 
-use super::console::{json_number, say};
+use super::console::{json_number, print};
 use super::failure::Failure;
 use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv};
 use costate::integrators::Mode;
@@ -101,7 +101,7 @@ impl Branches {
     }
 
     /// Prints the frequencies.
-    pub fn say(&self) {
+    pub fn print(&self) {
         let names: Vec<String> = (1..=self.count().min(SHOWN)).map(|own| format!("mode {own}")).collect();
         let header: Vec<&str> = ["rate [rad/s]"].into_iter().chain(names.iter().map(String::as_str)).collect();
         let mut table = Table::new(&header);
@@ -113,7 +113,7 @@ impl Branches {
             };
             table.row([number(*rate)].into_iter().chain((0..names.len()).map(cell)).map(Cell::from));
         }
-        say(format_args!("frequencies in the frame that turns [rad/s]\n\n{table}\n"));
+        print(format_args!("frequencies in the frame that turns [rad/s]\n\n{table}\n"));
     }
 
     /// Writes campbell.csv and campbell.svg.

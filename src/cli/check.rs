@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::{count, say, say_json};
+use super::console::{count, print, print_json};
 use super::failure::Failure;
 use super::options::{located, named};
 use clap::Args;
@@ -50,13 +50,13 @@ fn check(options: &CheckOptions, name: &str, scene: &dyn AnyScene) -> Result<(),
     ];
     let words = parts.map(|(number, word)| count(number, word)).join(", ");
     let scenario = if name.is_empty() { String::new() } else { format!(", scenario \"{name}\"") };
-    say(format_args!("{}{scenario}: in order; {words}", options.scene));
+    print(format_args!("{}{scenario}: in order; {words}", options.scene));
     let dropped = prepared.plan.dropped.len();
     if dropped > 0 {
-        say(format_args!("{} left out", count(dropped, "redundant constraint equation")));
+        print(format_args!("{} left out", count(dropped, "redundant constraint equation")));
     }
     let notes = scene.notes();
-    notes.iter().for_each(say);
+    notes.iter().for_each(print);
     let object = json!({
         "scene": scene.name(),
         "variables": parts[0].0,
@@ -66,13 +66,13 @@ fn check(options: &CheckOptions, name: &str, scene: &dyn AnyScene) -> Result<(),
         "functionals": parts[4].0,
         "notes": notes,
     });
-    say_json(options.json, &object);
+    print_json(options.json, &object);
     Ok(())
 }
 
 /// `costate schema`: the JSON schema of scene files.
 pub fn schema(parts: &OwnParts) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(&costate::scenes::file::schema(parts));
-    say(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
+    print(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
     Ok(())
 }

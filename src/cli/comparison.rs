@@ -1,6 +1,6 @@
 //! What the scenarios of a scene gave, side by side.
 
-use super::console::{json_number, long_number, say, say_files, say_json};
+use super::console::{json_number, long_number, print, print_files, print_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::report::Page;
@@ -85,7 +85,7 @@ impl Comparison {
             let cells = std::iter::once(name.as_str().into()).chain(values.iter().map(cell)).chain([unit.as_str().into()]);
             table.row(cells.collect::<Vec<Cell>>());
         }
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
         let folder = options.folder(scene);
         let values =
             |row: &Row| -> Vec<Value> { row.values.iter().map(|own| own.map_or(Value::Null, json_number)).collect() };
@@ -93,16 +93,16 @@ impl Comparison {
         let summary = json!({"scene": scene.name(), "scenarios": self.scenarios, "functionals": self.rows.iter().map(of_row).collect::<Vec<_>>()});
         let [file, report] = COMPARISON.map(|name| folder.join(name));
         write_file(&file, format!("{summary:#}\n").as_bytes())?;
-        say_files(&[&file]);
+        print_files(&[&file]);
         if options.reports() {
             let mut page = Page::by_command(scene, "comparison of its scenarios");
             let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
             page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
             page.charts("Histories", &self.charts);
             page.write(&report, &[file])?;
-            say_files(&[report]);
+            print_files(&[report]);
         }
-        say_json(options.json, &summary);
+        print_json(options.json, &summary);
         Ok(())
     }
 }

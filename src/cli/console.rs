@@ -9,13 +9,13 @@ use std::path::Path;
 /// Prints a line to stdout.
 ///
 /// A reader that has gone away (`costate list | head -1`) is no reason to stop; a full disk is.
-pub fn say(line: impl Display) {
+pub fn print(line: impl Display) {
     if !is_first() {
         return;
     }
     match writeln!(io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain(&format!("cannot write to stdout: {error}"));
+            print_error(&format!("cannot write to stdout: {error}"));
             std::process::exit(1);
         }
         _ => {}
@@ -23,23 +23,23 @@ pub fn say(line: impl Display) {
 }
 
 /// Prints which files were written, and of a page what to do with it.
-pub fn say_files(files: &[impl AsRef<Path>]) {
+pub fn print_files(files: &[impl AsRef<Path>]) {
     for file in files.iter().map(AsRef::as_ref) {
         let is_page = file.extension().is_some_and(|ending| ending == "html");
         let hint = if is_page { ": open it in a browser" } else { "" };
-        say(format_args!("wrote {}{hint}", file.display()));
+        print(format_args!("wrote {}{hint}", file.display()));
     }
 }
 
 /// Prints help, or what is wrong with the arguments.
-pub fn say_of_arguments(error: &clap::Error) {
+pub fn print_argument_error(error: &clap::Error) {
     if is_first() {
         let _ = error.print();
     }
 }
 
 /// Prints the message with which the program ends.
-pub fn complain(message: &str) {
+pub fn print_error(message: &str) {
     if !is_first() {
         return;
     }
@@ -61,9 +61,9 @@ pub fn warn(message: &str) {
 }
 
 /// Prints the JSON object as the last line of stdout if it was asked for.
-pub fn say_json(wanted: bool, object: &Value) {
+pub fn print_json(wanted: bool, object: &Value) {
     if wanted {
-        say(object);
+        print(object);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tables of designs that an earlier run has left.
 
-use super::console::say;
+use super::console::print;
 use super::failure::Failure;
 use costate::exchange::is_first;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub fn keep_earlier(path: &Path) -> Result<(), Failure> {
         return Ok(());
     };
     std::fs::rename(path, &kept).map_err(cannot)?;
-    say(format_args!("kept the earlier table as {}", kept.display()));
+    print(format_args!("kept the earlier table as {}", kept.display()));
     Ok(())
 }
 

@@ -1,16 +1,16 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{brief, json_number, relative_effect, say, say_json};
+use super::console::{brief, json_number, relative_effect, print, print_json};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
-use super::influences::say_influences;
+use super::influences::print_influences;
 use super::interrupt::set_last_words;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
 use super::report::{GradientRows, Page};
 use super::run::report;
-use super::simulation::{Simulation, Work, say_work, simulate};
+use super::simulation::{Simulation, Work, print_work, simulate};
 use crate::io::{Progress, number};
 use clap::{Args, ValueEnum};
 use costate::design::DesignVariable;
@@ -139,12 +139,12 @@ fn run_one(
     if simulation.stopped.is_some() {
         simulation.conclude(page, simulation.json(&prepared).into());
         report(&simulation, &prepared);
-        say_json(options.scene.json, &simulation.json(&prepared).into());
+        print_json(options.scene.json, &simulation.json(&prepared).into());
         return simulation.stopped.map_or(Ok(()), Err);
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
     show(&prepared, &simulation);
-    say_simulated(&simulation, &prepared, options.scene.json);
+    print_simulated(&simulation, &prepared, options.scene.json);
     let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
@@ -155,31 +155,31 @@ fn run_one(
         by_parameters = rows;
         Ok(gradient)
     });
-    let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
+    let adjoint = adjoint.inspect_err(|_| simulation.print_files())?;
     if let Err(error) = simulation.modes.differentiate(&prepared) {
-        simulation.say_files();
+        simulation.print_files();
         return Err(error.into());
     }
     let (forward, check) = (&simulation.forward, options.check);
-    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| simulation.say_files())?;
+    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| simulation.print_files())?;
     let behind: Vec<&str> =
         switched.iter().filter(|own| own.refused().is_some()).map(|own| own.functional.as_str()).collect();
     let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
         (0..prepared.functionals().len())
-            .for_each(|row| say_gradient(&prepared, (row, forward.values[row]), &adjoint, None));
-        simulation.say_files();
+            .for_each(|row| print_gradient(&prepared, (row, forward.values[row]), &adjoint, None));
+        simulation.print_files();
     })?;
 
     set_last_words(None);
     for row in 0..prepared.functionals().len() {
-        say_gradient(&prepared, (row, forward.values[row]), &adjoint, check.as_ref());
+        print_gradient(&prepared, (row, forward.values[row]), &adjoint, check.as_ref());
     }
-    simulation.modes.say(&prepared);
-    say_work(&work(&simulation, &adjoint, check.as_ref()));
+    simulation.modes.print(&prepared);
+    print_work(&work(&simulation, &adjoint, check.as_ref()));
     let ratio = adjoint.seconds / simulation.seconds;
-    say(format_args!("adjoint time / forward time: {}", number(ratio)));
-    check.iter().for_each(|check| check.say(&behind, &prepared));
-    say("");
+    print(format_args!("adjoint time / forward time: {}", number(ratio)));
+    check.iter().for_each(|check| check.print(&behind, &prepared));
+    print("");
     if output.meshes {
         let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(scene));
         match written {
@@ -194,29 +194,29 @@ fn run_one(
     }
     let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind);
     simulation.conclude(page, summary);
-    simulation.say_files();
-    say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
+    simulation.print_files();
+    print_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
     switched.iter().find_map(SwitchError::refused).map_or(Ok(()), |why| Err(Failure::run(why)))?;
     check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
     simulation.unwritten.map_or(Ok(()), Err)
 }
 
 /// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.
-fn say_simulated(simulation: &Simulation, prepared: &Prepared, as_json: bool) {
-    simulation.say_functionals(prepared);
-    simulation.say_resolution(prepared);
-    say_checkpoints(prepared, &simulation.forward);
+fn print_simulated(simulation: &Simulation, prepared: &Prepared, as_json: bool) {
+    simulation.print_functionals(prepared);
+    simulation.print_resolution(prepared);
+    print_checkpoints(prepared, &simulation.forward);
     let mut simulated = simulation.json(prepared);
     simulated.insert("error".into(), json!("interrupted before the gradient was there"));
     simulation.summarize(&simulated);
     set_last_words(as_json.then(|| Value::from(simulated).to_string()));
 }
 
-fn say_checkpoints(prepared: &Prepared, forward: &Forward) {
+fn print_checkpoints(prepared: &Prepared, forward: &Forward) {
     let checkpoints = forward.history.usage().checkpoints;
     if checkpoints > 0 && prepared.keep == Keep::Auto {
         let steps = forward.history.steps();
-        say(format_args!(
+        print(format_args!(
             "{steps} steps would take more than a third of the free memory: {checkpoints} checkpoints are kept, and the steps between them \
              computed again (--history file:PATH keeps all)\n"
         ));
@@ -266,7 +266,7 @@ impl Check {
     }
 
     /// What it shows of each functional.
-    fn say(&self, behind: &[&str], prepared: &Prepared) {
+    fn print(&self, behind: &[&str], prepared: &Prepared) {
         for (k, functional) in prepared.functionals().iter().enumerate() {
             let (largest, limit) = (self.largest(k), self.limit(k));
             let verdict = match largest <= limit {
@@ -287,7 +287,7 @@ impl Check {
                 (Some(scatter), CheckWay::Independent) => format!("; round-off of the runs is {scatter} of its quotients"),
             };
             let (largest, name, other) = (brief(largest), &functional.name, self.way.words());
-            say(format_args!(
+            print(format_args!(
                 "{name}: largest relative difference to {other}: {largest} (limit {limit:.0e}): {verdict}{rounding}"
             ));
         }
@@ -469,12 +469,12 @@ impl<'p> Measure<'p> {
     }
 }
 
-fn say_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {
+fn print_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {
     let functional = &prepared.functionals()[row];
     let unit = functional.value_unit();
     let named = (&functional.name[..], &unit[..], value);
     let check = check.map(|own| (own.way.words(), &own.other.gradient.rows[row][..], &own.differences[row][..]));
-    say_influences(named, prepared, &adjoint.gradient.rows[row], check);
+    print_influences(named, prepared, &adjoint.gradient.rows[row], check);
 }
 
 fn work(simulation: &Simulation, adjoint: &Timed, check: Option<&Check>) -> Vec<(&'static str, Work)> {

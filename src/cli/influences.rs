@@ -1,11 +1,11 @@
 //! What a number changes by with each design variable, printed.
 
-use super::console::{brief, long_number, relative_effect, say};
+use super::console::{brief, long_number, relative_effect, print};
 use crate::io::{Cell, Table};
 use costate::scenes::Prepared;
 
 /// Prints the derivatives of what has a name, unit and value, and beside them those of a check by its name, with how far both are apart.
-pub fn say_influences(
+pub fn print_influences(
     (name, unit, value): (&str, &str, f64),
     prepared: &Prepared,
     row: &[f64],
@@ -23,5 +23,5 @@ pub fn say_influences(
         }
         table.row(cells);
     }
-    say(format_args!("gradient of {name} [{unit} / unit of the variable], relative: x / f df/dx\n{table}\n"));
+    print(format_args!("gradient of {name} [{unit} / unit of the variable], relative: x / f df/dx\n{table}\n"));
 }

@@ -41,10 +41,10 @@ pub fn install() -> Result<(), Failure> {
             !is_shared() && STATE.compare_exchange(FINISH_FIRST, REQUESTED, Ordering::SeqCst, Ordering::SeqCst).is_ok();
         if !first {
             if let Some(words) = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).take() {
-                super::console::say(words);
+                super::console::print(words);
             }
             // mpirun stops those that are left in the same way
-            super::console::complain(if is_shared() { "interrupted, or another rank has failed" } else { "interrupted" });
+            super::console::print_error(if is_shared() { "interrupted, or another rank has failed" } else { "interrupted" });
             std::process::exit(INTERRUPTED.into());
         }
     })

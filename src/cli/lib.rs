@@ -240,14 +240,14 @@ impl<'p> CommandLine<'p> {
         let ranks = match exchange::start() {
             Ok(ranks) => ranks,
             Err(message) => {
-                console::complain(&message);
+                console::print_error(&message);
                 return ExitCode::from(Failure::input(message).code);
             }
         };
         let done = match arguments {
             Ok(arguments) => self.checked().and_then(|()| self.run(&arguments.command)),
             Err(error) if exchange::is_shared() => {
-                console::say_of_arguments(&error);
+                console::print_argument_error(&error);
                 ranks.finish(error.exit_code() as u8, "");
                 return ExitCode::from(error.exit_code() as u8);
             }
@@ -255,7 +255,7 @@ impl<'p> CommandLine<'p> {
         };
         let failure = done.err().unwrap_or(Failure { code: 0, message: String::new() });
         if failure.code != 0 {
-            console::complain(&failure.message);
+            console::print_error(&failure.message);
             interrupt::was_told(failure.code);
         }
         ranks.finish(failure.code, &failure.message);

@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::{count, json_number, say, say_json};
+use super::console::{count, json_number, print, print_json};
 use super::failure::Failure;
 use super::options::located;
 use crate::io::Table;
@@ -48,8 +48,8 @@ fn parts(program: &CommandLine, json: bool) {
         let keys = form.keys.iter().map(|key| json!({"name": key.name, "needed": key.is_needed, "doc": key.doc}));
         list.push(json!({"name": form.name, "section": section, "doc": form.doc, "keys": keys.collect::<Vec<_>>()}));
     }
-    say(format_args!("{table}\n\nall sections and keys: {} schema", program.name));
-    say_json(json, &json!({ "parts": list }));
+    print(format_args!("{table}\n\nall sections and keys: {} schema", program.name));
+    print_json(json, &json!({ "parts": list }));
 }
 
 fn all(program: &CommandLine, json: bool) {
@@ -62,19 +62,19 @@ fn all(program: &CommandLine, json: bool) {
     }
     let name = &program.name;
     if scenes.is_empty() {
-        say("this program has no scenes of its own; it takes scene files");
+        print("this program has no scenes of its own; it takes scene files");
     } else {
-        say(format_args!(
+        print(format_args!(
             "{table}\n\nvariables and functionals of one: {name} list SCENE; a scene file to start from: {name} new FILE"
         ));
     }
     let scenes: Vec<Value> = scenes.iter().map(|scene| object(*scene)).collect();
-    say_json(json, &json!({ "scenes": scenes }));
+    print_json(json, &json!({ "scenes": scenes }));
 }
 
 fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     let prepared = Prepared::new(scene).map_err(|error| located(scene, name, error.into()))?;
-    say(format_args!("{}: {}", scene.name(), scene.summary()));
+    print(format_args!("{}: {}", scene.name(), scene.summary()));
     let settings = scene.settings();
     let steps = match settings.control {
         Some(_) => "chosen steps".into(),
@@ -82,15 +82,15 @@ fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     };
     let method = &prepared.method.table;
     let span = if method.is_static() { format!("load factor {}", settings.end) } else { format!("{} s", settings.end) };
-    say(format_args!("{}, {steps}, {span}", method.name));
+    print(format_args!("{}, {steps}, {span}", method.name));
     if let Some(wanted) = wanted(scene) {
-        say(format_args!("to optimize: {wanted}"));
+        print(format_args!("to optimize: {wanted}"));
     }
     let mut table = Table::new(&["variable", "initial", "from", "to", "unit"]);
     for DesignVariable { name, initial, lower, upper, unit } in scene.variables() {
         table.row([name.into(), initial.into(), lower.into(), upper.into(), unit.into()]);
     }
-    say(format_args!("\n{table}"));
+    print(format_args!("\n{table}"));
     let mut table = Table::new(&["functional", "unit"]);
     for functional in prepared.functionals() {
         table.row([functional.name.as_str().into(), functional.value_unit().into()]);
@@ -99,12 +99,12 @@ fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     for mode in &modes {
         table.row([mode.name.as_str().into(), mode.unit().into()]);
     }
-    say(format_args!("\n{table}"));
+    print(format_args!("\n{table}"));
     let mut own = object(scene);
     let functionals = prepared.functionals().iter();
     own["functionals"] = functionals.map(|own| json!({"name": own.name, "unit": own.value_unit()})).collect();
     own["modes"] = modes.iter().map(|own| json!({"name": own.name, "unit": own.unit()})).collect();
-    say_json(json, &own);
+    print_json(json, &own);
     Ok(())
 }
 

@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::say;
+use super::console::print;
 use super::failure::Failure;
 use clap::Args;
 use clap_complete::Shell;
@@ -24,7 +24,7 @@ pub struct ManualOptions {
 pub fn complete(options: &CompletionOptions, program: &CommandLine) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(options.shell, &mut program.command(), &program.name, &mut text);
-    say(String::from_utf8_lossy(&text).trim_end());
+    print(String::from_utf8_lossy(&text).trim_end());
     Ok(())
 }
 
@@ -34,6 +34,6 @@ pub fn write(options: &ManualOptions, program: &CommandLine) -> Result<(), Failu
     let named = |error| Failure::run(format!("man {}: {error}; name a folder that can be written to", folder.display()));
     std::fs::create_dir_all(folder).map_err(named)?;
     clap_mangen::generate_to(program.command(), folder).map_err(named)?;
-    say(format_args!("wrote the pages of {} in {}", program.name, folder.display()));
+    print(format_args!("wrote the pages of {} in {}", program.name, folder.display()));
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Numbers of modes that a scene measures beside its functionals, as commands print and show them.
 
-use super::console::{json_number, long_number, relative_effect, say, warn};
-use super::influences::say_influences;
+use super::console::{json_number, long_number, relative_effect, print, warn};
+use super::influences::print_influences;
 use super::report::Page;
 use crate::io::Table;
 use costate::integrators::RunError;
@@ -52,7 +52,7 @@ impl MeasuredModes {
     }
 
     /// Prints values, and derivatives where they are there.
-    pub fn say(&self, prepared: &Prepared) {
+    pub fn print(&self, prepared: &Prepared) {
         if self.measures.is_empty() {
             return;
         }
@@ -60,11 +60,11 @@ impl MeasuredModes {
         for (own, value, _) in self.all() {
             table.row([own.name.as_str().into(), long_number(value).into(), own.unit().into()]);
         }
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
         self.toppling().iter().for_each(|words| warn(words));
         for (own, value, row) in self.all() {
             if let Some(row) = row {
-                say_influences((&own.name, own.unit(), value), prepared, row, None);
+                print_influences((&own.name, own.unit(), value), prepared, row, None);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! `costate modes --gradients`: derivatives of frequencies and growth by the design variables.
 
-use super::console::{json_number, relative_effect, say};
+use super::console::{json_number, relative_effect, print};
 use super::failure::Failure;
 use super::report::Page;
 use crate::io::{Cell, Table, number, write_csv};
@@ -66,7 +66,7 @@ impl Gradients<'_> {
     }
 
     /// Prints the derivatives.
-    pub fn say(&self) {
+    pub fn print(&self) {
         if self.moving().next().is_none() {
             return;
         }
@@ -75,10 +75,10 @@ impl Gradients<'_> {
         for row in rows {
             table.row(row.into_iter().map(Cell::from));
         }
-        say(format_args!(
+        print(format_args!(
             "derivatives [rad/s, 1/s / unit of the variable], relative: x / omega d omega/dx; through the equilibrium\n\n{table}\n"
         ));
-        self.equal().into_iter().for_each(|text| say(format_args!("{text}\n")));
+        self.equal().into_iter().for_each(|text| print(format_args!("{text}\n")));
     }
 
     /// Adds them to the page.

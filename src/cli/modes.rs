@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::campbell::Branches;
-use super::console::{count, json_number, long_number, say, say_files, say_json, warn};
+use super::console::{count, json_number, long_number, print, print_files, print_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, view};
@@ -77,26 +77,26 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         _ if prepared.method.table.is_static() => "equilibrium",
         _ => "start",
     };
-    say(format_args!("{}: {}", scene.name(), scene.summary()));
-    say_about(&prepared, kind, scene.settings().end);
-    say_modes(&prepared, (q, kind), modes);
+    print(format_args!("{}: {}", scene.name(), scene.summary()));
+    print_about(&prepared, kind, scene.settings().end);
+    print_modes(&prepared, (q, kind), modes);
     if let Kind::Periodic { period, faded, .. } = kind {
         let share = number_of(TAU / period);
-        say(format_args!(
+        print(format_args!(
             "omega is known up to multiples of 2 pi by the period, {share} rad/s: the next ones stand beside it"
         ));
         if faded > 0 {
-            say(format_args!("{} fade to nothing within a period", count(faded, "more mode")));
+            print(format_args!("{} fade to nothing within a period", count(faded, "more mode")));
         }
-        say("");
+        print("");
     }
     if modes.is_empty() {
-        say("there is no mode: nothing that could move has inertia\n");
+        print("there is no mode: nothing that could move has inertia\n");
     } else if modes.len() < options.count && *proved {
-        say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
+        print(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
     }
     if !proved {
-        say(
+        print(
             "that no mode is missing is not proved: the model is large, and its matrices have no symmetry that would tell\n",
         );
     }
@@ -104,18 +104,18 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     let mut files = vec![report.clone(), summary.clone()];
     let branches = follow(options, &mut prepared)?;
     if let Some(branches) = &branches {
-        branches.say();
+        branches.print();
         files.extend(branches.write(format!("{}: modes over the rate of the turn", scene.name()), &folder)?);
     }
     let mut page = page(&prepared, (q, kind), modes, about);
     let gradients = Gradients { prepared: &prepared, own: &found, are_complex: kind != Kind::Undamped };
     if options.gradients {
-        gradients.say();
+        gradients.print();
         gradients.add_to(&mut page);
         files.push(gradients.write(&folder)?);
     }
     page.write(&report, &files)?;
-    say_files(&files);
+    print_files(&files);
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
         "scene": scene.name(),
@@ -129,7 +129,7 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         "files": names(&files),
     });
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
-    say_json(options.still.json, &object);
+    print_json(options.still.json, &object);
     Ok(())
 }
 
@@ -152,23 +152,23 @@ fn follow(options: &ModesOptions, prepared: &mut Prepared) -> Result<Option<Bran
 }
 
 /// What vibrates, and about which state.
-fn say_about(prepared: &Prepared, kind: Kind, end: f64) {
+fn print_about(prepared: &Prepared, kind: Kind, end: f64) {
     if let Kind::Periodic { period, gap, .. } = kind {
         let [period, gap] = [period, gap].map(number_of);
-        say(format_args!(
+        print(format_args!(
             "small motions about one that repeats itself after {period} s (it returns within {gap} of its size)\n"
         ));
         return;
     }
     let what = if kind == Kind::Complex { "small vibrations with damping" } else { "small undamped vibrations" };
     if prepared.method.table.is_static() {
-        say(format_args!("{what} about the equilibrium at the load factor {end}\n"));
+        print(format_args!("{what} about the equilibrium at the load factor {end}\n"));
     } else if prepared.spin_rate().is_some() {
-        say("small vibrations about the steady turn at which the motion begins, in the frame that turns, with damping\n");
+        print("small vibrations about the steady turn at which the motion begins, in the frame that turns, with damping\n");
     } else if prepared.plan.equilibrium.is_some() {
-        say(format_args!("{what} about the equilibrium at which the motion begins\n"));
+        print(format_args!("{what} about the equilibrium at which the motion begins\n"));
     } else {
-        say(format_args!("{what} about the start\n"));
+        print(format_args!("{what} about the start\n"));
     }
 }
 
@@ -277,12 +277,12 @@ fn mode_rows(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode]) -> 
     modes.iter().enumerate().map(row).collect()
 }
 
-fn say_modes(prepared: &Prepared, about: (&[f64], Kind), modes: &[Mode]) {
+fn print_modes(prepared: &Prepared, about: (&[f64], Kind), modes: &[Mode]) {
     let mut table = Table::new(about.1.columns());
     for row in mode_rows(prepared, about, modes) {
         table.row(row.into_iter().map(Cell::from));
     }
-    say(format_args!("{table}\n"));
+    print(format_args!("{table}\n"));
 }
 
 fn json_of(prepared: &Prepared, q: &[f64], mode: &Mode) -> Value {

@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::say;
+use super::console::print;
 use super::failure::Failure;
 use crate::io::write_file;
 use clap::Args;
@@ -31,6 +31,6 @@ pub fn run(options: &NewOptions, program: &CommandLine) -> Result<(), Failure> {
         None => format!("{line}\n"),
     });
     write_file(path, lines.collect::<String>().as_bytes()).map_err(|error| Failure::input(error.to_string()))?;
-    say(format_args!("wrote {shown}: simulate it with {} run {shown}", program.name));
+    print(format_args!("wrote {shown}: simulate it with {} run {shown}", program.name));
     Ok(())
 }

@@ -2,13 +2,13 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::CommandLine;
-use super::console::{count, json_number, say, say_files, say_json, seconds, warn};
+use super::console::{count, json_number, print, print_files, print_json, seconds, warn};
 use super::earlier::keep_earlier;
 use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
 use super::kept_moments::KeptMoments;
 use super::optimization_charts;
-use super::optimum::{conditions_json, largest_json, say_conditions, smooth_only};
+use super::optimum::{conditions_json, largest_json, print_conditions, smooth_only};
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::check_folder;
@@ -182,10 +182,10 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
         json["crossings"] = crossings_json(crossings);
     }
     write_file(&summary, format!("{json:#}\n").as_bytes())?;
-    report.say();
+    report.print();
     warnings.iter().for_each(|warning| warn(&format!("best design: {warning}")));
-    say_files(&files);
-    say_json(options.scene.json, &json);
+    print_files(&files);
+    print_json(options.scene.json, &json);
     report.verdict()
 }
 
@@ -228,7 +228,7 @@ fn optimized(
         let all = optimization.run_from_all(optimizer, &starts, &mut recordings);
         recordings.into_iter().try_for_each(|recording| recording.failed.map_or(Ok(()), Err))?;
         let (optimized, table) = best_of(optimization, all).map_err(located)?;
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
         write_csv(&path, &optimized.history.header(), optimized.history.rows())?;
         let files = (1..=options.starts).map(numbered).filter(|file| file.exists());
         Ok((optimized, files.chain([path]).collect()))
@@ -299,27 +299,27 @@ fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f
     let maximize = optimization.problem.sense == Sense::Maximize;
     let (variables, tolerance) = (optimization.variables(), optimization.stopping.violation);
     let best = DesignHistory::best_of_table(&header, &rows, variables, maximize, tolerance).map_err(named)?;
-    say(format_args!("starts at evaluation {} of {}", best.evaluation, file.display()));
+    print(format_args!("starts at evaluation {} of {}", best.evaluation, file.display()));
     Ok(best.design)
 }
 
 fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
     let Optimization { scene, problem, cases, .. } = optimization;
-    say(format_args!("{}: {}", scene.name(), scene.summary()));
-    say(format_args!("{} {}", problem.sense.name(), problem.objective_name()));
+    print(format_args!("{}: {}", scene.name(), scene.summary()));
+    print(format_args!("{} {}", problem.sense.name(), problem.objective_name()));
     let constraints = count(problem.constraints.len(), "nonlinear constraint");
     let linear = count(problem.linear.len(), "linear constraint");
     let variables = count(optimization.varying().len(), "variable");
-    say(format_args!(
+    print(format_args!(
         "{variables}, {constraints}, {linear}; {}, gradients by {}",
         optimizer.name(),
         gradient_name(optimization.gradient)
     ));
     for Case { name, method, settings, .. } in cases {
         let which = if name.is_empty() { "each design".into() } else { format!("scenario \"{name}\"") };
-        say(format_args!("{which}: {}", steps_in_words(method, settings)));
+        print(format_args!("{which}: {}", steps_in_words(method, settings)));
     }
-    say("");
+    print("");
 }
 
 /// The best design once more: its motion, and where formulas pass from one piece to another.
@@ -400,7 +400,7 @@ impl<'r> Report<'r> {
     }
 
     /// Simulations and sweeps.
-    fn say_work(&self) {
+    fn print_work(&self) {
         let work = self.optimized.history.work();
         let mut table = Table::new(&["", "number", "time"]);
         let simulations = ("simulations", work.simulations, work.simulation_seconds);
@@ -412,10 +412,10 @@ impl<'r> Report<'r> {
         for (name, number, time) in [simulations, (sweeps, work.sweeps, work.gradient_seconds)] {
             table.row([name.into(), format!("{number:>6}").into(), format!("{:>10}", seconds(time)).into()]);
         }
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
     }
 
-    fn say(&self) {
+    fn print(&self) {
         let Report { optimization, optimized, best, .. } = self;
         let (history, ended) = (&optimized.history, &optimized.ended);
         let mut table = Table::new(&["iteration", "simulations", "objective", "violation"]);
@@ -428,7 +428,7 @@ impl<'r> Report<'r> {
                 table.row([iteration, simulations, point.objective.into(), point.violation.into()]);
             }
         }
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
         let mut table = Table::new(&["", "", "", "limit", "before", "after", "unit"]);
         for Wanted { kind, name, limit, before, after, unit } in self.wanted() {
             let sign = limit.map_or(Cell::Empty, |(sign, _)| sign.into());
@@ -442,7 +442,7 @@ impl<'r> Report<'r> {
                 unit.into(),
             ]);
         }
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
         let mut table = Table::new(&["variable", "before", "after", "from", "to", "unit", ""]);
         for (variable, before, after, bound) in self.variables() {
             let mark = bound.map_or(Cell::Empty, |bound| format!("at its {bound} bound").into());
@@ -457,15 +457,15 @@ impl<'r> Report<'r> {
                 mark,
             ]);
         }
-        say(format_args!("{table}\n"));
-        self.say_work();
-        say(format_args!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
+        print(format_args!("{table}\n"));
+        self.print_work();
+        print(format_args!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
         if ended.failed > 0 {
             let why = optimized.failure.as_ref().map_or_else(String::new, |error| format!("; the last one: {error}"));
-            say(format_args!("{} could not be simulated{why}", count(ended.failed, "design")));
+            print(format_args!("{} could not be simulated{why}", count(ended.failed, "design")));
         }
-        say_conditions(optimization, optimized, best);
-        say(format_args!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
+        print_conditions(optimization, optimized, best);
+        print(format_args!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
     }
 
     /// What is shown of it, with the motion of the best design.

@@ -1,6 +1,6 @@
 //! What is said of the end of an optimization: conditions of optimality, and largest values behind smooth ones.
 
-use super::console::{json_number, say, warn};
+use super::console::{json_number, print, warn};
 use super::simulation::json_extreme;
 use crate::io::{Cell, Table};
 use costate::design::DesignVariable;
@@ -17,7 +17,7 @@ fn constraint_names<'o>(optimization: &'o Optimization) -> impl Iterator<Item = 
 }
 
 /// Prints whether and how well the conditions of optimality hold, and what is kept in the smooth sense only.
-pub fn say_conditions(optimization: &Optimization, optimized: &Optimized, best: &DesignPoint) {
+pub fn print_conditions(optimization: &Optimization, optimized: &Optimized, best: &DesignPoint) {
     if let Some(conditions) = &optimized.ended.conditions {
         let Conditions { stationarity, violation, complementarity, tolerance, allowed, .. } = conditions;
         let mut table = Table::new(&["condition of optimality, scaled", "off by", "allowed"]);
@@ -28,14 +28,14 @@ pub fn say_conditions(optimization: &Optimization, optimized: &Optimized, best: 
         ] {
             table.row([name.into(), off.into(), allowed.into()]);
         }
-        say(format_args!("{table}\n"));
-        say_multipliers(optimization, conditions, best);
+        print(format_args!("{table}\n"));
+        print_multipliers(optimization, conditions, best);
     }
     smooth_only(optimization, optimized, best).into_iter().for_each(|message| warn(&message));
 }
 
 /// Multipliers of constraints, and slopes of variables at their bounds.
-fn say_multipliers(optimization: &Optimization, conditions: &Conditions, best: &DesignPoint) {
+fn print_multipliers(optimization: &Optimization, conditions: &Conditions, best: &DesignPoint) {
     let mut table = Table::new(&["", "", "multiplier or slope, scaled"]);
     let mut any = false;
     for (name, multiplier) in constraint_names(optimization).zip(&conditions.multipliers) {
@@ -53,7 +53,7 @@ fn say_multipliers(optimization: &Optimization, conditions: &Conditions, best: &
         any = true;
     }
     if any {
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
     }
 }
 

@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::say;
+use super::console::print;
 use super::failure::Failure;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
@@ -395,7 +395,7 @@ impl SceneOptions {
                 return Err(Failure::input(format!("--newton {}: {why}; leave it out here", method.tolerance.name())));
             }
             method.tolerance = NewtonTolerance::RoundOff;
-            say(format_args!("Newton's method goes to round-off instead of \"{}\": {why}", NewtonTolerance::Scaled.name()));
+            print(format_args!("Newton's method goes to round-off instead of \"{}\": {why}", NewtonTolerance::Scaled.name()));
         }
         Ok(method)
     }

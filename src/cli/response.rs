@@ -1,7 +1,7 @@
 //! `costate response`: amplitude and phase of what functionals measure, over the rate of a harmonic change.
 
 use super::CommandLine;
-use super::console::{json_number, say, say_files, say_json};
+use super::console::{json_number, print, print_files, print_json};
 use super::failure::Failure;
 use super::rates::Rates;
 use super::simulation::names;
@@ -70,12 +70,12 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         parts: amplitudes.iter().map(|row| row[place]).collect(),
     };
     let answers: Vec<Answer> = prepared.functionals().iter().enumerate().map(answer).collect();
-    say(format_args!("{}: {}", scene.name(), scene.summary()));
+    print(format_args!("{}: {}", scene.name(), scene.summary()));
     let about = match prepared.spin_rate() {
         Some(_) => ", about the steady turn at which the motion begins, in the frame that turns",
         None => "",
     };
-    say(format_args!("small steady vibrations where \"{}\" varies harmonically{about}\n", options.by));
+    print(format_args!("small steady vibrations where \"{}\" varies harmonically{about}\n", options.by));
     let mut table =
         Table::new(&["functional", "unit", "at the first rate", "largest amplitude", "at [rad/s]", "[Hz]", "phase [deg]"]);
     for own in &answers {
@@ -83,13 +83,13 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         let numbers = [own.amplitude(0), own.amplitude(peak), rates[peak], rates[peak] / TAU, own.phase(peak).to_degrees()];
         table.row([own.name.clone(), own.unit.clone()].into_iter().chain(numbers.map(number)).map(Cell::from));
     }
-    say(format_args!("{table}\n"));
+    print(format_args!("{table}\n"));
     let folder = options.still.folder(scene);
     let mut files =
         write(&answers, (rates, options.rates.are_logarithmic), &format!("{}: by {}", scene.name(), options.by), &folder)?;
     let summary = folder.join("response.json");
     files.push(summary.clone());
-    say_files(&files);
+    print_files(&files);
     let list = |values: &mut dyn Iterator<Item = f64>| values.map(json_number).collect::<Vec<Value>>();
     let functionals = answers.iter().map(|own| {
         let [re, im] = [0, 1].map(|part| list(&mut own.parts.iter().map(|own| own[part])));
@@ -103,7 +103,7 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         "files": names(&files),
     });
     write_file(&summary, format!("{object:#}\n").as_bytes())?;
-    say_json(options.still.json, &object);
+    print_json(options.still.json, &object);
     Ok(())
 }
 

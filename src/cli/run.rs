@@ -1,11 +1,11 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{say, say_json};
+use super::console::{print, print_json};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::options::SceneOptions;
 use super::report::Page;
-use super::simulation::{Simulation, say_work, simulate};
+use super::simulation::{Simulation, print_work, simulate};
 use clap::Args;
 use costate::history::Keep;
 use costate::scenes::{AnyScene, Prepared, Scenario};
@@ -61,25 +61,25 @@ fn run_one(
     simulation.conclude(page, simulation.json(&prepared).into());
     report(&simulation, &prepared);
     show(&prepared, &simulation);
-    say_json(options.json, &simulation.json(&prepared).into());
+    print_json(options.json, &simulation.json(&prepared).into());
     simulation.stopped.or(simulation.unwritten).map_or(Ok(()), Err)
 }
 
 /// Prints what a simulation gave; of one that stopped early only what holds for the finished steps.
 pub fn report(simulation: &Simulation, prepared: &Prepared) {
     if simulation.stopped.is_none() {
-        simulation.say_functionals(prepared);
-        simulation.modes.say(prepared);
-        simulation.say_resolution(prepared);
+        simulation.print_functionals(prepared);
+        simulation.modes.print(prepared);
+        simulation.print_resolution(prepared);
     } else {
         let done = simulation.forward.history.steps();
         let planned = if prepared.control.is_some() { String::new() } else { format!(" of {}", prepared.grid.steps()) };
-        say(format_args!("stopped after {done}{planned} steps: the files hold the finished ones"));
+        print(format_args!("stopped after {done}{planned} steps: the files hold the finished ones"));
         if let Keep::File(path) | Keep::Resumed(path) = &prepared.keep {
-            say(format_args!("with --history file:{} --resume it goes on from there", path.display()));
+            print(format_args!("with --history file:{} --resume it goes on from there", path.display()));
         }
-        say("");
+        print("");
     }
-    say_work(&[("simulation", simulation.work())]);
-    simulation.say_files();
+    print_work(&[("simulation", simulation.work())]);
+    simulation.print_files();
 }

@@ -1,4 +1,4 @@
-use super::console::{count, json_number, long_number, say, say_files, seconds, warn};
+use super::console::{count, json_number, long_number, print, print_files, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
@@ -114,11 +114,11 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let elapsed = begun.elapsed().as_secs_f64();
     let program_seconds = making_time();
     if refuses_machine_code() {
-        say("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
+        print("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
     let Watched { results, start, balance, progress, .. } = watched;
     progress.finish();
-    start.iter().for_each(|start| say(format_args!("{}\n", start.in_words())));
+    start.iter().for_each(|start| print(format_args!("{}\n", start.in_words())));
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
@@ -156,7 +156,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
 /// Says what will be simulated.
 fn announce(prepared: &Prepared) -> Result<(), RunError> {
     let Prepared { scene, method, grid, plan, .. } = prepared;
-    say(format_args!("{}: {}", scene.name(), scene.summary()));
+    print(format_args!("{}: {}", scene.name(), scene.summary()));
     let end = grid.times[grid.steps()];
     let is_static = method.table.is_static();
     let steps = match prepared.control {
@@ -174,17 +174,17 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
         rule => format!(", Newton's method by the rule \"{}\"", rule.name()),
     };
     if is_static {
-        say(format_args!("{}, equilibria, {steps} up to the load factor {}{newton}", method.table.name, shortest(end)));
+        print(format_args!("{}, equilibria, {steps} up to the load factor {}{newton}", method.table.name, shortest(end)));
     } else {
-        say(format_args!("{}, constraints at {level} level, {steps} over {} s{newton}", method.table.name, shortest(end)));
+        print(format_args!("{}, constraints at {level} level, {steps} over {} s{newton}", method.table.name, shortest(end)));
     }
     if !plan.dropped.is_empty() {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
-        say(format_args!("redundant and left out: {}", names.join("; ")));
+        print(format_args!("redundant and left out: {}", names.join("; ")));
         let [joints, _] = prepared.undetermined();
         if !joints.is_empty() {
             let joints = quoted(&joints);
-            say(format_args!(
+            print(format_args!(
                 "not determined by the model: how the joints {joints} share their loads; those of least norm are given"
             ));
         }
@@ -193,13 +193,13 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
     let work =
         work.map(|work| format!(", {:.1e} multiplications a factorization", work.multiplications)).unwrap_or_default();
     let ordered = ordering.map(|ordering| format!(", ordered by {ordering}")).unwrap_or_default();
-    say(format_args!("linear systems of {}: {} LU{ordered}{work}", count(unknowns, "unknown"), backend.name()));
+    print(format_args!("linear systems of {}: {} LU{ordered}{work}", count(unknowns, "unknown"), backend.name()));
     match ranks {
-        1 if is_shared() => say("too small to be shared: each rank solves all of them"),
+        1 if is_shared() => print("too small to be shared: each rank solves all of them"),
         1 => {}
-        _ => say(format_args!("shared by {ranks} ranks")),
+        _ => print(format_args!("shared by {ranks} ranks")),
     }
-    say("");
+    print("");
     Ok(())
 }
 
@@ -233,9 +233,9 @@ pub fn json_extreme(Extreme { value, t, element }: &Extreme) -> Value {
 
 impl Simulation {
     /// Prints the values of the functionals.
-    pub fn say_functionals(&self, prepared: &Prepared) {
+    pub fn print_functionals(&self, prepared: &Prepared) {
         if prepared.functionals().is_empty() {
-            return say("the scene has no functional\n");
+            return print("the scene has no functional\n");
         }
         let has_aggregates = self.forward.extremes.iter().any(Option::is_some);
         let names = ["functional", "value", "unit", "true largest", "at [s]", "in", "true smallest", "at [s]", "in", "unit"];
@@ -253,7 +253,7 @@ impl Simulation {
             }
             table.row(row);
         }
-        say(format_args!("{table}\n"));
+        print(format_args!("{table}\n"));
     }
 
     /// What the simulation cost.
@@ -291,15 +291,15 @@ impl Simulation {
     }
 
     /// Says how well equal steps resolve the motion, or whether an equilibrium stands, and warns where they hardly do.
-    pub fn say_resolution(&self, prepared: &Prepared) {
+    pub fn print_resolution(&self, prepared: &Prepared) {
         if let Some((error, _)) = error_in_words(prepared, &self.forward) {
-            say(format_args!("largest estimated error of a step: {error}\n"));
+            print(format_args!("largest estimated error of a step: {error}\n"));
         }
         if let Some(balance) = &self.balance {
-            say(format_args!("{}\n", balance.in_words()));
+            print(format_args!("{}\n", balance.in_words()));
         }
         if let Some(Statement::Stable(words)) = stability::statement(prepared, &self.forward) {
-            say(format_args!("{words}\n"));
+            print(format_args!("{words}\n"));
         }
         self.resolution(prepared).iter().for_each(|warning| warn(warning));
     }
@@ -359,8 +359,8 @@ impl Simulation {
     }
 
     /// Prints the files.
-    pub fn say_files(&self) {
-        say_files(&self.files);
+    pub fn print_files(&self) {
+        print_files(&self.files);
     }
 
     /// The parts of the JSON object that every simulation has.
@@ -510,7 +510,7 @@ pub fn names(files: &[PathBuf]) -> Value {
 }
 
 /// Prints work as a table of two columns: `newton_iterations` as "Newton iterations".
-pub fn say_work(columns: &[(&str, Work)]) {
+pub fn print_work(columns: &[(&str, Work)]) {
     let mut header = vec![""];
     header.extend(columns.iter().map(|(name, _)| *name));
     let mut table = Table::new(&header);
@@ -536,5 +536,5 @@ pub fn say_work(columns: &[(&str, Work)]) {
         };
         table.row([Cell::from(words)].into_iter().chain(cells.into_iter().map(|cell| Cell::Text(format!("{cell:>12}")))));
     }
-    say(format_args!("{table}\n"));
+    print(format_args!("{table}\n"));
 }

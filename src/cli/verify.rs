@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::{complain, count, json_number, say, say_json, seconds};
+use super::console::{print_error, count, json_number, print, print_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::study::{Figure, Form, Report, Study};
@@ -60,7 +60,7 @@ pub fn hand_over() -> ExitCode {
     match ended {
         Ok(status) => ExitCode::from(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1)),
         Err(failure) => {
-            complain(&failure.message);
+            print_error(&failure.message);
             ExitCode::from(failure.code)
         }
     }
@@ -90,17 +90,17 @@ pub fn run(options: &VerifyOptions, program: &CommandLine) -> Result<(), Failure
     let mut outcomes = Vec::new();
     for study in studies {
         let outcome = Outcome::measure(study, form, options.seed);
-        outcome.say();
+        outcome.print();
         if let Some(folder) = &folder {
-            say(format_args!("wrote {}\n", outcome.record(folder)?.display()));
+            print(format_args!("wrote {}\n", outcome.record(folder)?.display()));
         }
         outcomes.push(outcome);
     }
     let failed: Vec<&str> = outcomes.iter().filter(|outcome| !outcome.pass()).map(|outcome| outcome.study.name()).collect();
     let objects: Vec<Value> = outcomes.iter().map(Outcome::json).collect();
     match (&objects[..], name.as_str()) {
-        ([only], name) if name != "all" => say_json(options.json, only),
-        _ => say_json(options.json, &json!({"pass": failed.is_empty(), "studies": objects})),
+        ([only], name) if name != "all" => print_json(options.json, only),
+        _ => print_json(options.json, &json!({"pass": failed.is_empty(), "studies": objects})),
     }
     if failed.is_empty() {
         return Ok(());
@@ -116,12 +116,12 @@ fn list(json: bool, program: &CommandLine) -> Result<(), Failure> {
         studies.push(json!({"study": study.name(), "summary": study.summary()}));
     }
     if studies.is_empty() {
-        say("this program has no studies");
+        print("this program has no studies");
     } else {
         let name = &program.name;
-        say(format_args!("{table}\n\nmeasure one with: {name} verify STUDY, or all with: {name} verify all"));
+        print(format_args!("{table}\n\nmeasure one with: {name} verify STUDY, or all with: {name} verify all"));
     }
-    say_json(json, &json!({ "studies": studies }));
+    print_json(json, &json!({ "studies": studies }));
     Ok(())
 }
 
@@ -137,7 +137,7 @@ fn source_folder() -> Result<PathBuf, Failure> {
 
 impl<'p> Outcome<'p> {
     fn measure(study: &'p dyn Study, form: Form, seed: u64) -> Self {
-        say(format_args!("{}: {}", study.name(), study.summary()));
+        print(format_args!("{}: {}", study.name(), study.summary()));
         let mut report = Report::new(form, seed);
         let begun = Instant::now();
         let error = study.run(&mut report).err();
@@ -159,12 +159,12 @@ impl<'p> Outcome<'p> {
         }
     }
 
-    fn say(&self) {
-        say(format_args!("\n{}\n", self.with_verdicts()));
+    fn print(&self) {
+        print(format_args!("\n{}\n", self.with_verdicts()));
         for note in &self.report.notes {
-            say(note);
+            print(note);
         }
-        say(format_args!("{}: {} ({})\n", self.study.name(), self.verdict(), seconds(self.seconds)));
+        print(format_args!("{}: {} ({})\n", self.study.name(), self.verdict(), seconds(self.seconds)));
     }
 
     fn with_verdicts(&self) -> Table {

@@ -6,7 +6,7 @@ mod welded;
 
 use super::CommandLine;
 use super::check::{self, CheckOptions};
-use super::console::say;
+use super::console::print;
 use super::failure::Failure;
 use crate::io::write_file;
 use clap::Args;
@@ -54,9 +54,9 @@ pub fn run(options: &ImportOptions, program: &CommandLine) -> Result<(), Failure
     FileScene::parse(&own.map_or_else(|| name.clone(), |folder| folder.join("import.toml").display().to_string()), &scene)
         .map_err(|why| told(format!("what was made of it is no scene: {why}")))?;
     write_file(&target, scene.as_bytes()).map_err(|error| Failure::input(error.to_string()))?;
-    notes.iter().for_each(|note| say(format_args!("note: {note}")));
+    notes.iter().for_each(|note| print(format_args!("note: {note}")));
     let (links, joints) = (robot.links.len(), robot.joints.len());
-    say(format_args!("wrote {name}: {links} links, {joints} joints; simulate it with {} run {name}", program.name));
+    print(format_args!("wrote {name}: {links} links, {joints} joints; simulate it with {} run {name}", program.name));
     let checked = check::run(&CheckOptions { scene: name.clone(), json: false }, program);
     checked.map_err(|why| Failure::input(format!("{name} was written, but it cannot start as it is: {}", why.message)))
 }

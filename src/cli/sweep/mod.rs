@@ -7,7 +7,7 @@ mod summary;
 mod variation;
 
 use super::CommandLine;
-use super::console::{count, say, say_files, say_json};
+use super::console::{count, print, print_files, print_json};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
@@ -121,9 +121,9 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     files.push(folder.join("sweep.json"));
     let json = summary.json(&files);
     write_file(&files[files.len() - 1], format!("{json:#}\n").as_bytes())?;
-    summary.say();
-    say_files(&files);
-    say_json(options.scene.json, &json);
+    summary.print();
+    print_files(&files);
+    print_json(options.scene.json, &json);
     summary.verdict()
 }
 
@@ -206,7 +206,7 @@ impl<'s> Sweep<'s> {
 
     fn announce(&self, kept: usize) {
         let Sweep { scene, variation: Variation { axes, points, words }, settings, .. } = self;
-        say(format_args!("{}: {}", scene.name(), scene.summary()));
+        print(format_args!("{}: {}", scene.name(), scene.summary()));
         let kept = if kept > 0 { format!(", of which {kept} are finished") } else { String::new() };
         let [designs, variables, threads] =
             [(points.len(), "design"), (axes.len(), "variable"), (self.threads, "thread")].map(|(n, word)| count(n, word));
@@ -214,8 +214,8 @@ impl<'s> Sweep<'s> {
             1 => String::new(),
             ranks => format!(" of each of {ranks} ranks"),
         };
-        say(format_args!("{designs} {words} in {variables}, on {threads}{ranks}{kept}"));
-        say(format_args!("each design: {}\n", steps_in_words(&self.method, settings)));
+        print(format_args!("{designs} {words} in {variables}, on {threads}{ranks}{kept}"));
+        print(format_args!("each design: {}\n", steps_in_words(&self.method, settings)));
     }
 
     /// Runs a design as `costate run` does, but keeps no step beyond its gradient; `None` if it was stopped.

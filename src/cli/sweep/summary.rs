@@ -4,7 +4,7 @@ use super::findings::Findings;
 use super::pictures;
 use super::rows::Outcome;
 use super::{Sampling, Sweep};
-use crate::console::{count, json_number, say, seconds, warn};
+use crate::console::{count, json_number, print, seconds, warn};
 use crate::failure::{Failure, INTERRUPTED};
 use crate::io::{Cell, Table};
 use crate::simulation::names;
@@ -53,15 +53,15 @@ impl<'s> Summary<'s> {
     }
 
     /// Prints the extremes of the functionals, their designs, and rank correlations.
-    pub fn say(&self) {
+    pub fn print(&self) {
         if !self.findings.is_empty() {
-            say(format_args!("{}\n", self.extremes()));
-            say(format_args!("{}\n", self.designs()));
-            say(format_args!("{}\n", self.correlations()));
+            print(format_args!("{}\n", self.extremes()));
+            print(format_args!("{}\n", self.designs()));
+            print(format_args!("{}\n", self.correlations()));
         }
         let [done, failed] = [&self.done, &self.failed].map(|own| own.len());
         let took = if self.kept == done + failed { String::new() } else { format!(" in {}", seconds(self.seconds)) };
-        say(format_args!("{} finished{took}, {failed} failed\n", count(done + failed, "design")));
+        print(format_args!("{} finished{took}, {failed} failed\n", count(done + failed, "design")));
         let mut told = self.done.iter().filter(|(_, outcome)| !outcome.message.is_empty());
         if let Some((place, Outcome { message, .. })) = told.next() {
             let more = told.count() + 1;

@@ -144,14 +144,14 @@ impl<'s> Pieces<'s> {
         for number in (0..self.all.len()).filter(is_parted) {
             let (piece, owner) = (&self.all[number], owners[number]);
             let (time, is_shared) = time(piece, owner + 1 - owners[piece.first]);
-            let team = if is_shared { owners[piece.first]..owner + 1 } else { owner..owner + 1 };
-            let share = 1.0 / team.len() as f64;
-            let handed = piece.below.iter().filter(|&&child| owners[child] != owner || team.len() > 1);
+            let ranks = if is_shared { owners[piece.first]..owner + 1 } else { owner..owner + 1 };
+            let share = 1.0 / ranks.len() as f64;
+            let handed = piece.below.iter().filter(|&&child| owners[child] != owner || ranks.len() > 1);
             let handed: f64 = handed.map(|&child| share * handing(&self.all[child])).sum();
-            let before = piece.below.iter().map(|&child| ends[child]).chain(clocks[team.clone()].iter().copied());
+            let before = piece.below.iter().map(|&child| ends[child]).chain(clocks[ranks.clone()].iter().copied());
             let start = before.fold(0.0, f64::max) + handed;
             ends[number] = start + time;
-            clocks[team].fill(ends[number]);
+            clocks[ranks].fill(ends[number]);
         }
         clocks.into_iter().fold(0.0, f64::max)
     }

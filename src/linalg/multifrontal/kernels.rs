@@ -15,23 +15,29 @@ const FEW_COLUMNS: usize = 12;
 
 /// Who computes some columns of a result.
 #[derive(Clone, Copy, Debug)]
-pub struct Crew {
+pub struct ColumnThreads {
     /// Threads of this process.
     pub threads: usize,
     /// Columns that others compute: kernels, which round in different ways, are chosen by all.
     pub elsewhere: usize,
 }
 
-impl From<usize> for Crew {
+impl From<usize> for ColumnThreads {
     /// Threads that compute all columns.
     fn from(threads: usize) -> Self {
-        Crew { threads, elsewhere: 0 }
+        ColumnThreads { threads, elsewhere: 0 }
     }
 }
 
 /// C <- C - A B or C <- -A B; the same bits with any number of threads, and whoever computes other columns.
-pub fn subtract_product(c: MatrixViewMut<'_>, target: Target, a: MatrixView<'_>, b: MatrixView<'_>, crew: impl Into<Crew>) {
-    let Crew { threads, elsewhere } = crew.into();
+pub fn subtract_product(
+    c: MatrixViewMut<'_>,
+    target: Target,
+    a: MatrixView<'_>,
+    b: MatrixView<'_>,
+    workers: impl Into<ColumnThreads>,
+) {
+    let ColumnThreads { threads, elsewhere } = workers.into();
     let columns = c.columns() + elsewhere;
     if columns < FEW_COLUMNS || c.rows() * columns * a.columns() <= SMALL_PRODUCT {
         dispatch(Product { c, target, a, b });
@@ -339,8 +345,8 @@ fn sums_of<const FUSED: bool, const H: usize>(lanes: [[f64; LANES]; H]) -> [f64;
 const TRIANGLE: usize = 8;
 
 /// B <- L^-1 B with a unit lower triangle; what stands above it is not read.
-pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, crew: impl Into<Crew>) {
-    let (size, crew) = (l.rows(), crew.into());
+pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, workers: impl Into<ColumnThreads>) {
+    let (size, workers) = (l.rows(), workers.into());
     if size <= 1 {
         return;
     }
@@ -350,9 +356,9 @@ pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, crew: impl Into
     }
     let half = half_of(size);
     let (mut first, mut second) = b.split_rows(half);
-    solve_unit_lower(l.block(0..half, 0..half), first.reborrow(), crew);
-    subtract_product(second.reborrow(), Target::Reduced, l.block(half..size, 0..half), first.as_view(), crew);
-    solve_unit_lower(l.block(half..size, half..size), second, crew);
+    solve_unit_lower(l.block(0..half, 0..half), first.reborrow(), workers);
+    subtract_product(second.reborrow(), Target::Reduced, l.block(half..size, 0..half), first.as_view(), workers);
+    solve_unit_lower(l.block(half..size, half..size), second, workers);
 }
 
 /// B <- U^-1 B with an upper triangle; what stands below it is not read.
@@ -633,10 +639,10 @@ mod tests {
             let left = MatrixView::new(&left, size + rows, size);
             let change = |first: usize, end: usize| {
                 let mut all = given[first * (size + rows)..end * (size + rows)].to_vec();
-                let crew = Crew { threads: 1, elsewhere: columns - (end - first) };
+                let workers = ColumnThreads { threads: 1, elsewhere: columns - (end - first) };
                 let (mut upper, lower) = MatrixViewMut::new(&mut all, size + rows, end - first).split_rows(size);
-                solve_unit_lower(left.block(0..size, 0..size), upper.reborrow(), crew);
-                subtract_product(lower, Target::Reduced, left.block(size..size + rows, 0..size), upper.as_view(), crew);
+                solve_unit_lower(left.block(0..size, 0..size), upper.reborrow(), workers);
+                subtract_product(lower, Target::Reduced, left.block(size..size + rows, 0..size), upper.as_view(), workers);
                 all
             };
             let together = change(0, columns);

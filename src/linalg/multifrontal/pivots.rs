@@ -1,6 +1,6 @@
 //! The elimination inside a front: blocks of columns, and a search for pivots among the rows that no later contribution changes.
 
-use super::kernels::{Crew, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
+use super::kernels::{ColumnThreads, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::product::Target;
 use crate::linalg::simd::{Kernel, dispatch};
@@ -87,14 +87,14 @@ impl PivotBlock<'_> {
         if pivots.is_empty() || columns.is_empty() {
             return;
         }
-        let (size, crew) = (self.size, Crew { threads: self.threads, elsewhere });
+        let (size, workers) = (self.size, ColumnThreads { threads: self.threads, elsewhere });
         let (done, rest) = self.values[..columns.end * size].split_at_mut(columns.start * size);
         let done = MatrixView::new(done, size, columns.start).block(pivots.start..size, pivots.clone());
         let rest = MatrixViewMut::new(rest, size, columns.len()).block(pivots.start..size, 0..columns.len());
         let (mut upper, lower) = rest.split_rows(pivots.len());
-        solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), crew);
+        solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), workers);
         let below = done.block(pivots.len()..done.rows(), 0..pivots.len());
-        subtract_product(lower, Target::Reduced, below, upper.as_view(), crew);
+        subtract_product(lower, Target::Reduced, below, upper.as_view(), workers);
     }
 
     /// Exchanges two unknowns, rows and columns.

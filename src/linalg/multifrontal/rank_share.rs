@@ -8,7 +8,7 @@ use super::factors::{Factors, Part};
 use super::front::Contribution;
 #[cfg(test)]
 use super::pivots::PANEL;
-use super::shared_front::{Columns, Deal, Inbox, SharedFront, Team};
+use super::shared_front::{ColumnDistribution, Columns, Inbox, RankGroup, SharedFront};
 use super::stretch_solution::{Delayed, StretchSolution, delayed, end_out_of_step};
 use super::stretches::Stretches;
 use super::substitution::{BLOCK, Side, Substitution};
@@ -27,7 +27,7 @@ pub struct RankShare {
     tasks: Vec<Task>,
     shared: SharedFront,
     /// How fronts with some of several ranks below them are dealt, by their numbers.
-    deals: BTreeMap<usize, Deal>,
+    distributions: BTreeMap<usize, ColumnDistribution>,
     solution: StretchSolution,
     threads: usize,
 }
@@ -58,19 +58,20 @@ impl RankShare {
         let solution = StretchSolution::new(symbolic, Arc::new(stretches), exchange.rank());
         let stretches = &solution.stretches;
         let parted = (0..symbolic.fronts.len()).filter(|&front| stretches.is_parted(symbolic, front));
-        let deals: BTreeMap<usize, Deal> = parted.map(|front| (front, Deal::new(symbolic, stretches, front))).collect();
+        let distributions: BTreeMap<usize, ColumnDistribution> =
+            parted.map(|front| (front, ColumnDistribution::new(symbolic, stretches, front))).collect();
         let flops = symbolic.subtree_flops();
         let subtrees = solution.subtrees.iter().filter(|(_, is_parted)| !is_parted);
         let subtrees = subtrees.map(|(fronts, _)| Task::Own(Piece::subtree(symbolic, fronts.end - 1, &flops, threads)));
         // what waits for nobody comes first
-        let with_others = deals.values().filter(|deal| deal.member(exchange.rank()).is_some());
-        let with_others = with_others.map(|deal| match deal.is_shared() {
-            true => Task::Shared(deal.front),
-            false => Task::Own(Piece::front(symbolic, deal.front, threads)),
+        let with_others = distributions.values().filter(|distribution| distribution.member(exchange.rank()).is_some());
+        let with_others = with_others.map(|distribution| match distribution.is_shared() {
+            true => Task::Shared(distribution.front),
+            false => Task::Own(Piece::front(symbolic, distribution.front, threads)),
         });
         let tasks = subtrees.chain(with_others).collect();
         let mail = Mail { exchange, early: Vec::new() };
-        RankShare { mail, tasks, shared: SharedFront::default(), deals, solution, threads }
+        RankShare { mail, tasks, shared: SharedFront::default(), distributions, solution, threads }
     }
 
     /// Number of all ranks.
@@ -95,7 +96,7 @@ impl RankShare {
     /// Fronts of several panels that ranks share, and pivots of the last factorization that wait for a front above one that is shared.
     #[cfg(test)]
     pub fn shared_fronts(&self, symbolic: &Symbolic) -> [usize; 2] {
-        let is_shared = |front: &usize| self.deals.get(front).is_some_and(Deal::is_shared);
+        let is_shared = |front: &usize| self.distributions.get(front).is_some_and(ColumnDistribution::is_shared);
         let has_panels = |front: &usize| is_shared(front) && symbolic.fronts[*front].pivots > 3 * PANEL;
         let waiting = self.solution.delayed.iter().filter(|delayed| is_shared(&delayed.front));
         let waiting = waiting.map(|delayed| delayed.places[0].len()).sum();
@@ -106,7 +107,7 @@ impl RankShare {
     pub fn bytes(&self) -> usize {
         let of_task = |task: &Task| match task {
             Task::Own(piece) => piece.bytes(),
-            Task::Shared(front) => self.deals[front].bytes(),
+            Task::Shared(front) => self.distributions[front].bytes(),
         };
         // those of shared fronts have one room
         let (alone, shared): (Vec<&Task>, Vec<&Task>) = self.tasks.iter().partition(|task| matches!(task, Task::Own(_)));
@@ -121,7 +122,7 @@ impl RankShare {
     /// # Errors
     /// [`Singular`] with the column that has no pivot, on all ranks.
     pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
-        let RankShare { mail, tasks, shared, deals, solution, threads } = self;
+        let RankShare { mail, tasks, shared, distributions, solution, threads } = self;
         let own = solution.stretches.fronts(mail.exchange.rank());
         let (_, rest) = factors.part(symbolic).split_at(symbolic, own.start);
         let (mut part, _) = rest.split_at(symbolic, own.end);
@@ -131,11 +132,11 @@ impl RankShare {
                 Task::Own(piece) => piece.root(),
                 Task::Shared(number) => *number,
             };
-            let children = match deals.contains_key(&number) {
-                true => mail.take_children(symbolic, deals, &solution.stretches, number),
+            let children = match distributions.contains_key(&number) {
+                true => mail.take_children(symbolic, distributions, &solution.stretches, number),
                 false => Vec::new(),
             };
-            let handing = Handing { symbolic, deals, mail };
+            let handing = Handing { symbolic, distributions, mail };
             let result = match task {
                 Task::Own(piece) => handing.factor_own(piece, values, &mut part, children),
                 Task::Shared(_) => handing.factor_shared(shared, (number, *threads), values, &mut part, &children),
@@ -226,7 +227,7 @@ impl RankShare {
 /// Fronts whose contributions go to those above.
 struct Handing<'h> {
     symbolic: &'h Symbolic,
-    deals: &'h BTreeMap<usize, Deal>,
+    distributions: &'h BTreeMap<usize, ColumnDistribution>,
     mail: &'h mut Mail,
 }
 
@@ -239,10 +240,10 @@ impl Handing<'_> {
         part: &mut Part<'_>,
         mut children: Vec<Vec<Columns>>,
     ) -> Result<(), Singular> {
-        let Handing { symbolic, deals, mail } = self;
+        let Handing { symbolic, distributions, mail } = self;
         let root = piece.root();
         let (_, mut fronts) = part.reborrow().split_at(symbolic, piece.fronts().start);
-        if deals.contains_key(&root) {
+        if distributions.contains_key(&root) {
             children.iter_mut().for_each(join);
             let children: Vec<_> = children.iter().map(|child| child[0].whole()).collect();
             piece.factor_front(symbolic, values, &mut fronts, &children)?;
@@ -251,7 +252,7 @@ impl Handing<'_> {
         }
         let contribution = piece.contribution(symbolic, part);
         let there = 0..contribution.delayed_rows.len() + symbolic.fronts[root].others();
-        mail.hand_on(symbolic, deals, contribution, there);
+        mail.hand_on(symbolic, distributions, contribution, there);
         Ok(())
     }
 
@@ -264,24 +265,24 @@ impl Handing<'_> {
         part: &mut Part<'_>,
         children: &[Vec<Columns>],
     ) -> Result<(), Singular> {
-        let Handing { symbolic, deals, mail } = self;
-        let (exchange, deal) = (mail.exchange, &deals[&number]);
-        let member = deal.member(exchange.rank()).expect("a task of the team");
-        let team = Team { exchange, deal, member, threads };
+        let Handing { symbolic, distributions, mail } = self;
+        let (exchange, distribution) = (mail.exchange, &distributions[&number]);
+        let member = distribution.member(exchange.rank()).expect("a task of the group");
+        let group = RankGroup { exchange, distribution, member, threads };
         if member == 0 {
             let delayed = children.iter().map(|pieces| pieces[0].waiting[0].len()).sum();
             let storage = part.prepare(symbolic, number, delayed);
-            let found = shared.factor(symbolic, team, mail, children, Some((storage, values)));
+            let found = shared.factor(symbolic, group, mail, children, Some((storage, values)));
             part.set_eliminated(number, found);
         } else {
-            shared.factor(symbolic, team, mail, children, None);
+            shared.factor(symbolic, group, mail, children, None);
         }
         let [delayed_rows, delayed_columns] = &shared.waiting;
         if let (0, true, Some(&place)) = (member, symbolic.fronts[number].is_last(), delayed_columns.first()) {
             return Err(Singular { unknown: symbolic.order[place as usize] as usize });
         }
         let contribution = Contribution { front: number, delayed_rows, delayed_columns, values: &shared.contribution };
-        mail.hand_on(symbolic, deals, contribution, deal.contributed(member, delayed_rows.len()));
+        mail.hand_on(symbolic, distributions, contribution, distribution.contributed(member, delayed_rows.len()));
         Ok(())
     }
 }
@@ -317,14 +318,14 @@ impl Mail {
     fn take_children(
         &mut self,
         symbolic: &Symbolic,
-        deals: &BTreeMap<usize, Deal>,
+        distributions: &BTreeMap<usize, ColumnDistribution>,
         stretches: &Stretches,
         parent: usize,
     ) -> Vec<Vec<Columns>> {
         let children = &symbolic.children[symbolic.fronts[parent].children.clone()];
         let of_child = |&child: &u32| {
             let (child, alone) = (child as usize, [stretches.owner(child as usize)]);
-            let senders = deals.get(&child).map_or(&alone[..], |deal| &deal.team);
+            let senders = distributions.get(&child).map_or(&alone[..], |distribution| &distribution.ranks);
             senders.iter().map(|&sender| self.take(sender, child)).collect()
         };
         children.iter().map(of_child).collect()
@@ -347,19 +348,19 @@ impl Mail {
     fn hand_on(
         &mut self,
         symbolic: &Symbolic,
-        deals: &BTreeMap<usize, Deal>,
+        distributions: &BTreeMap<usize, ColumnDistribution>,
         contribution: Contribution<'_>,
         there: Range<usize>,
     ) {
         let Contribution { front, delayed_rows, delayed_columns, values } = contribution;
-        let Some(deal) = symbolic.fronts[front].parent.and_then(|parent| deals.get(&parent)) else { return };
+        let Some(distribution) = symbolic.fronts[front].parent.and_then(|parent| distributions.get(&parent)) else { return };
         let waiting = delayed_rows.len();
         let order = waiting + symbolic.fronts[front].others();
-        for (member, &rank) in deal.team.iter().enumerate() {
+        for (member, &rank) in distribution.ranks.iter().enumerate() {
             let mut message = vec![CONTRIBUTION, front as f64, there.start as f64, there.end as f64, waiting as f64];
             message.extend([delayed_rows, delayed_columns].into_iter().flatten().map(|&place| f64::from(place)));
-            if deal.is_shared() {
-                for (column, _) in deal.wanted(symbolic, (front, waiting), &there, member) {
+            if distribution.is_shared() {
+                for (column, _) in distribution.wanted(symbolic, (front, waiting), &there, member) {
                     message.extend_from_slice(&values[(column - there.start) * order..][..order]);
                 }
             } else {

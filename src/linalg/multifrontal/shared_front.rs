@@ -12,7 +12,7 @@
 use super::entries::EntryBlock;
 use super::factors::FrontStorage;
 use super::front::{Contribution, Workspace, add};
-use super::kernels::{Crew, solve_unit_lower, subtract_product};
+use super::kernels::{ColumnThreads, solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::{PANEL, PivotBlock};
 use super::product::Target;
@@ -23,26 +23,26 @@ use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 
 /// Which ranks have which columns of a front that has fronts of several ranks below it.
-pub struct Deal {
+pub struct ColumnDistribution {
     /// Number of the front.
     pub front: usize,
     /// Ranks, the master first.
-    pub team: Vec<usize>,
+    pub ranks: Vec<usize>,
     pivots: usize,
     others: usize,
 }
 
-impl Deal {
+impl ColumnDistribution {
     /// Of a front: among all ranks with fronts below it, where it is worth the messages.
     pub fn new(symbolic: &Symbolic, stretches: &Stretches, front: usize) -> Self {
         let planned = &symbolic.fronts[front];
-        let team = stretches.team(symbolic, front);
-        Deal { front, team, pivots: planned.pivots, others: planned.others() }
+        let ranks = stretches.ranks_of(symbolic, front);
+        ColumnDistribution { front, ranks, pivots: planned.pivots, others: planned.others() }
     }
 
     /// Whether several ranks factor it.
     pub fn is_shared(&self) -> bool {
-        self.team.len() > 1
+        self.ranks.len() > 1
     }
 
     /// Memory of a rank for the front, at most \[bytes\].
@@ -50,20 +50,20 @@ impl Deal {
         size_of::<f64>() * (self.pivots + self.others).pow(2)
     }
 
-    /// The place of a rank in the team.
+    /// The place of a rank in the ranks.
     pub fn member(&self, rank: usize) -> Option<usize> {
-        self.team.iter().position(|&own| own == rank)
+        self.ranks.iter().position(|&own| own == rank)
     }
 
     /// Who has a column in which pivots are looked for: panels go round, but for those with pivots that waited, which the master has.
     fn of_pivot(&self, column: usize) -> usize {
         let panel = column / PANEL;
-        if (panel + 1) * PANEL > self.pivots { 0 } else { panel % self.team.len() }
+        if (panel + 1) * PANEL > self.pivots { 0 } else { panel % self.ranks.len() }
     }
 
     /// Which of the other columns a member has.
     fn others(&self, member: usize) -> Range<usize> {
-        let first = |member: usize| self.others * member / self.team.len();
+        let first = |member: usize| self.others * member / self.ranks.len();
         first(member)..first(member + 1)
     }
 
@@ -138,27 +138,27 @@ const UPPER: f64 = 8.0;
 
 /// Ranks that work on a front.
 #[derive(Clone, Copy)]
-pub struct Team<'t> {
+pub struct RankGroup<'t> {
     pub exchange: &'static dyn Exchange,
-    pub deal: &'t Deal,
+    pub distribution: &'t ColumnDistribution,
     /// The place of this one.
     pub member: usize,
     pub threads: usize,
 }
 
-impl Team<'_> {
+impl RankGroup<'_> {
     /// All others, one of them first.
     fn others_from(&self, first: usize) -> impl Iterator<Item = usize> + use<'_> {
-        let (count, own) = (self.deal.team.len(), self.member);
+        let (count, own) = (self.distribution.ranks.len(), self.member);
         (0..count).map(move |k| (first + k) % count).filter(move |&member| member != own)
     }
 
     fn send(&self, member: usize, message: Vec<f64>) {
-        self.exchange.send(self.deal.team[member], message);
+        self.exchange.send(self.distribution.ranks[member], message);
     }
 
     fn head(&self, what: f64) -> Vec<f64> {
-        vec![what, self.deal.front as f64]
+        vec![what, self.distribution.front as f64]
     }
 }
 
@@ -191,14 +191,14 @@ struct Room {
 
 impl Room {
     /// Own columns all zero, places those of the front's own pivots.
-    fn prepare(&mut self, front: &Front, team: Team<'_>, summed: usize) -> FrontStorage<'_> {
+    fn prepare(&mut self, front: &Front, group: RankGroup<'_>, summed: usize) -> FrontStorage<'_> {
         let Room { lower, upper, rows, columns } = self;
         let size = summed + front.others();
         lower.resize(size * summed, 0.0);
-        let own = (0..summed).filter(|&column| team.deal.of_pivot(column) == team.member);
+        let own = (0..summed).filter(|&column| group.distribution.of_pivot(column) == group.member);
         own.for_each(|column| lower[column * size..][..size].fill(0.0));
         upper.clear();
-        upper.resize(summed * team.deal.others(team.member).len(), 0.0);
+        upper.resize(summed * group.distribution.others(group.member).len(), 0.0);
         for list in [&mut *rows, &mut *columns] {
             list.resize(summed, 0);
             list.iter_mut().zip(front.first as u32..).take(front.pivots).for_each(|(own, place)| *own = place);
@@ -213,22 +213,22 @@ impl SharedFront {
     pub fn factor(
         &mut self,
         symbolic: &Symbolic,
-        team: Team<'_>,
+        group: RankGroup<'_>,
         inbox: &mut impl Inbox,
         children: &[Vec<Columns>],
         of_master: Option<(FrontStorage<'_>, &[f64])>,
     ) -> usize {
         let SharedFront { room, exchanges, workspace, contribution, waiting } = self;
-        let front = &symbolic.fronts[team.deal.front];
+        let front = &symbolic.fronts[group.distribution.front];
         let late: Vec<usize> = children.iter().map(|pieces| pieces[0].waiting[0].len()).collect();
         let summed = front.pivots + late.iter().sum::<usize>();
-        let entries = exchange_entries(symbolic, team, inbox, of_master.as_ref().map(|of_master| of_master.1));
-        let storage = of_master.map_or_else(|| room.prepare(front, team, summed), |of_master| of_master.0);
+        let entries = exchange_entries(symbolic, group, inbox, of_master.as_ref().map(|of_master| of_master.1));
+        let storage = of_master.map_or_else(|| room.prepare(front, group, summed), |of_master| of_master.0);
         let FrontStorage { lower, upper, rows, columns } = storage;
 
         let bare: Vec<Contribution<'_>> = children.iter().map(|pieces| bare(&pieces[0])).collect();
         workspace.place(symbolic, front, &bare, rows, columns);
-        let mut own = Own { symbolic, front, team, lower, upper, summed, others: team.deal.others(team.member) };
+        let mut own = Own { symbolic, front, group, lower, upper, summed, others: group.distribution.others(group.member) };
         own.add_entries(&entries);
         own.add_children(children, &late, workspace);
 
@@ -240,9 +240,9 @@ impl SharedFront {
             columns: &mut *columns,
             exchanges,
             is_last: front.is_last(),
-            threads: team.threads,
+            threads: group.threads,
         };
-        let found = eliminate(&mut block, team, inbox);
+        let found = eliminate(&mut block, group, inbox);
         *waiting = [&*rows, &*columns].map(|list| list[found..].to_vec());
         own.reduce_others(found, exchanges, contribution);
         own.add_others(children, workspace, found, contribution);
@@ -252,12 +252,12 @@ impl SharedFront {
 }
 
 /// Entries of the matrix in own columns, which the master has and sends.
-fn exchange_entries(symbolic: &Symbolic, team: Team<'_>, inbox: &mut impl Inbox, values: Option<&[f64]>) -> Vec<f64> {
+fn exchange_entries(symbolic: &Symbolic, group: RankGroup<'_>, inbox: &mut impl Inbox, values: Option<&[f64]>) -> Vec<f64> {
     let Some(values) = values else {
-        return inbox.expect(team.deal.team[0], [ENTRIES, team.deal.front as f64]);
+        return inbox.expect(group.distribution.ranks[0], [ENTRIES, group.distribution.front as f64]);
     };
-    team.others_from(1).for_each(|member| team.send(member, entries_for(symbolic, team, member, values)));
-    entries_for(symbolic, team, 0, values)
+    group.others_from(1).for_each(|member| group.send(member, entries_for(symbolic, group, member, values)));
+    entries_for(symbolic, group, 0, values)
 }
 
 /// A contribution without its numbers.
@@ -267,9 +267,9 @@ fn bare(columns: &Columns) -> Contribution<'_> {
 }
 
 /// The entries of the matrix in the columns of a member; a message for another one.
-fn entries_for(symbolic: &Symbolic, team: Team<'_>, member: usize, values: &[f64]) -> Vec<f64> {
-    let mut message = if member == team.member { Vec::new() } else { team.head(ENTRIES) };
-    for (block, column) in team.deal.entries(symbolic, member) {
+fn entries_for(symbolic: &Symbolic, group: RankGroup<'_>, member: usize, values: &[f64]) -> Vec<f64> {
+    let mut message = if member == group.member { Vec::new() } else { group.head(ENTRIES) };
+    for (block, column) in group.distribution.entries(symbolic, member) {
         let first = block.source as usize + column * block.stride as usize;
         message.extend_from_slice(&values[first..][..block.height as usize]);
     }
@@ -279,7 +279,7 @@ fn entries_for(symbolic: &Symbolic, team: Team<'_>, member: usize, values: &[f64
 /// Calls a function for each column of children that is there: the child's number, the place in the front, and the column.
 fn for_each_column(
     symbolic: &Symbolic,
-    team: Team<'_>,
+    group: RankGroup<'_>,
     children: &[Vec<Columns>],
     mut call: impl FnMut(usize, Option<usize>, &[f64]),
 ) {
@@ -287,7 +287,7 @@ fn for_each_column(
         for piece in pieces {
             let waiting = piece.waiting[0].len();
             let order = waiting + symbolic.fronts[piece.child].others();
-            let wanted = team.deal.wanted(symbolic, (piece.child, waiting), &piece.there, team.member);
+            let wanted = group.distribution.wanted(symbolic, (piece.child, waiting), &piece.there, group.member);
             wanted.zip(piece.values().chunks_exact(order)).for_each(|((_, place), column)| call(number, place, column));
         }
     }
@@ -297,7 +297,7 @@ fn for_each_column(
 struct Own<'o> {
     symbolic: &'o Symbolic,
     front: &'o Front,
-    team: Team<'o>,
+    group: RankGroup<'o>,
     /// All columns in which pivots are looked for, of which others fill their own.
     lower: &'o mut [f64],
     /// Rows in which they are, of the other columns: first the own ones, and of the master those of all.
@@ -316,7 +316,7 @@ impl Own<'_> {
     /// Adds entries of the matrix, in their order.
     fn add_entries(&mut self, mut values: &[f64]) {
         let (pivots, summed, size) = (self.front.pivots, self.summed, self.size());
-        for (block, column) in self.team.deal.entries(self.symbolic, self.team.member) {
+        for (block, column) in self.group.distribution.entries(self.symbolic, self.group.member) {
             let (own, rest) = values.split_at(block.height as usize);
             values = rest;
             let (row, column) = (block.row as usize, block.column as usize + column);
@@ -333,7 +333,7 @@ impl Own<'_> {
         let (pivots, summed, size) = (self.front.pivots, self.summed, self.size());
         // those of pivots that wait stand behind the front's own, child by child
         let mut next: Vec<usize> = late.iter().scan(pivots, |end, late| Some(std::mem::replace(end, *end + late))).collect();
-        for_each_column(self.symbolic, self.team, children, |number, place, source| {
+        for_each_column(self.symbolic, self.group, children, |number, place, source| {
             let [start, middle, end] = bounds[number];
             let other = place.and_then(|place| place.checked_sub(pivots));
             let (target, end) = match other {
@@ -352,7 +352,8 @@ impl Own<'_> {
     fn reduce_others(&mut self, found: usize, exchanges: &[(u32, u32)], contribution: &mut Vec<f64>) {
         let (size, summed, own) = (self.size(), self.summed, self.others.len());
         let left = summed - found;
-        let (order, width) = (left + self.front.others(), self.team.deal.contributed(self.team.member, left).len());
+        let (order, width) =
+            (left + self.front.others(), self.group.distribution.contributed(self.group.member, left).len());
         contribution.resize(order * width, 0.0);
         if self.front.others() == 0 {
             return;
@@ -361,10 +362,10 @@ impl Own<'_> {
         for column in upper.chunks_exact_mut(summed) {
             exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
         }
-        let crew = Crew { threads: self.team.threads, elsewhere: self.front.others() - own };
+        let workers = ColumnThreads { threads: self.group.threads, elsewhere: self.front.others() - own };
         let pivots = MatrixView::new(&*self.lower, size, summed);
         let (mut known, unknown) = MatrixViewMut::new(upper, summed, own).split_rows(found);
-        solve_unit_lower(pivots.block(0..found, 0..found), known.reborrow(), crew);
+        solve_unit_lower(pivots.block(0..found, 0..found), known.reborrow(), workers);
         let matrix = MatrixViewMut::new(&mut *contribution, order, width);
         let (mut late, matrix) = matrix.split_columns(width - own);
         if width > own {
@@ -373,16 +374,17 @@ impl Own<'_> {
         let (mut top, bottom) = matrix.split_rows(left);
         if left > 0 {
             top.copy_from(unknown.as_view());
-            subtract_product(top, Target::Reduced, pivots.block(found..summed, 0..found), known.as_view(), crew);
+            subtract_product(top, Target::Reduced, pivots.block(found..summed, 0..found), known.as_view(), workers);
         }
-        subtract_product(bottom, Target::Replaced, pivots.block(summed..size, 0..found), known.as_view(), crew);
+        subtract_product(bottom, Target::Replaced, pivots.block(summed..size, 0..found), known.as_view(), workers);
     }
 
     /// Adds what children contribute to rows and columns without a pivot here.
     fn add_others(&self, children: &[Vec<Columns>], workspace: &Workspace, found: usize, contribution: &mut [f64]) {
         let left = self.summed - found;
-        let (order, first) = (left + self.front.others(), self.team.deal.contributed(self.team.member, left).start);
-        for_each_column(self.symbolic, self.team, children, |number, place, source| {
+        let (order, first) =
+            (left + self.front.others(), self.group.distribution.contributed(self.group.member, left).start);
+        for_each_column(self.symbolic, self.group, children, |number, place, source| {
             let Some(other) = place.and_then(|place| place.checked_sub(self.front.pivots)) else { return };
             let target = &mut contribution[(left + other - first) * order..][..order];
             let [_, middle, end] = workspace.bounds[number];
@@ -392,17 +394,17 @@ impl Own<'_> {
 
     /// The master gets U of all.
     fn gather_upper(&mut self, inbox: &mut impl Inbox) {
-        let (team, summed) = (self.team, self.summed);
+        let (group, summed) = (self.group, self.summed);
         if self.front.others() == 0 {
             return;
         }
-        if team.member > 0 {
+        if group.member > 0 {
             let own = &self.upper[..summed * self.others.len()];
-            return team.send(0, [&team.head(UPPER)[..], own].concat());
+            return group.send(0, [&group.head(UPPER)[..], own].concat());
         }
-        for member in team.others_from(1) {
-            let of_member = inbox.expect(team.deal.team[member], [UPPER, team.deal.front as f64]);
-            let places = team.deal.others(member);
+        for member in group.others_from(1) {
+            let of_member = inbox.expect(group.distribution.ranks[member], [UPPER, group.distribution.front as f64]);
+            let places = group.distribution.others(member);
             self.upper[places.start * summed..places.end * summed].copy_from_slice(&of_member);
         }
     }
@@ -429,32 +431,32 @@ impl Kernel for AddRows<'_> {
 }
 
 /// Eliminates the pivots of a front, panels in turn; returns their number.
-fn eliminate(block: &mut PivotBlock<'_>, team: Team<'_>, inbox: &mut impl Inbox) -> usize {
-    let (count, deal) = (block.columns.len(), team.deal);
+fn eliminate(block: &mut PivotBlock<'_>, group: RankGroup<'_>, inbox: &mut impl Inbox) -> usize {
+    let (count, distribution) = (block.columns.len(), group.distribution);
     let panel_at = |first: usize| first..(first + PANEL).min(count);
     let (mut done, mut ahead) = (0, None);
     while done < count {
         let (panel, next) = (panel_at(done), panel_at((done + PANEL).min(count)));
-        let owner = deal.of_pivot(done);
-        let found = if owner == team.member {
-            ahead.take().unwrap_or_else(|| eliminate_and_send(block, team, panel.clone()))
+        let owner = distribution.of_pivot(done);
+        let found = if owner == group.member {
+            ahead.take().unwrap_or_else(|| eliminate_and_send(block, group, panel.clone()))
         } else {
-            let message = inbox.expect(deal.team[owner], [PANEL_DONE, deal.front as f64]);
+            let message = inbox.expect(distribution.ranks[owner], [PANEL_DONE, distribution.front as f64]);
             take_panel(block, panel.clone(), &message)
         };
         let mut rest = panel.end;
-        if found == panel.end && !next.is_empty() && deal.of_pivot(next.start) == team.member {
+        if found == panel.end && !next.is_empty() && distribution.of_pivot(next.start) == group.member {
             // others wait for it
             block.subtract(panel.clone(), next.clone(), count - next.end);
-            ahead = Some(eliminate_and_send(block, team, next.clone()));
+            ahead = Some(eliminate_and_send(block, group, next.clone()));
             rest = next.end;
         }
-        for first in (rest..count).step_by(PANEL).filter(|&first| deal.of_pivot(first) == team.member) {
+        for first in (rest..count).step_by(PANEL).filter(|&first| distribution.of_pivot(first) == group.member) {
             let own = panel_at(first);
             block.subtract(done..found, own.clone(), count - panel.end - own.len());
         }
         if found < panel.end {
-            return eliminate_rest(block, team, inbox, panel, found);
+            return eliminate_rest(block, group, inbox, panel, found);
         }
         done = found;
     }
@@ -462,17 +464,17 @@ fn eliminate(block: &mut PivotBlock<'_>, team: Team<'_>, inbox: &mut impl Inbox)
 }
 
 /// Eliminates a panel and sends it to all; returns the end of the pivots.
-fn eliminate_and_send(block: &mut PivotBlock<'_>, team: Team<'_>, panel: Range<usize>) -> usize {
+fn eliminate_and_send(block: &mut PivotBlock<'_>, group: RankGroup<'_>, panel: Range<usize>) -> usize {
     let before = block.exchanges.len();
     let found = block.eliminate_panel(panel.clone());
     let exchanges = &block.exchanges[before..];
-    let mut message = team.head(PANEL_DONE);
+    let mut message = group.head(PANEL_DONE);
     message.extend([found as f64, exchanges.len() as f64]);
     message.extend(exchanges.iter().flat_map(|&(a, b)| [f64::from(a), f64::from(b)]));
     message.extend(block.columns[panel.clone()].iter().map(|&place| f64::from(place)));
     message.extend_from_slice(&block.values[panel.start * block.size..panel.end * block.size]);
     // who eliminates the next one is first
-    team.others_from(team.member + 1).for_each(|member| team.send(member, message.clone()));
+    group.others_from(group.member + 1).for_each(|member| group.send(member, message.clone()));
     found
 }
 
@@ -492,19 +494,19 @@ fn take_panel(block: &mut PivotBlock<'_>, panel: Range<usize>, message: &[f64]) 
 /// The master goes on behind a panel with columns that found no pivot; all have the same in the end.
 fn eliminate_rest(
     block: &mut PivotBlock<'_>,
-    team: Team<'_>,
+    group: RankGroup<'_>,
     inbox: &mut impl Inbox,
     panel: Range<usize>,
     found: usize,
 ) -> usize {
-    let (deal, size, count) = (team.deal, block.size, block.columns.len());
-    let behind = |member: usize| (panel.end..count).filter(move |&column| deal.of_pivot(column) == member);
-    let number = deal.front as f64;
-    if team.member > 0 {
-        let mut message = team.head(REMAINING);
-        behind(team.member).for_each(|column| message.extend_from_slice(&block.values[column * size..][..size]));
-        team.send(0, message);
-        let all = inbox.expect(deal.team[0], [ELIMINATED, number]);
+    let (distribution, size, count) = (group.distribution, block.size, block.columns.len());
+    let behind = |member: usize| (panel.end..count).filter(move |&column| distribution.of_pivot(column) == member);
+    let number = distribution.front as f64;
+    if group.member > 0 {
+        let mut message = group.head(REMAINING);
+        behind(group.member).for_each(|column| message.extend_from_slice(&block.values[column * size..][..size]));
+        group.send(0, message);
+        let all = inbox.expect(distribution.ranks[0], [ELIMINATED, number]);
         let ([found, exchanges], rest) = all.split_first_chunk().expect("what was eliminated");
         let (exchanges, rest) = rest.split_at(2 * *exchanges as usize);
         let (places, values) = rest.split_at(2 * count);
@@ -516,18 +518,18 @@ fn eliminate_rest(
         block.values.copy_from_slice(values);
         return *found as usize;
     }
-    for member in team.others_from(1) {
-        let message = inbox.expect(deal.team[member], [REMAINING, number]);
+    for member in group.others_from(1) {
+        let message = inbox.expect(distribution.ranks[member], [REMAINING, number]);
         for (column, values) in behind(member).zip(message.chunks_exact(size)) {
             block.values[column * size..][..size].copy_from_slice(values);
         }
     }
     let found = block.eliminate_behind_first_failure(panel, found);
-    let mut message = team.head(ELIMINATED);
+    let mut message = group.head(ELIMINATED);
     message.extend([found as f64, block.exchanges.len() as f64]);
     message.extend(block.exchanges.iter().flat_map(|&(a, b)| [f64::from(a), f64::from(b)]));
     message.extend(block.rows.iter().chain(&*block.columns).map(|&place| f64::from(place)));
     message.extend_from_slice(block.values);
-    team.others_from(1).for_each(|member| team.send(member, message.clone()));
+    group.others_from(1).for_each(|member| group.send(member, message.clone()));
     found
 }

@@ -162,7 +162,7 @@ impl Stretches {
     }
 
     /// Ranks that factor a front: the one that has it and, where it takes long, all others with fronts below it.
-    pub fn team(&self, symbolic: &Symbolic, front: usize) -> Vec<usize> {
+    pub fn ranks_of(&self, symbolic: &Symbolic, front: usize) -> Vec<usize> {
         let (owner, planned) = (self.owner(front), &symbolic.fronts[front]);
         let is_shared = is_worth_sharing(planned) || self.shares_all && !planned.is_small();
         let first = if is_shared { self.owner(planned.subtree) } else { owner };
