@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # What building takes, from a fresh clone of the current commit: wall and processor time against limits; exit status 1 if one is missed.
 #
-#     verification/build-times.sh [build] [test] [crate]     # without arguments: all of them
+#     verification/build-times.sh [build] [edit] [test] [crate]     # without arguments: all of them
 #
 # build  `cargo build --release`, and the size of the binary
+# edit   from an edit of an element, of a section of scene files, and of a command to the end of a run, as released and in the profile `dev`
 # test   the test command of README.md, nothing built before
 # crate  a crate outside with one element and one scene of its own (examples/01_gradient.rs), which depends on the library without its
 #        command line: its first build once the library is built, then from an edit of its source to the end of its run
@@ -12,7 +13,7 @@
 set -euo pipefail
 source_folder=$(cd "$(dirname "$0")/.." && pwd)
 steps=("$@")
-[ $# -gt 0 ] || steps=(build test crate)
+[ $# -gt 0 ] || steps=(build edit test crate)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 git clone --quiet "$source_folder" "$work/costate"
@@ -46,7 +47,22 @@ for step in "${steps[@]}"; do
     case $step in
     build)
         timed "cargo build --release" 150 cargo build --release
-        row "size of the binary" "$(awk "BEGIN { printf \"%.1f\", $(wc -c <target/release/costate) / 1e6 }")" 15 MB ""
+        row "size of the binary" "$(awk "BEGIN { printf \"%.1f\", $(wc -c <target/release/costate) / 1e6 }")" 16 MB ""
+        ;;
+    edit)
+        for profile in release dev; do
+            arguments=(run --profile "$profile" --bin costate -- run pendulum --steps 10 --no-report --out "$work/out")
+            cargo "${arguments[@]}" >"$work/output" 2>&1
+            limits=(60 20 20)
+            [ "$profile" = release ] || limits=(15 15 15)
+            for file in src/elements/bodies/point_mass.rs src/scenes/file/parts/spin.rs src/cli/list.rs; do
+                # a function that nothing calls: the crate is compiled anew
+                printf '\n#[doc(hidden)]\npub fn edited_%s() {}\n' "$profile" >>"$file"
+                timed "edit of $file to a run, $profile" "${limits[0]}" cargo "${arguments[@]}"
+                limits=("${limits[@]:1}")
+            done
+        done
+        git checkout --quiet .
         ;;
     test)
         read -r -a command <<<"$(grep -m1 '^cargo test' README.md)"
@@ -81,7 +97,7 @@ TOML
         cd "$work/costate"
         ;;
     *)
-        echo "no step is named $step: build, test, crate" >&2
+        echo "no step is named $step: build, edit, test, crate" >&2
         exit 2
         ;;
     esac
