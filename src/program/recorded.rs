@@ -78,9 +78,20 @@ impl Recorded {
         if self.place == CONSTANT { graph.constant(self.value) } else { Node(self.place) }
     }
 
-    /// True for the constant 0: what a recording is made of may depend on it, as it holds for all arguments.
+    /// An argument of what is being recorded, whose value is not known.
+    #[cfg(feature = "files")]
+    pub(crate) fn argument(index: usize) -> Self {
+        Recorded { value: f64::NAN, place: with_graph(|graph| graph.input(index)).0 }
+    }
+
+    /// The value of a constant: what a recording is made of may depend on it, as it holds for all arguments.
+    pub(crate) fn known(self) -> Option<f64> {
+        (self.place == CONSTANT).then_some(self.value)
+    }
+
+    /// True for the constant 0.
     pub(crate) fn is_known_zero(self) -> bool {
-        self.place == CONSTANT && self.value == 0.0
+        self.known() == Some(0.0)
     }
 
     /// Takes note that a formula looks at a number that is not the same everywhere.

@@ -1,6 +1,6 @@
 //! What the entries of a file say, by their keys.
 
-use super::expression::Expression;
+use super::formula::Formula;
 use crate::elements::entries::Range;
 use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::HashSet;
@@ -32,7 +32,7 @@ pub(super) enum Per {
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     /// A formula of a number or a vector, with the range of its value.
-    Formula(Expression, Range),
+    Formula(Formula, Range),
     Fixed(f64),
     Count(usize),
     Flag(bool),
@@ -47,7 +47,7 @@ pub(super) enum Value {
     Weights(Vec<(String, f64)>),
     NamedNodes(Vec<NamedNode>),
     /// Formulas by names, with their places.
-    Formulas(Vec<(String, usize, Expression)>),
+    Formulas(Vec<(String, usize, Formula)>),
     Fields(Fields),
     List(Vec<(usize, Value)>),
 }
@@ -58,7 +58,7 @@ pub(super) struct NamedNode {
     pub name: String,
     pub at: usize,
     pub place: NodePlace,
-    pub point: Option<Expression>,
+    pub point: Option<Formula>,
 }
 
 /// Where a node is to be found: `crank`, `beam.end`, `plate[2, 3]`, `tube.start[0]`.

@@ -1,17 +1,16 @@
 //! Values of the keys of an entry, in the scalar of the mechanism.
 
-use super::expression::{Quantity, SHARE_PLACE};
 use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
-use super::formula_of::FormulaOf;
+use super::formula::{Quantity, SHARE_PLACE};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
+use crate::elements::TimeFunction;
 use crate::elements::entries::{FUNCTION, Range, Type};
 use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
-use crate::elements::{TimeFormula, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
@@ -64,7 +63,8 @@ pub(super) struct Known<'f, S> {
     pub own: &'f OwnParts,
     /// All entries.
     pub items: &'f [Item],
-    pub names: Vec<Quantity<S>>,
+    /// Numbers that formulas take.
+    pub numbers: Vec<S>,
     /// Place along a beam for whose sections numbers are wanted.
     pub share: Cell<S>,
     /// Variables with values for faces or nodes of a mesh: their places among the names, and these values.
@@ -85,19 +85,12 @@ pub(super) fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
 
 impl<S: Scalar> Known<'_, S> {
     fn value(&self, key: &str, given: (usize, &Value)) -> Found<Quantity<S>> {
-        match given.1 {
-            Value::Formula(formula, _) if formula.uses(SHARE_PLACE) => {
-                let mut names = self.names.clone();
-                names[SHARE_PLACE] = Quantity::Number(self.share.get());
-                self.value_with(key, given, &names)
-            }
-            _ => self.value_with(key, given, &self.names),
-        }
+        self.value_of(key, given, |place| if place == SHARE_PLACE { self.share.get() } else { self.numbers[place] })
     }
 
-    fn value_with(&self, key: &str, (at, value): (usize, &Value), names: &[Quantity<S>]) -> Found<Quantity<S>> {
+    fn value_of(&self, key: &str, (at, value): (usize, &Value), known: impl Fn(usize) -> S) -> Found<Quantity<S>> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
-        let value = formula.value(names);
+        let value = formula.value(known);
         let range = *range;
         match value.components().iter().map(|own| own.value()).find(|own| !(own.is_finite() && range.holds(*own))) {
             None => Ok(value),
@@ -129,12 +122,12 @@ impl<S: Scalar> Known<'_, S> {
     /// A number at a point of a face of a mesh, for which some variables have values of their own; what the face is called, for messages.
     pub fn number_at(&self, fields: &Fields, key: &str, [mesh, face, point]: [usize; 3], called: &str) -> Found<S> {
         let given = fields.get(key).map_or_else(|| missing(fields, key), Ok)?;
-        let mut names = self.names.clone();
+        let mut own = Vec::new();
         for (place, each, values) in self.each.iter().filter(|own| own.1.mesh == mesh) {
             let wanted = if each.per == Per::Face { face } else { point };
             match each.places.binary_search(&wanted).ok().and_then(|own| values.get(own)) {
-                Some(&own) => names[*place] = Quantity::Number(own),
-                None if matches!(given.1, Value::Formula(formula, _) if formula.uses(*place)) => {
+                Some(&value) => own.push((*place, value)),
+                None if matches!(given.1, Value::Formula(formula, _) if formula.taken().contains(place)) => {
                     let text = format!(
                         "{key}: a design variable of some faces or nodes has no value for {called}; name those in per_face or per_node, or give \
                          the others a part of their own"
@@ -144,7 +137,8 @@ impl<S: Scalar> Known<'_, S> {
                 None => {}
             }
         }
-        match self.value_with(key, given, &names) {
+        let known = |place| own.iter().find(|own| own.0 == place).map_or_else(|| self.numbers[place], |own| own.1);
+        match self.value_of(key, given, known) {
             Ok(Quantity::Number(own)) => Ok(own),
             Ok(Quantity::Vector(_)) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
             Err(Mistake { at, what }) => Err(Mistake::new(at, format!("{called}, {what}"))),
@@ -170,7 +164,8 @@ impl<S: Scalar> Known<'_, S> {
 
     /// The numbers of strips: where one formula uses [`SHARE_PLACE`], those at the middles of so many.
     pub fn strips(&self, fields: &Fields, key: &str, count: usize) -> Found<Vec<S>> {
-        let uses_share = |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.uses(SHARE_PLACE));
+        let uses_share =
+            |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.taken().contains(&SHARE_PLACE));
         let given: Vec<_> = list(fields, key).collect();
         let [one] = given[..] else {
             return match given.iter().copied().find(|own| uses_share(*own)) {
@@ -431,8 +426,8 @@ impl<S: Scalar> Known<'_, S> {
     fn formula_of_time(&self, own: &Fields) -> Found<Signal<S>> {
         let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
         own.get("breakpoints");
-        let (function, parameters) = FormulaOf::of(formula, &self.names);
-        if !function.value(S::zero(), &parameters).value().is_finite() {
+        let (function, parameters) = formula.law(&self.numbers);
+        if !function.at(&[S::zero()], &parameters).number().value().is_finite() {
             return Err(Mistake::new(at, "at t = 0 s the value is not finite"));
         }
         Signal::own(function, &parameters).map_err(|why| Mistake::new(own.at, why))
@@ -451,7 +446,7 @@ impl<S: Scalar> Known<'_, S> {
             return Err(Mistake::new(own.at, text));
         }
         let fixed = |(_, value): (usize, &Value)| match value {
-            Value::Formula(formula, _) => formula.as_literal(),
+            Value::Formula(formula, _) => formula.constant_number(),
             _ => None,
         };
         let values = match list(own, "values").map(fixed).collect() {
@@ -465,7 +460,7 @@ impl<S: Scalar> Known<'_, S> {
     pub fn law(&self, fields: &Fields, key: &str) -> Found<(Characteristic, Vec<S>)> {
         match fields.get(key) {
             Some((at, Value::Formula(formula, _))) => {
-                let (law, numbers) = FormulaOf::of(formula, &self.names);
+                let (law, numbers) = formula.law(&self.numbers);
                 Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
             }
             Some((_, Value::Fields(own))) => {

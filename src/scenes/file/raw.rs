@@ -1,6 +1,6 @@
 //! The tree of a TOML text with the place of everything in it, and entries that stand for many.
 
-use super::expression::{Expression, Quantity, Scope, SyntaxError, continues_name, meaning, starts_name};
+use super::formula::{Formula, Scope, SyntaxError, continues_name, meaning, starts_name};
 use super::mistake::Mistake;
 use crate::scenes::unknown;
 use toml::de::{DeTable, DeValue};
@@ -243,7 +243,7 @@ impl Wholes {
             Step::Word(_) => None,
         });
         for (name, value) in own.map(|(name, value)| (name, *value)).chain(loops) {
-            scope.add_constant(name, Quantity::Number(value as f64));
+            scope.add_value(name, &Formula::literal(value as f64));
         }
         scope
     }
@@ -251,9 +251,8 @@ impl Wholes {
 
 /// The value of a formula of whole numbers.
 fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
-    let expression = Expression::parse(text, scope).map_err(|(_, what)| what)?;
-    match expression.constant(scope) {
-        Some(Quantity::Number(value)) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(value as i64),
+    match Formula::parse(text, scope).map_err(|(_, what)| what)?.constant_number() {
+        Some(value) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(value as i64),
         _ => Err(format!("{{{text}}} must be a whole number")),
     }
 }

@@ -1,8 +1,8 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
 use super::elsewhere::unknown_or_elsewhere;
-use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::fields::{Each, Fields, Item};
+use super::formula::{Formula, Scope, is_name, meaning, names_in};
 use super::keys::{MANY, WITH_NODES};
 use super::mistake::Mistake;
 use super::order::ordered;
@@ -41,7 +41,7 @@ pub(super) struct Contents {
     pub top: Fields,
     pub variables: Vec<Variable>,
     /// After the variables, in an order in which each depends on others before it only, with their places and names.
-    pub definitions: Vec<(usize, String, Expression)>,
+    pub definitions: Vec<(usize, String, Formula)>,
     pub items: Vec<Item>,
     /// Sections that occur once.
     pub single: Vec<(&'static str, Fields)>,
@@ -274,7 +274,7 @@ impl Reader {
             match &extent {
                 Extent::OfMesh(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
                 Extent::Array(count) => self.scope.add_array(&own, *count),
-                Extent::One => self.scope.add_variable(&own),
+                Extent::One => self.scope.add_known(&own, false),
             }
             list.push((place, shown, extent));
         }
@@ -310,7 +310,7 @@ impl Reader {
     }
 
     /// Definitions and tables in an order in which each depends on earlier ones only.
-    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Expression)> {
+    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Formula)> {
         let mut entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
         let first_table = entries.len();
         for own in tables {
@@ -358,10 +358,10 @@ impl Reader {
             };
             // what is wrong is told once, not by all that use it
             let formula = formula.unwrap_or_else(|| match &value.value {
-                RawValue::List(_) => Expression::vector([1.0, 0.0, 0.0].map(Expression::literal)),
-                _ => Expression::literal(1.0),
+                RawValue::List(_) => Formula::vector(&[1.0, 0.0, 0.0].map(Formula::literal)),
+                _ => Formula::literal(1.0),
             });
-            self.scope.add_formula(key, &formula);
+            self.scope.add_value(key, &formula);
             definitions.push((value.at, key.clone(), formula));
         }
         definitions

@@ -1,4 +1,3 @@
-use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
 use super::fields::{Each, Fields, Item, Value};
 use super::keys::{WITH_MASS, WITH_MULTIPLIERS, WITH_NODES};
@@ -15,7 +14,7 @@ use crate::integrators::{
 };
 use crate::linalg::Backend;
 use crate::program::Recorded;
-use crate::scalar::{Scalar, Vector3};
+use crate::scalar::Scalar;
 use crate::scenes::{
     AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
     Scenario, Sense, Settings, built,
@@ -504,31 +503,32 @@ fn problem(
     Some(problem)
 }
 
-/// The values of all names of formulas, and those of the variables of each face or node of a mesh.
-type Values<'c, S> = (Vec<Quantity<S>>, Vec<(usize, &'c Each, Vec<S>)>);
+/// The numbers that formulas take, and those of the variables of each face or node of a mesh with their places among them.
+type Numbers<'c, S> = (Vec<S>, Vec<(usize, &'c Each, Vec<S>)>);
 
 impl FileScene {
-    /// What the names of formulas are at a design: the place along a section, the design variables, the definitions.
-    fn values<S: Scalar>(&self, x: &[S]) -> Result<Values<'_, S>, String> {
-        let (mut names, mut each, mut rest) = (vec![Quantity::Number(S::zero())], Vec::new(), x);
+    /// The numbers that formulas take at a design: the place along a section, the design variables, the definitions.
+    fn numbers<S: Scalar>(&self, x: &[S]) -> Result<Numbers<'_, S>, String> {
+        let (mut numbers, mut each, mut rest) = (vec![S::zero()], Vec::new(), x);
         for own in &self.contents.variables {
             let (values, others) = rest.split_at(own.count());
             rest = others;
             if let Extent::OfMesh(of) = &own.extent {
-                each.push((names.len(), of, values.to_vec()));
+                each.push((numbers.len(), of, values.to_vec()));
             }
-            let named = if let Extent::Array(_) = own.extent { values } else { &values[..1] };
-            names.extend(named.iter().map(|&own| Quantity::Number(own)));
+            numbers.extend_from_slice(if let Extent::Array(_) = own.extent { values } else { &values[..1] });
         }
         for (at, name, formula) in &self.contents.definitions {
-            let value = formula.value(&names);
-            if let Some(own) = value.components().iter().map(|own| own.value()).find(|own| !own.is_finite()) {
+            let value = formula.value(|place| numbers[place]).components();
+            if let Some(own) = value.iter().map(|own| own.value()).find(|own| !own.is_finite()) {
                 let text = format!("{name} of [define] is {own} at this design; it must be finite");
                 return Err(self.source.told(&Mistake::new(*at, text)));
             }
-            names.push(value);
+            if formula.constant().is_none() {
+                numbers.extend(value);
+            }
         }
-        Ok((names, each))
+        Ok((numbers, each))
     }
 }
 
@@ -582,10 +582,10 @@ impl FileScene {
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
-        let (names, each) = self.values(x)?;
+        let (numbers, each) = self.numbers(x)?;
         let made = items.iter().map(|_| Made::Nothing).collect();
         let elements = vec![Vec::new(); items.len()];
-        let mut known = Known { own, items, names, share: Cell::new(S::zero()), each, made, elements };
+        let mut known = Known { own, items, numbers, share: Cell::new(S::zero()), each, made, elements };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();
@@ -616,10 +616,10 @@ impl FileScene {
             if Some(rank) == last
                 && let Some((at, Value::Formula(formula, _))) = top.get("gravity")
             {
-                let gravity: Vector3<S> = match formula.value(&known.names) {
-                    Quantity::Vector(own) if own.iter().all(|own| own.value().is_finite()) => own,
-                    _ => return Err(self.source.told(&Mistake::new(at, "gravity is not finite at this design"))),
-                };
+                let gravity = formula.value(|place| known.numbers[place]).vector();
+                if !gravity.iter().all(|own| own.value().is_finite()) {
+                    return Err(self.source.told(&Mistake::new(at, "gravity is not finite at this design")));
+                }
                 m.gravity(gravity);
             }
         }

@@ -1,7 +1,7 @@
 //! Tables by names, which formulas call like functions: `[table.road]` makes `road(x)`.
 
-use super::expression::Expression;
 use super::fields::{Fields, Value};
+use super::formula::{Formula, Meaning};
 use super::keys::one_form;
 use super::known::{fixed_list, list, text, way};
 use super::mistake::Mistake;
@@ -38,7 +38,7 @@ pub(super) const TABLES: Section = Section {
 };
 
 /// A table as formulas call it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct NamedTable {
     of: Values,
     /// Where its argument is kept between the ends.
@@ -46,11 +46,11 @@ pub(super) struct NamedTable {
 }
 
 /// Values at the points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Values {
     /// Always the same.
     Fixed(Arc<Curve>),
-    /// They come before the argument.
+    /// Given with the argument.
     OfDesign(Table),
 }
 
@@ -62,10 +62,10 @@ impl NamedTable {
     }
 
     /// What its keys say, and the formulas of its values where they change with the design.
-    fn of(fields: &Fields) -> Result<(Self, Vec<Expression>), String> {
+    fn of(fields: &Fields) -> Result<(Self, Vec<Formula>), String> {
         let (points, values) = match fields.get("file") {
             Some((_, Value::Columns(columns))) => {
-                (columns[0].clone(), columns[1].iter().map(|&value| Expression::literal(value)).collect())
+                (columns[0].clone(), columns[1].iter().map(|&value| Formula::literal(value)).collect())
             }
             _ => {
                 let formula = |(_, value): (usize, &Value)| match value {
@@ -85,21 +85,13 @@ impl NamedTable {
         if interpolant == Interpolant::Steps && is_linear == Some(true) {
             return Err("steps stay constant beyond the points: leave extrapolation out".into());
         }
-        let fixed: Option<Vec<f64>> = values.iter().map(Expression::as_literal).collect();
+        let fixed: Option<Vec<f64>> = values.iter().map(Formula::constant_number).collect();
         let (of, values) = match fixed {
             Some(fixed) => (Values::Fixed(Curve::new(&points, &fixed, interpolant)?), Vec::new()),
             None => (Values::OfDesign(Table::new(&points, interpolant)?), values),
         };
         let is_kept = is_linear == Some(false) && !interpolant.has_kinks();
         Ok((NamedTable { of, within: is_kept.then(|| [points[0], points[points.len() - 1]]) }, values))
-    }
-
-    /// How many values come before its argument.
-    pub fn values(&self) -> usize {
-        match &self.of {
-            Values::Fixed(_) => 0,
-            Values::OfDesign(table) => table.knots().len(),
-        }
     }
 
     pub fn value<S: Scalar>(&self, x: S, values: &[S]) -> S {
@@ -125,10 +117,10 @@ impl Reader {
                 if self.mistakes.len() == before {
                     self.mistakes.push(mistake);
                 }
-                NamedTable::spline(2).map(|table| (table, vec![Expression::literal(1.0); 2]))
+                NamedTable::spline(2).map(|table| (table, vec![Formula::literal(1.0); 2]))
             })
             .unwrap_or_else(|_: String| unreachable!("two points make a spline"));
-        self.scope.add_table(&own.key, table, values);
+        self.scope.add(&own.key, Meaning::Table(Arc::new(table), values.into()));
     }
 
     /// The tables of an entry's own.
@@ -137,7 +129,7 @@ impl Reader {
         let wanted = "with tables, as in { drag = { points = [0, 1], values = [0, 5] } }";
         self.named(given, "table", wanted, |reader, own| {
             reader.check_name(&own.key, own.at);
-            if reader.scope.knows(&own.key) || reader.scope.of_node(&own.key).next().is_some() {
+            if reader.scope.find(&own.key).is_some() || reader.scope.of_node(&own.key).next().is_some() {
                 reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
             }
             reader.take_table(own);

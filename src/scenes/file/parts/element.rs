@@ -2,7 +2,7 @@
 
 use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::expression::Quantity;
+use crate::scenes::file::formula::Quantity;
 use crate::scenes::file::formula_parts::{
     BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of,
 };
@@ -99,7 +99,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
                 return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
             }
             let wants_vector = kind.in_space().is_some();
-            if wants_vector != formula.is_vector || (is_moment && !kind.has_axes()) {
+            if wants_vector != formula.is_vector() || (is_moment && !kind.has_axes()) {
                 let wanted = match (is_moment, wants_vector) {
                     (true, _) if !kind.has_axes() => "no moment",
                     (_, true) => "a vector",
@@ -108,7 +108,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
                 return Err(Mistake::new(*at, format!("\"{of}\" is {}, which takes {wanted} here", kind.words())));
             }
             let (what, unit) = if is_moment { ("moment", "N m") } else { ("force", if wants_vector { "N" } else { "" }) };
-            outputs.extend(outputs_of(&format!("{of}.{what}"), unit, formula.is_vector));
+            outputs.extend(outputs_of(&format!("{of}.{what}"), unit, formula.is_vector()));
             loads.push((node, is_moment, reading.take(*at, formula, [true, true])?));
         }
     }

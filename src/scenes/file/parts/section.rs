@@ -2,7 +2,7 @@
 
 use crate::elements::flexible::{self, OfShape};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::expression::SHARE_PLACE;
+use crate::scenes::file::formula::SHARE_PLACE;
 
 pub(super) const SECTION: Section = Section {
     name: "section",
@@ -39,7 +39,7 @@ pub(super) fn section_of<'i>(items: &'i [Item], fields: &Fields) -> Found<(usize
 pub(super) fn is_tapered(section: &Fields) -> bool {
     fn uses(value: &Value) -> bool {
         match value {
-            Value::Formula(formula, _) => formula.uses(SHARE_PLACE),
+            Value::Formula(formula, _) => formula.taken().contains(&SHARE_PLACE),
             Value::List(list) => list.iter().any(|(_, own)| uses(own)),
             _ => false,
         }

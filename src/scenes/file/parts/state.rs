@@ -63,7 +63,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     let [initial, rates, outputs] = if fields.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
     for key in keys_of(fields.form) {
         if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, fields.get(key.name)) {
-            if formula.uses_from(known.names.len()) {
+            if formula.uses_from(known.numbers.len()) {
                 return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
             }
             known.number(fields, key.name)?;
@@ -71,10 +71,10 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     }
     let mut start = Vec::new();
     for (value, at, formula) in initial {
-        if formula.is_vector || formula.uses_from(known.names.len()) {
+        if formula.is_vector() || formula.uses_from(known.numbers.len()) {
             return Err(Mistake::new(*at, format!("the start of {value} must be a number of the design alone")));
         }
-        start.extend(formula.value(&known.names).components());
+        start.extend(formula.value(|place| known.numbers[place]).components());
     }
     let mut reading = Reading::new(known, fields, m)?;
     let node = m.states(name, &start);
@@ -83,7 +83,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
         let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
             return Err(Mistake::new(*at, format!("{value} has a start, but no rate")));
         };
-        if formula.is_vector {
+        if formula.is_vector() {
             return Err(Mistake::new(*at, format!("the rate of {value} must be a number")));
         }
         reading.take(*at, formula, [true, true])?;
@@ -96,7 +96,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     told.extend(values().map(|value| Output::new(format!("d{value}/dt"), "")));
     for (output, _, formula) in outputs {
         reading.add_formula(formula);
-        told.extend(outputs_of(output, "", formula.is_vector));
+        told.extend(outputs_of(output, "", formula.is_vector()));
     }
     let Reading { nodes, formulas, p, .. } = reading;
     m.element(name, &nodes, FormulaState { formulas, outputs: told }, &p);
