@@ -1,7 +1,7 @@
 //! Names that formulas of an entry know: its nodes, its own states, the time, outputs of states among the nodes, and what it defines.
 
 use super::formula::{Meaning, Scope, TIME, words_of};
-use super::formula_parts::of_section;
+use super::formula_parts::OF_BODY;
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
 use super::state_laws::{Formulas, names_of, unnamed};
@@ -102,11 +102,13 @@ impl Reader {
         for own in nodes.all[..nodes.given].iter().chain(&brought) {
             // of one that is not there, as of a body: that is told, and not what follows
             let item = self.item_of(own);
-            let section = item.map_or("body", |item| self.declared[item].section.name);
-            for (what, is_vector, _) in of_section(section) {
+            let section = item.map(|item| self.declared[item].section);
+            for (what, is_vector, _) in section.and_then(|own| own.nodes).map_or(OF_BODY, |own| own.known) {
                 self.scope.add_known(&format!("{}.{what}", own.key), *is_vector);
             }
-            let states = item.filter(|_| section == "state").map(|item| names_of(&self.declared[item].raw).0);
+            let states = item
+                .filter(|_| section.is_some_and(|own| own.name == "state"))
+                .map(|item| names_of(&self.declared[item].raw).0);
             for (state, _) in states.unwrap_or_default() {
                 self.scope.add_known(&format!("{}.{state}", own.key), false);
             }

@@ -1,15 +1,17 @@
 //! Formulas of nodes, of which a file makes elements, states, joints and functionals.
 
-use super::fields::{Fields, NamedNode, Value};
+use super::fields::{NamedNode, Value};
 use super::formula::{Formula, Law, Quantity};
 use super::keys::one_form;
-use super::known::{Builder, Found, Known};
+use super::known::{Builder, Entry, Found, Known};
 use super::mistake::Mistake;
+use super::section::OfNode;
 use super::tables::TABLE;
 use crate::assembly::NodeId;
 use crate::elements::entries::Type::{Fixeds, Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
 use crate::elements::{Frame, NodeKind, Output, Parameter};
+use crate::program::Recorded;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -41,11 +43,8 @@ pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec
     }
 }
 
-/// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
-type OfNode = (&'static str, bool, bool);
-
-const OF_POINT: &[OfNode] = &[("position", true, false), ("velocity", true, true)];
-const OF_BODY: &[OfNode] = &[
+pub(super) const OF_POINT: &[OfNode] = &[("position", true, false), ("velocity", true, true)];
+pub(super) const OF_BODY: &[OfNode] = &[
     OF_POINT[0],
     OF_POINT[1],
     ("x_axis", true, false),
@@ -53,18 +52,7 @@ const OF_BODY: &[OfNode] = &[
     ("z_axis", true, false),
     ("angular_velocity", true, true),
 ];
-const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true)];
-
-/// What formulas know of the nodes of a section.
-pub(super) fn of_section(section: &str) -> &'static [OfNode] {
-    match section {
-        "point" | "cable" => OF_POINT,
-        "coordinate" | "joint_angle" => OF_COORDINATE,
-        // by the names of its values
-        "state" => &[],
-        _ => OF_BODY,
-    }
-}
+pub(super) const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true)];
 
 /// A node as formulas know it.
 #[derive(Clone, Copy)]
@@ -159,26 +147,27 @@ impl Formulas {
 }
 
 /// The nodes of formulas, and the formulas as they are read.
-pub(super) struct Reading<'f, S> {
-    known: &'f Known<'f, S>,
+pub(super) struct Reading<'f> {
+    known: &'f Known<'f>,
     pub names: Vec<&'f str>,
     pub nodes: Vec<NodeId>,
     pub formulas: Formulas,
     /// Parameters of points and formulas.
-    pub p: Vec<S>,
+    pub p: Vec<Recorded>,
 }
 
-impl<'f, S: Scalar> Reading<'f, S> {
-    pub fn new(known: &'f Known<'f, S>, fields: &'f Fields, m: &mut Builder<S>) -> Found<Self> {
-        let given: &[_] = match fields.get("nodes") {
+impl<'f> Reading<'f> {
+    pub fn new(e: Entry<'f>, m: &mut Builder) -> Found<Self> {
+        let given: &[_] = match e.value("nodes") {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
-        let _names_of_formulas = ["define", "table", "breakpoints"].map(|key| fields.get(key));
+        // these were read with the formulas
+        ["define", "table", "breakpoints"].iter().for_each(|key| _ = e.get(key));
         let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
-        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
+        let mut own = Reading { known: e.known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {
-            let [node] = known.nodes_at(*at, place, m)?[..] else {
+            let [node] = e.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
             };
             let kind = m.model.find_node(node).map(|own| own.kind);
@@ -197,7 +186,7 @@ impl<'f, S: Scalar> Reading<'f, S> {
     }
 
     /// Takes a point of the last node.
-    fn add_point(&mut self, at: usize, point: &Formula, m: &Builder<S>) -> Found<()> {
+    fn add_point(&mut self, at: usize, point: &Formula, m: &Builder) -> Found<()> {
         if point.uses_from(self.known.numbers.len()) {
             return Err(Mistake::new(at, "a point is one of the start, which depends on the design alone"));
         }
@@ -238,8 +227,8 @@ impl<'f, S: Scalar> Reading<'f, S> {
     }
 
     /// Takes the formula of a key, if it is given.
-    pub fn take_key(&mut self, fields: &Fields, key: &str, may: [bool; 2]) -> Found<Option<usize>> {
-        match fields.get(key) {
+    pub fn take_key(&mut self, e: Entry, key: &str, may: [bool; 2]) -> Found<Option<usize>> {
+        match e.get(key) {
             Some((at, Value::Formula(formula, _))) => self.take(at, formula, may).map(Some),
             _ => Ok(None),
         }

@@ -3,7 +3,7 @@
 use super::elsewhere::unknown_or_elsewhere;
 use super::fields::{Each, Fields, Item};
 use super::formula::{Formula, Scope, is_name, meaning, names_in};
-use super::keys::{MANY, WITH_NODES};
+use super::keys::MANY;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
@@ -11,8 +11,7 @@ use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, rep
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
 use super::tables::TABLES;
-use crate::elements::entries::{Form, Forms, named};
-use crate::elements::forces::LOADS;
+use crate::elements::entries::{Form, Forms};
 use crate::scenes::MeshData;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -74,26 +73,13 @@ pub(super) struct Reader {
     pub brought: Vec<Entry>,
     pub scope: Scope,
     pub declared: Vec<Declared>,
-    pub by_name: HashMap<(String, &'static str), usize>,
+    /// Entries by their names, one of each space.
+    pub by_name: HashMap<String, Vec<usize>>,
     /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
     pub names_are_missing: bool,
     /// Parts beside those of the library.
     pub own: Arc<OwnParts>,
     pub mistakes: Vec<Mistake>,
-}
-
-/// Sections whose names may be the same, as nobody takes one for the other, have different words here.
-pub(super) fn name_space(section: &str) -> &'static str {
-    match section {
-        "variable" | "material" | "section" | "laminate" | "drawing" | "hold" | "spin" => {
-            SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
-        }
-        "joint" | "driver" | "rigid_interface" | "tie" => "joint",
-        "spring" | "damper" | "element" => "force",
-        load if named(LOADS, load).is_some() => "force",
-        "functional" | "mode" => "functional",
-        _ => "member",
-    }
 }
 
 /// Reads a whole file; paths in it begin at a folder. Parts of one's own are known by their names.
@@ -107,7 +93,7 @@ pub(super) fn read(root: &Raw, folder: &Path, own: &OwnParts) -> Result<Contents
 impl Contents {
     /// Names of the functionals.
     pub fn functionals(&self) -> impl Iterator<Item = &str> {
-        self.items.iter().filter(|item| item.section == "functional").map(|item| item.name.as_str())
+        self.items.iter().filter(|item| item.section.name == "functional").map(|item| item.name.as_str())
     }
 }
 
@@ -161,7 +147,7 @@ impl Reader {
             .into_iter()
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
             .collect();
-        if !self.names_are_missing && self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
+        if !self.names_are_missing && self.declared.iter().all(|own| own.section.nodes.is_none()) {
             self.wrong(
                 root.at,
                 "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves",
@@ -184,7 +170,7 @@ impl Reader {
             }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             let mesh = self.meshes.get(&place).cloned();
-            items.push(Item { place, section: section.name, name, fields, mesh });
+            items.push(Item { place, section, name, fields, mesh });
         }
         let variables = variables
             .into_iter()
@@ -229,15 +215,18 @@ impl Reader {
                     "has a line break or another control character, which tables and pictures cannot show; leave it out";
                 self.wrong(at, format!("the name {name:?} {text}"));
             }
-            let space = name_space(section.name);
-            if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
+            let space = section.space;
+            if !space.is_empty() && !name.is_empty() {
                 if name == "ground" && space == "member" {
                     self.wrong(at, "the name \"ground\" belongs to the body that never moves and is there already");
                 }
-                if let Some(before) = self.by_name.insert((name.clone(), space), self.declared.len()) {
+                let named = self.by_name.entry(name.clone()).or_default();
+                let before = named.iter().position(|&place| self.declared[place].section.space == space);
+                if let Some(before) = before.map(|before| named.remove(before)) {
                     let other = self.declared[before].section.name;
                     self.wrong(at, format!("the name \"{name}\" is taken: there is a {other} with this name"));
                 }
+                self.by_name.entry(name.clone()).or_default().push(self.declared.len());
             }
             self.declared.push(Declared { section, name, at, raw });
         }
@@ -321,7 +310,7 @@ impl Reader {
         }
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
-            let by = match self.by_name.contains_key(&(entry.key.clone(), "variable")) {
+            let by = match self.find(&entry.key, &["variable"]).is_some() {
                 true => "a design variable",
                 false if entries[..place].iter().any(|other| other.key == entry.key) => "another definition",
                 false => continue,

@@ -3,11 +3,10 @@
 use super::fields::{Fields, Value};
 use super::formula::{Formula, Meaning};
 use super::keys::one_form;
-use super::known::{fixed_list, list, text, way};
 use super::mistake::Mistake;
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
-use super::section::{Section, Shape};
+use super::section::Section;
 use crate::elements::Table;
 use crate::elements::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Type, VALUES, may};
 use crate::scalar::{Curve, Interpolant, Scalar};
@@ -30,11 +29,12 @@ pub(super) const TABLE: Forms = one_form![
 
 /// `[table.NAME]`.
 pub(super) const TABLES: Section = Section {
-    name: "table",
-    shape: Shape::Named,
-    doc: "A function of one number by values at points, which all formulas call by its name: `road(wheel.position.x)`, `drag(v)`. Values may be \
-          formulas of design variables. An [[element]], a [[state]] or a functional by a formula may have tables of its own by its key table.",
     forms: TABLE,
+    ..Section::named(
+        "table",
+        "A function of one number by values at points, which all formulas call by its name: `road(wheel.position.x)`, `drag(v)`. Values may be \
+          formulas of design variables. An [[element]], a [[state]] or a functional by a formula may have tables of its own by its key table.",
+    )
 };
 
 /// A table as formulas call it.
@@ -72,13 +72,13 @@ impl NamedTable {
                     Value::Formula(formula, _) => Some(formula.clone()),
                     _ => None,
                 };
-                (fixed_list(fields, "points"), list(fields, "values").filter_map(formula).collect::<Vec<_>>())
+                (fields.fixed_list("points"), fields.list("values").filter_map(formula).collect::<Vec<_>>())
             }
         };
         if points.len() != values.len() {
             return Err(format!("there are {} points, but {} values; give one for each", points.len(), values.len()));
         }
-        let (is_linear, mut interpolant) = (text(fields, "extrapolation").map(|word| word == "linear"), way(fields));
+        let (is_linear, mut interpolant) = (fields.text("extrapolation").map(|word| word == "linear"), fields.way());
         if interpolant == Interpolant::Lines && is_linear == Some(true) {
             interpolant = Interpolant::LinesOn;
         }

@@ -4,24 +4,18 @@ use super::measurand::{GROUP, Measurand};
 use super::over::over;
 use crate::scenes::file::describing::*;
 
-pub(super) struct Energy;
-
-impl Measurand for Energy {
-    const FORM: Form = Form { name: "energy", doc: "energy of all elements [J]", keys: &[] };
-
-    fn add<S: Scalar>(_: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
-        m.energy_functional(name, over(fields));
+pub(super) const ENERGY: Measurand = Measurand {
+    form: Form { name: "energy", doc: "energy of all elements [J]", keys: &[] },
+    add: |e, m| {
+        m.energy_functional(e.name(), over(&e));
         Ok(())
-    }
-}
+    },
+};
 
-pub(super) struct StrainEnergy;
-
-impl Measurand for StrainEnergy {
-    const FORM: Form = Form { name: "strain_energy", doc: "energy stored in strains [J]", keys: &[GROUP] };
-
-    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
-        m.strain_energy_functional(name, over(fields), &known.group(fields, "of")?);
+pub(super) const STRAIN_ENERGY: Measurand = Measurand {
+    form: Form { name: "strain_energy", doc: "energy stored in strains [J]", keys: &[GROUP] },
+    add: |e, m| {
+        m.strain_energy_functional(e.name(), over(&e), &e.group("of")?);
         Ok(())
-    }
-}
+    },
+};

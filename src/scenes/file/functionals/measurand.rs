@@ -4,11 +4,10 @@ use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::WITH_ELEMENTS;
 
 /// What is measured of a joint, elements or everything, all in one place: name, sentence, keys, and what an entry adds.
-pub(super) trait Measurand {
-    /// Name, sentence and keys.
-    const FORM: Form;
+pub(super) struct Measurand {
+    pub form: Form,
     /// Adds the functional of an entry.
-    fn add<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<()>;
+    pub add: fn(Entry, &mut Builder) -> Found<()>,
 }
 
 /// Elements.

@@ -15,10 +15,8 @@ const WITH_POWER: &[&str] = &joined::<&str, { LOADS.len() + WITH_ELEMENTS.len() 
     WITH_ELEMENTS,
 ]);
 
-pub(super) struct Power;
-
-impl Measurand for Power {
-    const FORM: Form = Form {
+pub(super) const POWER: Measurand = Measurand {
+    form: Form {
         name: "power",
         doc: "power of loads, dampers, actuators and losses, of all that is in no energy [W]; an integral is a work [J]",
         keys: &[may(
@@ -26,13 +24,12 @@ impl Measurand for Power {
             Type::Items(WITH_POWER),
             "names of loads, springs, dampers, parts of one's own, members or groups; everything",
         )],
-    };
-
-    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
-        match fields.get("of") {
-            None => m.total_power_functional(name, over(fields)),
-            Some(_) => m.power_functional(name, over(fields), &known.parts(fields, "of")?),
+    },
+    add: |e, m| {
+        match e.get("of") {
+            None => m.total_power_functional(e.name(), over(&e)),
+            Some(_) => m.power_functional(e.name(), over(&e), &e.parts("of")?),
         }
         Ok(())
-    }
-}
+    },
+};

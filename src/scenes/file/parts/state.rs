@@ -14,11 +14,15 @@ const STATE_KEYS: [Key; 5] = [
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "state",
-    shape: Shape::Listed,
-    doc: "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
-          [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
     forms: Forms { common: &STATE_KEYS, forms: &STATE_FORMS, own: None },
+    nodes: Some(Nodes::one(&[])),
+    has_columns: true,
+    build,
+    ..Section::listed(
+        "state",
+        "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
+          [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
+    )
 };
 
 /// States of first order by formulas of their rates: R = dz/dt - f(z, nodes, t) on the last node, whose rates they are.
@@ -55,29 +59,29 @@ impl Element for FormulaState {
     }
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let named = |key: &str| match fields.get(key) {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let named = |key: &str| match e.get(key) {
         Some((_, Value::Formulas(given))) => given.as_slice(),
         _ => &[],
     };
-    let [initial, rates, outputs] = if fields.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
-    for key in keys_of(fields.form) {
-        if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, fields.get(key.name)) {
-            if formula.uses_from(known.numbers.len()) {
+    let [initial, rates, outputs] = if e.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
+    for key in keys_of(e.form) {
+        if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, e.get(key.name)) {
+            if formula.uses_from(e.known.numbers.len()) {
                 return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
             }
-            known.number(fields, key.name)?;
+            e.number(key.name)?;
         }
     }
     let mut start = Vec::new();
     for (value, at, formula) in initial {
-        if formula.is_vector() || formula.uses_from(known.numbers.len()) {
+        if formula.is_vector() || formula.uses_from(e.known.numbers.len()) {
             return Err(Mistake::new(*at, format!("the start of {value} must be a number of the design alone")));
         }
-        start.extend(formula.value(|place| known.numbers[place]).components());
+        start.extend(formula.value(|place| e.known.numbers[place]).components());
     }
-    let mut reading = Reading::new(known, fields, m)?;
-    let node = m.states(name, &start);
+    let mut reading = Reading::new(e, m)?;
+    let node = m.states(e.name(), &start);
     reading.add("", node, NodeKind::States(start.len()));
     for (value, at, _) in initial {
         let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
@@ -99,6 +103,6 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
         told.extend(outputs_of(output, "", formula.is_vector()));
     }
     let Reading { nodes, formulas, p, .. } = reading;
-    m.element(name, &nodes, FormulaState { formulas, outputs: told }, &p);
+    m.element(e.name(), &nodes, FormulaState { formulas, outputs: told }, &p);
     Ok(Made::Node(node))
 }
