@@ -77,6 +77,67 @@ impl Raw {
         Ok(Raw { at: 0, value: raw_table(text, table.get_ref()) })
     }
 
+    /// The tree of entries of a program, with the numbers of their places.
+    pub fn of_entries(entries: &serde_json::Value, at: usize) -> Raw {
+        use serde_json::Value::{Array, Bool, Null, Number, Object, String};
+        let value = match entries {
+            String(text) => RawValue::Text(text.clone(), Origin::Escaped),
+            Number(own) => RawValue::Number { value: own.as_f64().unwrap_or(f64::NAN), whole: !own.is_f64() },
+            Bool(flag) => RawValue::Flag(*flag),
+            Null => RawValue::List(Vec::new()),
+            Array(list) => RawValue::List(list.iter().map(|own| Raw::of_entries(own, at)).collect()),
+            Object(own) => {
+                let at = own.get("").and_then(serde_json::Value::as_u64).map_or(at, |at| at as usize);
+                if let Some(value) = own.get("=") {
+                    return Raw::of_entries(value, at);
+                }
+                let entry = |(key, own): (&std::string::String, _)| {
+                    let value = Raw::of_entries(own, at);
+                    Entry { key: key.clone(), at: value.at, value }
+                };
+                let entries = own.iter().filter(|own| !own.0.is_empty()).map(entry).collect();
+                return Raw { at, value: RawValue::Table(entries) };
+            }
+        };
+        Raw { at, value }
+    }
+
+    /// The text of a file that says the same.
+    pub fn written(&self) -> String {
+        let lines = |own: &Raw| own.entries().unwrap_or_default().iter().map(Entry::written).collect::<String>();
+        let (mut top, mut sections) = (String::new(), String::new());
+        for own in self.entries().unwrap_or_default() {
+            let (key, tables) = (written_key(&own.key), own.value.one_or_more());
+            if tables.is_empty() || tables.iter().any(|own| own.entries().is_none()) {
+                top += &own.written();
+            } else if own.value.list().is_some() {
+                sections.extend(tables.iter().map(|own| format!("\n[[{key}]]\n{}", lines(own))));
+            } else if tables[0].entries().is_some_and(|own| own.iter().all(|own| own.value.entries().is_some())) {
+                let named = tables[0].entries().unwrap_or_default().iter();
+                sections.extend(named.map(|own| format!("\n[{key}.{}]\n{}", written_key(&own.key), lines(&own.value))));
+            } else {
+                sections += &format!("\n[{key}]\n{}", lines(&own.value));
+            }
+        }
+        top + &sections
+    }
+
+    /// As a value in a line.
+    fn inline(&self) -> String {
+        match &self.value {
+            RawValue::Text(text, _) => serde_json::Value::from(text.as_str()).to_string(),
+            RawValue::Number { value, whole: true } => format!("{value}"),
+            RawValue::Number { value, .. } => format!("{value:?}"),
+            RawValue::Flag(flag) => flag.to_string(),
+            RawValue::Date => String::new(),
+            RawValue::List(list) => format!("[{}]", list.iter().map(Raw::inline).collect::<Vec<_>>().join(", ")),
+            RawValue::Table(entries) => {
+                let own = |own: &Entry| format!("{} = {}", written_key(&own.key), own.value.inline());
+                format!("{{ {} }}", entries.iter().map(own).collect::<Vec<_>>().join(", "))
+            }
+        }
+    }
+
     /// The same of a text that stands behind another one.
     pub fn moved(mut self, by: usize) -> Raw {
         self.at += by;
@@ -162,6 +223,17 @@ impl Raw {
             _ => None,
         }
     }
+}
+
+impl Entry {
+    fn written(&self) -> String {
+        format!("{} = {}\n", written_key(&self.key), self.value.inline())
+    }
+}
+
+fn written_key(key: &str) -> String {
+    let is_bare = !key.is_empty() && key.chars().all(|own| own.is_ascii_alphanumeric() || matches!(own, '_' | '-'));
+    if is_bare { key.into() } else { serde_json::Value::from(key).to_string() }
 }
 
 fn raw_table(text: &str, table: &DeTable) -> RawValue {

@@ -108,7 +108,30 @@ impl FileScene {
         if let Some(kind) = other_format(text) {
             return Err(format!("{file}: this is {kind}"));
         }
-        let mut root = whole_tree(&mut source)?;
+        let root = whole_tree(&mut source)?;
+        Self::of_tree(source, root, folder, parts)
+    }
+
+    /// Takes entries that a program gives: sections as in a file, whose tables say by the key "" where they come from, a number of the list of
+    /// places that the key "" of the whole has; `{"": 3, "=": value}` is a value with its place.
+    ///
+    /// # Errors
+    /// As [`FileScene::parse`].
+    pub fn of_entries(file: &str, entries: &serde_json::Value, parts: &OwnParts) -> Result<Self, String> {
+        parts.check()?;
+        let places = entries[""].as_array().into_iter().flatten().filter_map(|own| own.as_str().map(String::from));
+        let source = Source::of_program(file.into(), places.collect());
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        Self::of_tree(source, Raw::of_entries(entries, 0), folder, parts)
+    }
+
+    /// The text of a scene file with these entries.
+    pub fn text_of(entries: &serde_json::Value) -> String {
+        Raw::of_entries(entries, 0).written()
+    }
+
+    fn of_tree(source: Source, mut root: Raw, folder: &Path, parts: &OwnParts) -> Result<Self, String> {
+        let file = source.name().to_string();
         let told = |mistakes| source.all_told(mistakes);
         let scenarios = take_scenarios(&mut root).map_err(told)?;
         let mut made = Vec::new();
