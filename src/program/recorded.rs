@@ -80,7 +80,7 @@ impl Recorded {
 
     /// An argument of what is being recorded, whose value is not known.
     #[cfg(feature = "files")]
-    pub(crate) fn argument(index: usize) -> Self {
+    pub fn argument(index: usize) -> Self {
         Recorded { value: f64::NAN, place: with_graph(|graph| graph.input(index)).0 }
     }
 
