@@ -7,7 +7,7 @@ use super::keys::MANY;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
-use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
+use super::raw::{Entry, Raw, RawValue, Wholes, loop_names};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
 use super::tables::TABLES;
@@ -67,7 +67,7 @@ pub(super) struct Reader {
     pub meshes: HashMap<usize, Arc<MeshData>>,
     /// The entry that is read.
     pub current: Option<usize>,
-    /// Whole numbers that loops may use.
+    /// Whole numbers that counts may use.
     pub wholes: Wholes,
     /// Nodes of its formulas that outputs of its nodes bring with them.
     pub brought: Vec<Entry>,
@@ -109,9 +109,17 @@ impl Reader {
     }
 
     fn contents(&mut self, root: &Raw) -> Contents {
-        let entries = root.entries().unwrap_or_default();
         self.scope.loops = loop_names(root);
         self.wholes = Wholes::of(root);
+        let has_names =
+            |key: &str| key == DEFINE.0 || SECTIONS.iter().any(|own| own.name == key && own.shape == Shape::Named);
+        let repeated = root
+            .entries()
+            .unwrap_or_default()
+            .iter()
+            .map(|own| own.with(own.value.repeated(has_names(&own.key), &self.wholes, &mut self.mistakes)));
+        let entries: &[Entry] = &repeated.collect::<Vec<_>>();
+        self.names_are_missing = !self.mistakes.is_empty();
         let top_keys = TOP.forms[0].keys;
         let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
         known.push(DEFINE.0.into());
@@ -182,30 +190,18 @@ impl Reader {
 
     /// Takes down the entries of a section with their names.
     fn declare(&mut self, section: &'static Section, entry: &Entry) {
-        let entries: Result<Vec<(String, Raw)>, Mistake> = match (section.shape, &entry.value.value) {
+        let entries: Vec<(String, Raw)> = match (section.shape, &entry.value.value) {
             (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
                 let name = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
-                let all: Result<Vec<Vec<Raw>>, Mistake> =
-                    list.iter().map(|own| repeated_entries(own, &self.wholes)).collect();
-                all.map(|all| all.into_iter().flatten().map(|own| (name(&own), own)).collect())
+                list.iter().map(|own| (name(own), own.clone())).collect()
             }
             (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
-                let all: Result<Vec<Vec<Entry>>, Mistake> =
-                    named.iter().map(|own| repeated_named(own, &self.wholes)).collect();
-                let of_key = |own: Entry| (own.key, Raw { at: own.at, value: own.value.value });
-                all.map(|all| all.into_iter().flatten().map(of_key).collect())
+                named.iter().map(|own| (own.key.clone(), Raw { at: own.at, value: own.value.value.clone() })).collect()
             }
             _ => {
-                let header = section.header();
-                let text = format!("{} must be written as {header}; it is {}", section.name, entry.value.words());
-                Err(Mistake::new(entry.at, text))
-            }
-        };
-        let entries = match entries {
-            Ok(entries) => entries,
-            Err(mistake) => {
+                let (header, is) = (section.header(), entry.value.words());
                 self.names_are_missing = true;
-                return self.mistakes.push(mistake);
+                return self.wrong(entry.at, format!("{} must be written as {header}; it is {is}", section.name));
             }
         };
         for (name, raw) in entries {
@@ -281,33 +277,15 @@ impl Reader {
         }
     }
 
-    /// Definitions one by one: `"corner{k}" = { for = { k = [0, 1] }, value = .. }` stands for two.
-    fn defined(&mut self, entry: &Entry) -> Vec<Entry> {
-        let is_loop = entry
-            .value
-            .entries()
-            .is_some_and(|own| own.len() == 2 && ["for", "value"].iter().all(|key| own.iter().any(|own| own.key == *key)));
-        if !is_loop {
-            return vec![entry.clone()];
-        }
-        let all = repeated_named(entry, &self.wholes).unwrap_or_else(|mistake| {
-            self.mistakes.push(mistake);
-            Vec::new()
-        });
-        let value = |own: Entry| own.value.get("value").cloned().map(|value| Entry { value, ..own });
-        all.into_iter().filter_map(value).collect()
-    }
-
     /// Definitions and tables in an order in which each depends on earlier ones only.
     fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Formula)> {
-        let mut entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
-        let first_table = entries.len();
-        for own in tables {
-            match repeated_named(own, &self.wholes) {
-                Ok(own) => entries.extend(own),
-                Err(mistake) => self.mistakes.push(mistake),
-            }
-        }
+        // `"corner{k}" = { for = { k = [0, 1] }, value = .. }` stands for two
+        let value = |own: &Entry| match own.value.entries() {
+            Some([only]) if only.key == "value" => only.value.clone(),
+            _ => own.value.clone(),
+        };
+        let defined = entries.iter().map(|own| own.with(value(own)));
+        let (first_table, entries): (usize, Vec<Entry>) = (entries.len(), defined.chain(tables.iter().cloned()).collect());
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
             let by = match self.find(&entry.key, &["variable"]).is_some() {

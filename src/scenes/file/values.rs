@@ -2,7 +2,7 @@
 
 use super::fields::{NamedNode, Value};
 use super::formula::{Formula, OF_LAW, TIME, names_in};
-use super::raw::{Entry, Raw, RawValue, repeated_entries};
+use super::raw::{Entry, Raw, RawValue};
 use super::reader::Reader;
 use crate::elements::entries::{Forms, Range, Type};
 use crate::scenes::unknown;
@@ -171,14 +171,7 @@ impl Reader {
 
     fn tables(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
         let Some(list) = raw.list() else { return self.not(raw, what, "a list of tables") };
-        let mut all = Vec::new();
-        for own in list {
-            match repeated_entries(own, &self.wholes) {
-                Ok(own) => all.extend(own),
-                Err(mistake) => self.mistakes.push(mistake),
-            }
-        }
-        self.values(&all, &Type::Table(forms), what)
+        self.values(list, &Type::Table(forms), what)
     }
 
     /// What is read of the entries of a table of names, which has some.
