@@ -174,22 +174,8 @@ impl<'k> Entry<'k> {
         }
     }
 
-    fn scalar(&self, key: &str, given: (usize, &Value)) -> Found<Recorded> {
-        match self.quantity(key, given)? {
-            Quantity::Number(own) => Ok(own),
-            Quantity::Vector(_) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
-        }
-    }
-
-    fn spatial(&self, key: &str, given: (usize, &Value)) -> Found<Vector3<Recorded>> {
-        match self.quantity(key, given)? {
-            Quantity::Vector(own) => Ok(own),
-            Quantity::Number(_) => Err(Mistake::new(given.0, "a vector is wanted, and this is a number")),
-        }
-    }
-
     pub fn number(&self, key: &str) -> Found<Recorded> {
-        self.scalar(key, self.needed(key)?)
+        self.quantity(key, self.needed(key)?).map(|own| own.number())
     }
 
     /// A number at a point of a face of a mesh, for which some variables have values of their own; what the face is called, for messages.
@@ -211,28 +197,25 @@ impl<'k> Entry<'k> {
             }
         }
         let known = |place| own.iter().find(|own| own.0 == place).map_or_else(|| self.known.numbers[place], |own| own.1);
-        match self.value_of(key, given, known) {
-            Ok(Quantity::Number(own)) => Ok(own),
-            Ok(Quantity::Vector(_)) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
-            Err(Mistake { at, what }) => Err(Mistake::new(at, format!("{called}, {what}"))),
-        }
+        let value = self.value_of(key, given, known).map(|own| own.number());
+        value.map_err(|Mistake { at, what }| Mistake::new(at, format!("{called}, {what}")))
     }
 
     pub fn number_or(&self, key: &str, default: f64) -> Found<Recorded> {
-        self.fields.get(key).map_or(Ok(Recorded::from(default)), |given| self.scalar(key, given))
+        Ok(self.given(key, Entry::number)?.unwrap_or(default.into()))
     }
 
     pub fn vector(&self, key: &str) -> Found<Vector3<Recorded>> {
-        self.spatial(key, self.needed(key)?)
+        self.quantity(key, self.needed(key)?).map(|own| own.vector())
     }
 
     pub fn vector_or(&self, key: &str, default: Vector3<Recorded>) -> Found<Vector3<Recorded>> {
-        self.fields.get(key).map_or(Ok(default), |given| self.spatial(key, given))
+        Ok(self.given(key, Entry::vector)?.unwrap_or(default))
     }
 
     /// All numbers of a list, none if the key is not given.
     pub fn series(&self, key: &str) -> Found<Vec<Recorded>> {
-        self.list(key).map(|given| self.scalar(key, given)).collect()
+        self.list(key).map(|given| Ok(self.quantity(key, given)?.number())).collect()
     }
 
     /// The numbers of strips: where one formula uses [`SHARE_PLACE`], those at the middles of so many.
@@ -251,7 +234,7 @@ impl<'k> Entry<'k> {
         }
         let at_middle = |strip: usize| {
             self.known.share.set(Recorded::from((strip as f64 + 0.5) / count as f64));
-            self.scalar(key, one)
+            Ok(self.quantity(key, one)?.number())
         };
         let all = (0..count).map(at_middle).collect();
         self.known.share.set(Recorded::default());
@@ -262,16 +245,18 @@ impl<'k> Entry<'k> {
         self.series(key)?.try_into().or_else(|_| self.missing(key))
     }
 
-    /// Two numbers of a list.
-    pub fn pair(&self, (at, value): (usize, &Value)) -> Found<[Recorded; 2]> {
-        let Value::List(own) = value else { return Err(Mistake::new(at, "this is no pair")) };
-        let numbers: Vec<Recorded> =
-            own.iter().map(|(at, own)| self.scalar("a number of a pair", (*at, own))).collect::<Found<_>>()?;
-        numbers.try_into().map_err(|_| Mistake::new(at, "a pair has two numbers"))
+    /// Pairs of numbers.
+    pub fn pairs(&self, key: &str) -> Found<Vec<[Recorded; 2]>> {
+        let number = |(at, own): &(usize, Value)| Ok(self.quantity("a number of a pair", (*at, own))?.number());
+        let pair = |(_, own): (usize, &Value)| {
+            let Value::List(own) = own else { return self.missing(key) };
+            own.iter().map(number).collect::<Found<Vec<_>>>()?.try_into().or_else(|_| self.missing(key))
+        };
+        self.list(key).map(pair).collect()
     }
 
     pub fn points(&self, key: &str) -> Found<Vec<Vector3<Recorded>>> {
-        self.list(key).map(|given| self.spatial(key, given)).collect()
+        self.list(key).map(|given| Ok(self.quantity(key, given)?.vector())).collect()
     }
 
     /// Nodes at a place: one, or those of an edge or end.

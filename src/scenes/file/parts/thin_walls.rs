@@ -52,7 +52,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         "box_tube" => (Profile::box_tube(size()?, across), 4),
         "i_section" => (Profile::i_section(size()?, across), 5),
         _ => {
-            let corners = e.list("corners").map(|given| e.pair(given)).collect::<Found<Vec<_>>>()?;
+            let corners = e.pairs("corners")?;
             let walls = e.tables("walls").filter_map(|own| Some((own.counts("between")?, own.count("elements"))));
             let walls: Vec<([usize; 2], usize)> = walls.collect();
             let count = walls.len();
