@@ -1,7 +1,6 @@
 //! A functional by a formula of nodes.
 
-use super::measurand::Measurand;
-use super::over::over;
+use super::Measurand;
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
@@ -37,12 +36,12 @@ pub(super) const FORMULA: Measurand = Measurand {
             may("unit", Type::Text, "its unit, for tables and charts; -"),
         ],
     },
-    add: |e, m| {
+    add: |e, over, m| {
         let mut reading = Reading::new(e, m)?;
         reading.take_key(e, "value", [true, true])?;
         let Reading { nodes, formulas, p, .. } = reading;
         let unit = kept(e.text("unit").unwrap_or("-"));
-        m.functional(e.name(), over(&e), (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
+        m.functional(e.name(), over, (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
         Ok(())
     },
 };

@@ -1,49 +1,58 @@
 //! Functionals of a file: quantities of nodes, by their entries, and those that are described here, each in one place.
 
-mod beam_section;
-mod cable_section;
-mod energy;
 mod formula;
-mod joint_load;
-mod mass;
-mod measurand;
+mod of_elements;
+mod of_joints;
+mod of_sections;
 mod over;
-mod power;
-mod reaction;
-mod tsai_wu;
-mod von_mises;
 
 use super::build_parts::{located, nothing_builds, values};
-use super::keys::NAME;
+use super::keys::{NAME, WITH_ELEMENTS};
 use super::known::{Builder, Entry, Found, Made};
 use super::section::Section;
-use crate::elements::entries::{Form, Forms, Kind, forms_of, joined};
+use crate::elements::entries::{Form, Forms, Key, Kind, Range, Type, forms_of, joined, need};
+use crate::functionals::Over;
 use crate::functionals::quantities::QUANTITIES;
-use measurand::Measurand;
 use over::{OVER, over};
+
+/// What is measured of a joint, elements or everything, all in one place: name, sentence, keys, and what an entry adds.
+struct Measurand {
+    form: Form,
+    /// Adds the functional of an entry, of what is made over time.
+    add: fn(Entry, Over, &mut Builder) -> Found<()>,
+}
+
+/// Elements.
+const GROUP: Key = need(
+    "of",
+    Type::Items(WITH_ELEMENTS),
+    "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
+);
+/// A section of a beam or cable.
+const AT_SHARE: Key = need("share", Type::Fixed("-", Range::Share), "place along its length, from 0 to 1");
 
 /// What is measured, in the order of the reference page.
 const MEASURANDS: [Measurand; 20] = [
     formula::FORMULA,
-    reaction::REACTION,
-    reaction::REACTION_NORM,
-    joint_load::JOINT_LOAD,
-    joint_load::JOINT_POWER,
-    energy::ENERGY,
-    power::POWER,
-    mass::MASS,
-    energy::STRAIN_ENERGY,
-    mass::INERTIA_MOMENT,
-    von_mises::VON_MISES,
-    tsai_wu::TSAI_WU,
-    beam_section::SECTION_FORCE,
-    beam_section::SECTION_FORCES,
-    beam_section::SECTION_STRAIN,
-    beam_section::FIBRE_STRESS,
-    cable_section::CABLE_STRAIN,
-    cable_section::CABLE_CURVATURE,
-    cable_section::CABLE_STRESS,
-    cable_section::LARGEST_CABLE_STRESS,
+    of_joints::REACTION,
+    of_joints::REACTION_NORM,
+    of_joints::JOINT_LOAD,
+    of_joints::JOINT_POWER,
+    of_elements::ENERGY,
+    of_elements::POWER,
+    of_elements::MASS,
+    of_elements::STRAIN_ENERGY,
+    of_elements::INERTIA_MOMENT,
+    of_elements::VON_MISES,
+    of_elements::TSAI_WU,
+    of_sections::SECTION_FORCE,
+    of_sections::SECTION_FORCES,
+    of_sections::SECTION_STRAIN,
+    of_sections::FIBRE_STRESS,
+    of_sections::CABLE_STRAIN,
+    of_sections::CABLE_CURVATURE,
+    of_sections::CABLE_STRESS,
+    of_sections::LARGEST_CABLE_STRESS,
 ];
 
 const FORMS: [Form; MEASURANDS.len()] = {
@@ -73,7 +82,7 @@ fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         return located(made, e, m);
     }
     match MEASURANDS.iter().find(|own| own.form.name == e.form) {
-        Some(own) => (own.add)(e, m).map(|()| Made::Nothing),
+        Some(own) => (own.add)(e, over(&e), m).map(|()| Made::Nothing),
         None => nothing_builds(e),
     }
 }

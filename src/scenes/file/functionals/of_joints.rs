@@ -1,7 +1,6 @@
-//! What a joint does to what it holds.
+//! What joints do to what they hold.
 
-use super::measurand::Measurand;
-use super::over::over;
+use super::Measurand;
 use crate::elements::entries::{Given, ON, PLACE};
 use crate::elements::forces::load_frame::{FRAME, LoadFrame};
 use crate::functionals::LoadKind;
@@ -48,11 +47,11 @@ pub(super) const JOINT_LOAD: Measurand = Measurand {
             may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
         ],
     },
-    add: |e, m| {
+    add: |e, over, m| {
         let (joint, node) = (e.joint()?, e.node("on", m)?);
         let given = m.given(e.name(), &[node], values(e, JOINT_LOAD.form.keys)?);
         let (load, [direction, point]) = made_of(e, given, load)?;
-        m.joint_load_functional(e.name(), over(&e), (joint, node), load, direction, point);
+        m.joint_load_functional(e.name(), over, (joint, node), load, direction, point);
         Ok(())
     },
 };
@@ -63,10 +62,35 @@ pub(super) const JOINT_POWER: Measurand = Measurand {
         doc: "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]",
         keys: &[OF_JOINT, may("on", Node, "one of its nodes, to which the joint hands on so much; all")],
     },
-    add: |e, m| {
+    add: |e, over, m| {
         let joint = e.joint()?;
         let on = e.get("on").map(|_| e.node("on", m)).transpose()?;
-        m.joint_power_functional(e.name(), over(&e), joint, on);
+        m.joint_power_functional(e.name(), over, joint, on);
+        Ok(())
+    },
+};
+
+pub(super) const REACTION: Measurand = Measurand {
+    form: Form {
+        name: "reaction",
+        doc: "weighted sum of a joint's multipliers",
+        keys: &[OF_JOINT, need("weights", Type::Series("-"), "a weight for each of its equations")],
+    },
+    add: |e, over, m| {
+        let joint = e.joint()?;
+        m.reaction_functional(e.name(), over, joint, &e.series("weights")?);
+        Ok(())
+    },
+};
+
+pub(super) const REACTION_NORM: Measurand = Measurand {
+    form: Form {
+        name: "reaction_norm",
+        doc: "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force",
+        keys: &[OF_JOINT],
+    },
+    add: |e, over, m| {
+        m.reaction_norm_functional(e.name(), over, e.joint()?);
         Ok(())
     },
 };
