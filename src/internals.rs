@@ -32,6 +32,8 @@ pub use crate::integrators::{
 };
 pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
 pub use crate::linalg::{own_unknowns::OwnUnknowns, owners::Owners};
+#[cfg(feature = "files")]
+pub use crate::program::Replay;
 pub use crate::program::{
     ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Reads, Recorded, compile_time, lanes,
     record,

@@ -201,6 +201,15 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Adds what is undefined with x to one of some results, one that is no constant where there is one.
+pub(super) fn add_nought(graph: &mut Graph, x: Node, results: &mut [Node]) {
+    let moving = results.iter().position(|node| graph.constant_of(*node).is_none());
+    if let Some(result) = results.get_mut(moving.unwrap_or(0)) {
+        let nought = graph.nought(x);
+        *result = graph.add(*result, nought);
+    }
+}
+
 impl Formula {
     /// Records a formula of some arguments; the same formula of the same kinds of arguments again is the same one.
     ///
@@ -257,12 +266,8 @@ impl Formula {
         let mut outputs: Vec<Node> = results.into_iter().map(|result| result.node(&mut graph)).collect();
         let mut stages = stages.map(|stages| stages.nodes(&mut graph));
         for x in undefined.unseen(&graph, &outputs) {
-            let nought = graph.nought(x);
             for list in [Some(&mut outputs), stages.as_mut().map(|stages| &mut stages.forces)].into_iter().flatten() {
-                let moving = list.iter().position(|node| graph.constant_of(*node).is_none());
-                if let Some(result) = list.get_mut(moving.unwrap_or(0)) {
-                    *result = graph.add(*result, nought);
-                }
+                add_nought(&mut graph, x, list);
             }
         }
         Ok(Self::shared(arguments, outputs, stages, graph))

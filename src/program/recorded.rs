@@ -78,9 +78,19 @@ impl Recorded {
         if self.place == CONSTANT { graph.constant(self.value) } else { Node(self.place) }
     }
 
-    /// True for the constant 0: what a recording is made of may depend on it, as it holds for all arguments.
+    /// An argument of what is being recorded, whose value is not known.
+    pub fn argument(index: usize) -> Self {
+        Recorded { value: f64::NAN, place: with_graph(|graph| graph.input(index)).0 }
+    }
+
+    /// The value of a constant: what a recording is made of may depend on it, as it holds for all arguments.
+    pub fn known(self) -> Option<f64> {
+        (self.place == CONSTANT).then_some(self.value)
+    }
+
+    /// True for the constant 0.
     pub fn is_known_zero(self) -> bool {
-        self.place == CONSTANT && self.value == 0.0
+        self.known() == Some(0.0)
     }
 
     /// Takes note that a formula looks at a number that is not the same everywhere.

@@ -1,7 +1,7 @@
 """A builder of scenes, made of the description of scene files: every section is a method, every key an argument.
 
-What it builds is the text of a scene file, so that a run gives the same bits as the command line. ``help(Model.body)``
-shows the keys with units and meanings; ``model.py`` has no list of them.
+What it builds are the entries of a scene file, so that a run gives the same bits as the command line.
+``help(Model.body)`` shows the keys with units and meanings; ``model.py`` has no list of them.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import html
 import json
 import keyword
-import re
+import math
 from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter as Argument
 from inspect import Signature
@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from . import description
+from . import _costate, description
 from .errors import InputError, SceneError, user_line
-from .numbers import Formulas, Number, Numbers, argument, literal
+from .numbers import Formulas, Number, Numbers, argument
 from .parts import Constraint, Element, Quantity, describe
 from .scenes import Scene
 
@@ -96,43 +96,56 @@ class Model:
 
     def text(self) -> str:
         """The scene file."""
-        return "\n".join(self._lines()[0]) + "\n"
+        return _costate.Scene.written(self._entries_with_places())
 
-    def _lines(self) -> tuple[list[str], dict[int, tuple[str, int]]]:
-        """Lines of the scene file, and where in Python those of an entry come from."""
+    def _entries_with_places(self) -> str:
+        """All entries in JSON; the key "" of each says where in Python it comes from, by its number in a list of places."""
         top = {"version": 1, "name": self.name, "summary": self.summary, "gravity": self.gravity}
-        given = [top, self._definitions, *(own for _, _, own, _ in self._entries)]
-        formulas = Formulas(number for own in given for number in _numbers_in(own))
-        lines = [f"{key} = {_toml(value, formulas)}" for key, value in top.items() if value is not None]
+        formulas = Formulas(
+            number
+            for own in [top, self._definitions, *(own for _, _, own, _ in self._entries)]
+            for number in _numbers_in(own)
+        )
+        places = [f"{self.name}.toml"]
+
+        def placed(what: str, keys: Mapping[str, Any], place: tuple[str, int]) -> dict[str, Any]:
+            places.append("{}, line {}".format(*place))
+            own: dict[str, Any] = {"": len(places) - 1}
+            for key, value in keys.items():
+                try:
+                    own[key] = _plain(value, formulas)
+                except InputError as error:
+                    raise SceneError(f"{places[-1]}: {key} of {what}: {error}") from None
+            return own
+
+        entries: dict[str, Any] = {key: _plain(value, formulas) for key, value in top.items() if value is not None}
+        named = {key: placed("[define]", {"=": own}, self._defined_at[key]) for key, own in self._definitions.items()}
         # definitions lead from one to the next, whatever they are used by
-        named = {**{key: _toml(value, formulas) for key, value in self._definitions.items()}}
-        named |= {key: json.dumps(text) for key, text in formulas.definitions.items()}
-        places: dict[int, tuple[str, int]] = {}
-        if named:
-            lines += ["", "[define]"]
-            for key, text in named.items():
-                lines.append(f"{_toml_key(key)} = {text}")
-                if key in self._defined_at:
-                    places[len(lines)] = self._defined_at[key]
+        if define := named | formulas.definitions:
+            entries["define"] = define
         shapes = {own.name: own.shape for own in description.sections()} | {"scenario": "listed"}
         for section, name, own, place in self._entries:
-            header = f"[[{section}]]" if shapes[section] == "listed" else f"[{section}]"
-            if name is not None:
-                header = f"[{section}.{_toml_key(name)}]"
-            written = _written(section, name, own, place, formulas)
-            for line in range(len(lines) + 2, len(lines) + 3 + len(written)):
-                places[line] = place
-            lines += ["", header, *written]
-        return lines, places
+            if shapes[section] == "listed":
+                what, into, key = f'[[{section}]] "{own.get("name", "")}"', entries.setdefault(section, []), None
+            else:
+                what = f"[{section}]" if name is None else f"[{section}.{name}]"
+                into, key = (entries, section) if name is None else (entries.setdefault(section, {}), name)
+            made = placed(what, own, place)
+            if key is None:
+                into.append(made)
+            elif key in into:
+                raise SceneError(f"{places[-1]}: there is {what} already")
+            else:
+                into[key] = made
+        return json.dumps({"": places, **entries}, ensure_ascii=False)
 
     def scene(self) -> Scene:
         """What can be run.
 
         Raises ``SceneError`` with all mistakes: line of the Python code, key, value, what is allowed.
         """
-        lines, places = self._lines()
-        text, parts = "\n".join(lines) + "\n", [self._named_part(word, own) for word, own in self._parts.items()]
-        return Scene._parsed(f"{self.name}.toml", text, parts, places)
+        parts = [self._named_part(word, own) for word, own in self._parts.items()]
+        return Scene._built(f"{self.name}.toml", self._entries_with_places(), parts)
 
     @staticmethod
     def _named_part(word: str, part: str) -> str:
@@ -180,45 +193,24 @@ def _numbers_in(value: Any) -> list[Number]:
     return []
 
 
-def _toml_key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
-
-
-def _written(
-    section: str, name: str | None, own: Mapping[str, Any], place: tuple[str, int], formulas: Formulas
-) -> list[str]:
-    """Lines of the keys of an entry."""
-    lines = []
-    for key, value in own.items():
-        try:
-            lines.append(f"{_toml_key(key)} = {_toml(value, formulas)}")
-        except InputError as error:
-            file, line = place
-            entry = f"[{section}.{name}]" if name is not None else f'[[{section}]] "{own.get("name", "")}"'
-            raise SceneError(f"{file}, line {line}: {key} of {entry}: {error}") from None
-    return lines
-
-
-def _toml(value: Any, formulas: Formulas) -> str:
-    """A value as a file writes it."""
+def _plain(value: Any, formulas: Formulas) -> Any:
+    """A value as a file has it."""
     if isinstance(value, Number):
-        return json.dumps(formulas.text(value))
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    if isinstance(value, (float, np.floating)):
-        return literal(float(value)).strip("()")
-    if isinstance(value, (np.ndarray, Numbers)):
-        return _toml(value.tolist(), formulas)
+        return formulas.text(value)
+    if isinstance(value, (np.ndarray, np.generic, Numbers)):
+        return _plain(value.tolist(), formulas)
+    if isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise InputError(f"{value} is no finite number")
+        return value
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_toml(own, formulas) for own in value)}]"
+        return [_plain(own, formulas) for own in value]
     if isinstance(value, Mapping):
-        inner = (f"{_toml_key(str(key))} = {_toml(own, formulas)}" for key, own in value.items() if own is not None)
-        return f"{{ {', '.join(inner)} }}"
+        return {str(key): _plain(own, formulas) for key, own in value.items() if own is not None}
     raise InputError(f"{value!r} cannot stand in a scene: give a number, a text, a list, an array or a table")
+
 
 
 def _method(section: description.Section, form: description.Form) -> Callable[..., str]:

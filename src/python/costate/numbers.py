@@ -389,10 +389,7 @@ def _operation(number: Number, places: dict[int, int]) -> Any:
     if function == "constant":
         if not math.isfinite(parts[0]):
             raise InputError(f"a formula has the number {parts[0]}: numbers of formulas are finite")
-        return {"constant": parts[0]}
-    if function in ("powi", "powf", "select"):
-        return {function: parts}
-    return {"unary" if len(parts) == 1 else "binary": [function, *parts]}
+    return {"function": function, "of": parts}
 
 
 _OPERATORS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import html
 import os
-import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from numbers import Integral, Real
 from pathlib import Path
@@ -21,27 +19,6 @@ from .errors import InputError, RunWarning, user_level
 from .parts import Part, describe
 from .progress import Bar, Progress, told
 from .results import Array, Gradient, Mode, Run
-
-#: Lines of the text that a builder made, and where in Python they come from.
-Places = Mapping[int, tuple[str, int]]
-
-
-@contextmanager
-def _told_in_python(file: str, places: Places) -> Iterator[None]:
-    """What is wrong in a text that a builder made is said of the lines of Python."""
-
-    def place(found: re.Match[str]) -> str:
-        return "{}, line {}".format(*places[int(found[1])]) if int(found[1]) in places else found[0]
-
-    try:
-        yield
-    except InputError as error:
-        if not places:
-            raise
-        said = re.sub(rf"^{re.escape(file)}:(\d+):\d+", place, str(error), flags=re.MULTILINE)
-        # what is wrong in each of several columns is one mistake of a line
-        raise type(error)("\n".join(dict.fromkeys(said.split("\n")))) from None
-
 
 class DesignVariable(NamedTuple):
     """A design variable: its initial value and bounds in its unit."""
@@ -68,19 +45,17 @@ class Scene:
     at once, and end with ``KeyboardInterrupt`` after the step in hand when Ctrl-C is pressed.
     """
 
-    def __init__(self, native: _costate.Scene, made_by: tuple[Any, ...], places: Places | None = None) -> None:
+    def __init__(self, native: _costate.Scene, made_by: tuple[Any, ...]) -> None:
         self._native = native
         self._made_by = made_by
-        self._places_in_python = places or {}
 
     @staticmethod
-    def _parsed(file: str, text: str, parts: Sequence[str], places: Places | None = None) -> Scene:
-        with _told_in_python(file, places or {}):
-            native = _costate.Scene.parse(file, text, list(parts))
-        return Scene(native, ("parsed", file, text, tuple(parts)), places)
+    def _parsed(file: str, text: str, parts: Sequence[str]) -> Scene:
+        return Scene(_costate.Scene.parse(file, text, list(parts)), ("parsed", file, text, tuple(parts)))
 
-    def _told(self) -> AbstractContextManager[None]:
-        return _told_in_python(str(self._made_by[1]), self._places_in_python)
+    @staticmethod
+    def _built(file: str, entries: str, parts: Sequence[str]) -> Scene:
+        return Scene(_costate.Scene.build(file, entries, list(parts)), ("built", file, entries, tuple(parts)))
 
     @property
     def name(self) -> str:
@@ -95,6 +70,8 @@ class Scene:
     @property
     def text(self) -> str | None:
         """The text of its file; ``None`` for a built-in scene."""
+        if self._made_by[0] == "built":
+            return _costate.Scene.written(self._made_by[2])
         return str(self._made_by[2]) if self._made_by[0] == "parsed" else None
 
     @property
@@ -115,8 +92,7 @@ class Scene:
     @cached_property
     def functionals(self) -> tuple[Functional, ...]:
         """What a run gives, in the order of ``values``."""
-        with self._told():
-            return tuple(Functional(*own) for own in self._native.functionals())
+        return tuple(Functional(*own) for own in self._native.functionals())
 
     @property
     def initial(self) -> Array:
@@ -215,9 +191,8 @@ class Scene:
             raise InputError(
                 "modes about a periodic motion have dampers anyway, no equilibrium and no derivatives: leave the others out"
             )
-        with self._told():
-            about = (bool(damped), bool(periodic))
-            found = self._native.modes(self._still(x, static), int(count), about, bool(gradients))
+        about = (bool(damped), bool(periodic))
+        found = self._native.modes(self._still(x, static), int(count), about, bool(gradients))
         modes = []
         for frequency, growth, whirl, derivatives in found:
             by_frequency, by_growth, equal = derivatives if derivatives is not None else (None, None, None)
@@ -234,8 +209,7 @@ class Scene:
         own = np.atleast_1d(_reals(rates, "rates"))
         if own.ndim != 1:
             raise InputError(f"rates of shape {own.shape}: a list of numbers is wanted")
-        with self._told():
-            parts = self._native.response(self._still(x, static), by, own.tolist())
+        parts = self._native.response(self._still(x, static), by, own.tolist())
         numbers = np.array(parts, dtype=float).reshape(len(own), len(self.functionals), 2)
         return np.asarray(numbers[..., 0] + 1j * numbers[..., 1])
 
@@ -244,8 +218,7 @@ class Scene:
         return self.design(x).tolist(), {**_OPTIONS, "keep_steps": False, "method": method, "progress": None}
 
     def _run(self, x: Array, *, keep_steps: bool = True, **options: Any) -> Run:
-        with self._told():
-            native, stopped = self._native.run(x.tolist(), {**_OPTIONS, **options, "keep_steps": keep_steps})
+        native, stopped = self._native.run(x.tolist(), {**_OPTIONS, **options, "keep_steps": keep_steps})
         run = Run(native, self.name, self.variables)
         if stopped is not None:
             stopped.run = run  # type: ignore[attr-defined]
@@ -353,6 +326,8 @@ _OPTIONS: dict[str, Any] = {"end": None, "steps": None, "method": None, "progres
 def _made_again(kind: str, *given: Any) -> Scene:
     if kind == "parsed":
         return Scene._parsed(*given)
+    if kind == "built":
+        return Scene._built(*given)
     if kind == "built_in":
         return built_in(*given)
     scene, name = given

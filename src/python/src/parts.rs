@@ -3,6 +3,7 @@
 use crate::errors::scene_error;
 use crate::tape::Tape;
 use costate::elements::entries::{Example, Form, Given, Key, MadeEntry, Range, Type, need};
+use costate::internals::Replay;
 use costate::prelude::*;
 use costate::scenes::file::OwnParts;
 use pyo3::PyResult;
@@ -95,6 +96,7 @@ enum Allowed {
 /// A part that is ready for scene files: its texts stay for the life of the program, each description once.
 pub struct Part {
     description: Description,
+    formulas: HashMap<String, Replay>,
     kinds: &'static [NodeKind],
     parameters: Vec<Parameter>,
     form: Form,
@@ -127,7 +129,7 @@ fn node_kind(word: &str) -> Result<NodeKind, String> {
 impl Description {
     fn made(self) -> Result<Part, String> {
         let kinds = self.nodes.iter().map(|word| node_kind(word)).collect::<Result<Vec<_>, _>>()?;
-        self.check(kinds.iter().map(|kind| kind.dofs()).sum())?;
+        let formulas = self.recorded(kinds.iter().map(|kind| kind.dofs()).sum())?;
         let nodes = match kinds.len() {
             1 => need("on", Type::Node, "node"),
             count => need("between", Type::Nodes(count), "its nodes"),
@@ -136,17 +138,18 @@ impl Description {
         let form = Form { name: kept(&self.name), doc: kept(&self.doc), keys: Box::leak(keys.into()) };
         let parameters = self.parameters.iter().flat_map(Number::parameters).collect();
         let unit = kept(&self.unit);
-        Ok(Part { kinds: Box::leak(kinds.into()), parameters, form, unit, description: self })
+        Ok(Part { kinds: Box::leak(kinds.into()), formulas, parameters, form, unit, description: self })
     }
 
-    /// Whether every formula has the arguments and results that its name says.
-    fn check(&self, n: usize) -> Result<(), String> {
+    /// All formulas, each with the arguments and results that its name says.
+    fn recorded(&self, n: usize) -> Result<HashMap<String, Replay>, String> {
         let (strains, m) =
             (self.strains, self.parameters.iter().map(|own| if own.point_of.is_some() { 3 } else { 1 }).sum::<usize>());
-        if let Some(own) = self.parameters.iter().find(|own| own.point_of.is_some_and(|node| node >= self.nodes.len())) {
+        if let Some(own) = self.parameters.iter().find(|own| own.point_of.is_some_and(|node| node >= self.nodes.len()))
+        {
             return Err(format!("{} of \"{}\" is a point of a node that it has not", own.name, self.name));
         }
-        for (name, tape) in &self.formulas {
+        let recorded = |(name, tape): (&String, &Tape)| {
             let (arguments, results) = match (self.kind, name.as_str()) {
                 (Kind::Element, "residual") => (3 * n + m + 1, n),
                 (Kind::Element, "interpolated") => (3 * n, tape.count()),
@@ -162,16 +165,17 @@ impl Description {
                 (Kind::Quantity, "value") => (3 * n + m + 1, 1),
                 _ => return Err(format!("\"{}\" has no formula {name}", self.name)),
             };
-            tape.check(arguments, results).map_err(|why| format!("{name} of \"{}\": {why}", self.name))?;
-        }
-        Ok(())
+            let own = tape.recorded(arguments, results).map_err(|why| format!("{name} of \"{}\": {why}", self.name))?;
+            Ok((name.clone(), own))
+        };
+        self.formulas.iter().map(recorded).collect()
     }
 }
 
 impl Part {
     /// Replays a formula, if there is one.
     fn replay<S: Scalar>(&self, name: &str, arguments: &[&[S]]) -> Option<Vec<S>> {
-        Some(self.description.formulas.get(name)?.replay(arguments))
+        Some(self.formulas.get(name)?.values(&arguments.concat()))
     }
 
     fn number<S: Scalar>(&self, name: &str, arguments: &[&[S]]) -> S {

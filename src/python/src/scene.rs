@@ -120,6 +120,10 @@ impl Options {
     }
 }
 
+fn entries_of(text: &str) -> PyResult<serde_json::Value> {
+    serde_json::from_str(text).map_err(|why| scene_error(format!("entries: {why}")))
+}
+
 #[pymethods]
 impl Scene {
     /// The text of a scene file, with a name for messages; files that it names lie beside a file of this name.
@@ -130,6 +134,23 @@ impl Scene {
             Ok(Scene::of(Source::File(Box::new(own))))
         };
         py.detach(|| guarded(parse))
+    }
+
+    /// The entries of a builder, in JSON as [`FileScene::of_entries`] takes them, with a name for messages.
+    #[staticmethod]
+    fn build(py: Python<'_>, file: &str, entries: &str, parts: Vec<String>) -> PyResult<Self> {
+        let build = || {
+            let entries = entries_of(entries)?;
+            let own = FileScene::of_entries(file, &entries, &own_parts(&parts)?).map_err(scene_error)?;
+            Ok(Scene::of(Source::File(Box::new(own))))
+        };
+        py.detach(|| guarded(build))
+    }
+
+    /// The text of a scene file with such entries.
+    #[staticmethod]
+    fn written(entries: &str) -> PyResult<String> {
+        Ok(FileScene::text_of(&entries_of(entries)?))
     }
 
     /// A scene of the library by its name.

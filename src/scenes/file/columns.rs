@@ -34,7 +34,7 @@ impl Reader {
             self.wrong(at, "a file gives the points and the values: leave either these or the file out");
             return fields;
         }
-        let columns: Vec<Column> = super::known::list(&fields, "columns").filter_map(|own| column(own.1)).collect();
+        let columns: Vec<Column> = fields.list("columns").filter_map(|own| column(own.1)).collect();
         let columns = columns.try_into().unwrap_or([Column::Number(1), Column::Number(2)]);
         if let Some((_, at, value)) = fields.values.iter_mut().find(|own| own.0 == "file")
             && let Value::Text(file) = value

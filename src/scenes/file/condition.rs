@@ -1,6 +1,6 @@
 //! Conditions that select nodes and faces by their place, as in `"0.2 < x <= 0.4 and norm([x, y, 0]) > 0.99 or z > 1"`.
 
-use super::expression::{Expression, Quantity, Scope, SyntaxError, continues_name};
+use super::formula::{Formula, Scope, SyntaxError, continues_name};
 
 /// A condition on x, y and z: alternatives, of each of which all comparisons hold.
 pub(super) struct Condition {
@@ -9,15 +9,14 @@ pub(super) struct Condition {
 
 /// `a < b <= c`: formulas, and what compares each with the next.
 struct Chain {
-    formulas: Vec<Expression>,
+    formulas: Vec<Formula>,
     comparisons: Vec<fn(&f64, &f64) -> bool>,
 }
 
 impl Condition {
     /// Reads a condition: comparisons by < <= > >= of formulas of x, y and z, joined by `and` and, less closely, by `or`.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
-        let mut scope = Scope::default();
-        ["x", "y", "z"].iter().for_each(|name| scope.add_variable(name));
+        let scope = Scope::default().with(&["x", "y", "z"]);
         let chain = |(at, piece): (usize, &str)| {
             let own = Chain::parse(piece, &scope);
             own.map_err(|(inside, why)| (at + inside, why))
@@ -31,8 +30,7 @@ impl Condition {
 
     /// Whether it holds at a place.
     pub fn holds(&self, place: [f64; 3]) -> bool {
-        let names = place.map(Quantity::Number);
-        self.alternatives.iter().any(|chains| chains.iter().all(|own| own.holds(&names)))
+        self.alternatives.iter().any(|chains| chains.iter().all(|own| own.holds(place)))
     }
 }
 
@@ -47,8 +45,8 @@ impl Chain {
                     "a condition compares by <, <=, > and >=; equal numbers are few: abs(x) < 1e-6 allows for round-off";
                 return Err((from + inside, why.into()));
             }
-            let formula = Expression::parse(piece, scope).map_err(|(inside, why)| (from + inside, why))?;
-            if formula.is_vector {
+            let formula = Formula::parse(piece, scope).map_err(|(inside, why)| (from + inside, why))?;
+            if formula.is_vector() {
                 return Err((from, "a condition compares numbers, and this is a vector".into()));
             }
             formulas.push(formula);
@@ -69,8 +67,8 @@ impl Chain {
         }
     }
 
-    fn holds(&self, names: &[Quantity<f64>]) -> bool {
-        let values: Vec<f64> = self.formulas.iter().flat_map(|own| own.value(names).components()).collect();
+    fn holds(&self, place: [f64; 3]) -> bool {
+        let values: Vec<f64> = self.formulas.iter().map(|own| own.value(|axis| place[axis]).number()).collect();
         values.windows(2).zip(&self.comparisons).all(|(pair, holds)| holds(&pair[0], &pair[1]))
     }
 }

@@ -1,7 +1,9 @@
 //! What the entries of a file say, by their keys.
 
-use super::expression::Expression;
+use super::formula::Formula;
+use super::section::Section;
 use crate::elements::entries::Range;
+use crate::scalar::Interpolant;
 use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -32,7 +34,7 @@ pub(super) enum Per {
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     /// A formula of a number or a vector, with the range of its value.
-    Formula(Expression, Range),
+    Formula(Formula, Range),
     Fixed(f64),
     Count(usize),
     Flag(bool),
@@ -47,7 +49,7 @@ pub(super) enum Value {
     Weights(Vec<(String, f64)>),
     NamedNodes(Vec<NamedNode>),
     /// Formulas by names, with their places.
-    Formulas(Vec<(String, usize, Expression)>),
+    Formulas(Vec<(String, usize, Formula)>),
     Fields(Fields),
     List(Vec<(usize, Value)>),
 }
@@ -58,7 +60,7 @@ pub(super) struct NamedNode {
     pub name: String,
     pub at: usize,
     pub place: NodePlace,
-    pub point: Option<Expression>,
+    pub point: Option<Formula>,
 }
 
 /// Where a node is to be found: `crank`, `beam.end`, `plate[2, 3]`, `tube.start[0]`.
@@ -94,17 +96,67 @@ impl Fields {
         self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
         Some((*at, value))
     }
+    /// Whether a key is given.
+    pub fn has(&self, key: &str) -> bool {
+        self.get(key).is_some()
+    }
     /// Where a key was given its value, or the table stands where it was not.
-    pub fn at(&self, key: &str) -> usize {
+    pub fn place(&self, key: &str) -> usize {
         self.get(key).map_or(self.at, |given| given.0)
     }
-    /// The tables of a list, with their places.
-    pub fn tables(&self, key: &str) -> impl Iterator<Item = (usize, &Fields)> + use<'_> {
+    /// Entries of a list.
+    pub fn list(&self, key: &str) -> impl Iterator<Item = (usize, &Value)> + use<'_> {
         let list = match self.get(key) {
             Some((_, Value::List(list))) => list.as_slice(),
             _ => &[],
         };
-        list.iter().filter_map(|(at, own)| if let Value::Fields(own) = own { Some((*at, own)) } else { None })
+        list.iter().map(|(at, value)| (*at, value))
+    }
+    /// The tables of a list.
+    pub fn tables(&self, key: &str) -> impl Iterator<Item = &Fields> + use<'_> {
+        self.list(key).filter_map(|(_, own)| if let Value::Fields(own) = own { Some(own) } else { None })
+    }
+    pub fn fixed(&self, key: &str) -> Option<f64> {
+        match self.get(key) {
+            Some((_, Value::Fixed(value))) => Some(*value),
+            _ => None,
+        }
+    }
+    pub fn fixed_list(&self, key: &str) -> Vec<f64> {
+        self.list(key).filter_map(|(_, value)| if let Value::Fixed(own) = value { Some(*own) } else { None }).collect()
+    }
+    /// A whole number, 0 where it is not given.
+    pub fn count(&self, key: &str) -> usize {
+        match self.get(key) {
+            Some((_, Value::Count(count))) => *count,
+            _ => 0,
+        }
+    }
+    pub fn counts(&self, key: &str) -> Option<[usize; 2]> {
+        let number = |(_, value): (usize, &Value)| if let Value::Count(own) = value { Some(*own) } else { None };
+        self.list(key).filter_map(number).collect::<Vec<_>>().try_into().ok()
+    }
+    pub fn flag(&self, key: &str) -> bool {
+        matches!(self.get(key), Some((_, Value::Flag(true))))
+    }
+    pub fn text(&self, key: &str) -> Option<&str> {
+        match self.get(key) {
+            Some((_, Value::Text(text))) => Some(text),
+            _ => None,
+        }
+    }
+    pub fn texts(&self, key: &str) -> impl Iterator<Item = &str> + use<'_> {
+        self.list(key).filter_map(|(_, value)| if let Value::Text(own) = value { Some(own.as_str()) } else { None })
+    }
+    /// The way between the points of a table.
+    pub fn way(&self) -> Interpolant {
+        match self.text("interpolation") {
+            Some("smooth") => Interpolant::Smooth,
+            Some("lines") => Interpolant::Lines,
+            Some("steps") => Interpolant::Steps,
+            _ if self.form == "lines" => Interpolant::Lines,
+            _ => Interpolant::Monotone,
+        }
     }
     /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
     pub fn unread(&self) -> Vec<(&'static str, usize)> {
@@ -129,7 +181,7 @@ impl Fields {
 pub(super) struct Item {
     /// Its place among all entries.
     pub place: usize,
-    pub section: &'static str,
+    pub section: &'static Section,
     pub name: String,
     pub fields: Fields,
     /// Of an entry that is a mesh.

@@ -1,7 +1,7 @@
 //! Names that formulas of an entry know: its nodes, its own states, the time, outputs of states among the nodes, and what it defines.
 
-use super::expression::{Scope, TIME, words_of};
-use super::formula_parts::of_section;
+use super::formula::{Meaning, Scope, TIME, words_of};
+use super::formula_parts::OF_BODY;
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
 use super::state_laws::{Formulas, names_of, unnamed};
@@ -102,49 +102,50 @@ impl Reader {
         for own in nodes.all[..nodes.given].iter().chain(&brought) {
             // of one that is not there, as of a body: that is told, and not what follows
             let item = self.item_of(own);
-            let section = item.map_or("body", |item| self.declared[item].section.name);
-            for (what, is_vector, _) in of_section(section) {
-                self.scope.add_of_node(format!("{}.{what}", own.key), *is_vector);
+            let section = item.map(|item| self.declared[item].section);
+            for (what, is_vector, _) in section.and_then(|own| own.nodes).map_or(OF_BODY, |own| own.known) {
+                self.scope.add_known(&format!("{}.{what}", own.key), *is_vector);
             }
-            let states = item.filter(|_| section == "state").map(|item| names_of(&self.declared[item].raw).0);
+            let states = item
+                .filter(|_| section.is_some_and(|own| own.name == "state"))
+                .map(|item| names_of(&self.declared[item].raw).0);
             for (state, _) in states.unwrap_or_default() {
-                self.scope.add_of_node(format!("{}.{state}", own.key), false);
+                self.scope.add_known(&format!("{}.{state}", own.key), false);
             }
         }
         if self.declared[item].section.name == "state" {
             let (states, are_named, _) = names_of(raw);
             for (state, at) in states {
                 if !are_named {
-                    self.scope.add_variable(&unnamed(&state));
+                    self.scope.add_known(&unnamed(&state), false);
                     continue;
                 }
                 self.check_name(&state, at);
                 if self.scope.knows_beside(file, &state) {
                     self.wrong(at, format!("\"{state}\" is a name here already: take another one"));
                 }
-                self.scope.add_variable(&state);
+                self.scope.add_known(&state, false);
             }
         }
-        self.scope.add_variable(TIME);
+        self.scope.add_known(TIME, false);
         for (name, state) in self.read_states(raw, path) {
             let (outputs, of_state) = self.outputs(file, state, path);
-            let first = file.names.len();
             for (output, _, formula) in outputs {
-                let place = |own: usize| match of_state.names.get(own) {
-                    Some(named) if own >= first => {
-                        let here = match named.name.rsplit_once('.') {
-                            _ if named.name == TIME => TIME.into(),
+                let place = |own: usize| match of_state.name_at(own) {
+                    Some((of, which)) if own >= file.count => {
+                        let here = match of.rsplit_once('.') {
+                            _ if of == TIME => TIME.into(),
                             Some((node, what)) if !node.is_empty() => {
                                 format!("{}.{what}", nodes.name(&format!("{name}.{node}")))
                             }
-                            _ => format!("{name}.{}", named.name.trim_start_matches('.')),
+                            _ => format!("{name}.{}", of.trim_start_matches('.')),
                         };
-                        self.scope.find(&here).map_or(own, |own| own.0)
+                        self.scope.place(&here).map_or(own, |first| first + which)
                     }
                     _ => own,
                 };
-                let formula = formula.renamed(place);
-                self.scope.add_definition(&format!("{name}.{output}"), formula);
+                let formula = formula.moved(place);
+                self.scope.add(&format!("{name}.{output}"), Meaning::Formula(formula));
             }
         }
         brought
@@ -174,7 +175,7 @@ impl Reader {
                 reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
             }
             let formula = reader.number_or_vector(&own.value, &format!("define: {}", own.key))?;
-            reader.scope.add_definition(&own.key, formula);
+            reader.scope.add(&own.key, Meaning::Formula(formula));
             Some(())
         });
     }

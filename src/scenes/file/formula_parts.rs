@@ -1,16 +1,17 @@
 //! Formulas of nodes, of which a file makes elements, states, joints and functionals.
 
-use super::expression::{Expression, Quantity};
-use super::fields::{Fields, NamedNode, Value};
-use super::formula_of::FormulaOf;
+use super::fields::{NamedNode, Value};
+use super::formula::{Formula, Law, Quantity};
 use super::keys::one_form;
-use super::known::{Builder, Found, Known};
+use super::known::{Builder, Entry, Found, Known};
 use super::mistake::Mistake;
+use super::section::OfNode;
 use super::tables::TABLE;
 use crate::assembly::NodeId;
-use crate::elements::entries::Type::{Fixeds, Node, Vector};
+use crate::elements::entries::Type::{Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
 use crate::elements::{Frame, NodeKind, Output, Parameter};
+use crate::program::Recorded;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -28,12 +29,6 @@ pub(super) const DEFINITIONS: Key = may(
 );
 pub(super) const OWN_TABLES: Key =
     may("table", Type::NamedTables(&TABLE), "tables that the formulas here call by their names, as those of [table]; none");
-pub(super) const BREAKPOINTS: Key = may(
-    "breakpoints",
-    Fixeds(0, "s"),
-    "from the times when jumps and bends of formulas of t were not found from these: not needed, any",
-);
-
 /// What histories tell of a formula: its number, or the components of its vector.
 pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec<Output> {
     match is_vector {
@@ -42,11 +37,8 @@ pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec
     }
 }
 
-/// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
-type OfNode = (&'static str, bool, bool);
-
-const OF_POINT: &[OfNode] = &[("position", true, false), ("velocity", true, true)];
-const OF_BODY: &[OfNode] = &[
+pub(super) const OF_POINT: &[OfNode] = &[("position", true, false), ("velocity", true, true)];
+pub(super) const OF_BODY: &[OfNode] = &[
     OF_POINT[0],
     OF_POINT[1],
     ("x_axis", true, false),
@@ -54,18 +46,7 @@ const OF_BODY: &[OfNode] = &[
     ("z_axis", true, false),
     ("angular_velocity", true, true),
 ];
-const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true)];
-
-/// What formulas know of the nodes of a section.
-pub(super) fn of_section(section: &str) -> &'static [OfNode] {
-    match section {
-        "point" | "cable" => OF_POINT,
-        "coordinate" | "joint_angle" => OF_COORDINATE,
-        // by the names of its values
-        "state" => &[],
-        _ => OF_BODY,
-    }
-}
+pub(super) const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true)];
 
 /// A node as formulas know it.
 #[derive(Clone, Copy)]
@@ -76,22 +57,21 @@ pub(super) struct KnownNode {
 }
 
 impl KnownNode {
-    /// Words of what formulas know of it, and whether that is a rate.
-    fn known(self) -> Vec<(&'static str, bool)> {
-        let of_node = match self.kind {
-            NodeKind::States(count) => return vec![("state", true); count],
-            NodeKind::Body | NodeKind::Natural => OF_BODY,
-            NodeKind::Point | NodeKind::Slope => OF_POINT,
-            NodeKind::Coordinates(_) => OF_COORDINATE,
-        };
-        of_node.iter().map(|(what, _, is_rate)| (*what, *is_rate)).collect()
+    /// What formulas know of it.
+    fn known(self) -> Vec<OfNode> {
+        match self.kind {
+            NodeKind::States(count) => vec![("state", false, true); count],
+            NodeKind::Body | NodeKind::Natural => OF_BODY.into(),
+            NodeKind::Point | NodeKind::Slope => OF_POINT.into(),
+            NodeKind::Coordinates(_) => OF_COORDINATE.into(),
+        }
     }
 }
 
 /// Formulas of nodes. Parameters: the points of nodes in their frames, where they have one, then those of each formula.
 pub(super) struct Formulas {
     pub nodes: Vec<KnownNode>,
-    pub all: Vec<FormulaOf>,
+    pub all: Vec<Law>,
 }
 
 impl Formulas {
@@ -113,26 +93,27 @@ impl Formulas {
         }
     }
     /// What formulas know of all nodes, and the time behind it.
-    pub fn arguments<S: Scalar>(&self, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<Quantity<S>> {
+    pub fn arguments<S: Scalar>(&self, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<S> {
         let mut all = Vec::new();
         for (node, &KnownNode { kind, .. }) in self.nodes.iter().enumerate() {
             let (v, q) = (&v[self.place(node)], &q[self.place(node)]);
             match kind {
-                NodeKind::States(_) => all.extend(v.iter().map(|&state| Quantity::Number(state))),
-                NodeKind::Coordinates(_) => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
+                NodeKind::States(_) => all.extend_from_slice(v),
+                NodeKind::Coordinates(_) => all.extend([q[0], v[0]]),
                 _ => {}
             }
             if kind.in_space().is_none() {
                 continue;
             }
             let point = self.point(node, p);
-            all.extend([kind.position(q, point), kind.velocity(v, q, point)].map(Quantity::Vector));
+            let mut vectors = vec![kind.position(q, point), kind.velocity(v, q, point)];
             if kind.has_axes() {
-                all.extend(Frame::of(kind, q).axes.map(Quantity::Vector));
-                all.push(Quantity::Vector(kind.angular_velocity(v, q)));
+                vectors.extend(Frame::of(kind, q).axes);
+                vectors.push(kind.angular_velocity(v, q));
             }
+            all.extend(vectors.into_iter().flat_map(SpatialVector::components));
         }
-        all.push(Quantity::Number(t));
+        all.push(t);
         all
     }
     pub fn kinds(&self) -> Vec<NodeKind> {
@@ -141,18 +122,15 @@ impl Formulas {
     pub fn dofs(&self) -> usize {
         self.nodes.iter().map(|node| node.kind.dofs()).sum()
     }
-    pub fn value<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> Quantity<S> {
-        let before: usize = self.all[..which].iter().map(FormulaOf::count).sum();
+    pub fn value<S: Scalar>(&self, which: usize, arguments: &[S], p: &[S]) -> Quantity<S> {
+        let before: usize = self.all[..which].iter().map(|own| own.count).sum();
         self.all[which].at(arguments, &p[3 * self.points() + before..])
     }
-    pub fn number<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> S {
-        match self.value(which, arguments, p) {
-            Quantity::Number(own) => own,
-            Quantity::Vector(_) => S::from(f64::NAN),
-        }
+    pub fn number<S: Scalar>(&self, which: usize, arguments: &[S], p: &[S]) -> S {
+        self.value(which, arguments, p).number()
     }
     /// The numbers of all formulas, one behind the other.
-    pub fn numbers<'a, S: Scalar>(&'a self, arguments: &'a [Quantity<S>], p: &'a [S]) -> impl Iterator<Item = S> + 'a {
+    pub fn numbers<'a, S: Scalar>(&'a self, arguments: &'a [S], p: &'a [S]) -> impl Iterator<Item = S> + 'a {
         (0..self.all.len()).flat_map(|which| self.value(which, arguments, p).components())
     }
     /// Places of the coordinates of a node.
@@ -163,26 +141,27 @@ impl Formulas {
 }
 
 /// The nodes of formulas, and the formulas as they are read.
-pub(super) struct Reading<'f, S> {
-    known: &'f Known<'f, S>,
+pub(super) struct Reading<'f> {
+    known: &'f Known<'f>,
     pub names: Vec<&'f str>,
     pub nodes: Vec<NodeId>,
     pub formulas: Formulas,
     /// Parameters of points and formulas.
-    pub p: Vec<S>,
+    pub p: Vec<Recorded>,
 }
 
-impl<'f, S: Scalar> Reading<'f, S> {
-    pub fn new(known: &'f Known<'f, S>, fields: &'f Fields, m: &mut Builder<S>) -> Found<Self> {
-        let given: &[_] = match fields.get("nodes") {
+impl<'f> Reading<'f> {
+    pub fn new(e: Entry<'f>, m: &mut Builder) -> Found<Self> {
+        let given: &[_] = match e.value("nodes") {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
-        let _names_of_formulas = ["define", "table", "breakpoints"].map(|key| fields.get(key));
+        // these were read with the formulas
+        ["define", "table"].iter().for_each(|key| _ = e.get(key));
         let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
-        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
+        let mut own = Reading { known: e.known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {
-            let [node] = known.nodes_at(*at, place, m)?[..] else {
+            let [node] = e.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
             };
             let kind = m.model.find_node(node).map(|own| own.kind);
@@ -201,15 +180,12 @@ impl<'f, S: Scalar> Reading<'f, S> {
     }
 
     /// Takes a point of the last node.
-    fn add_point(&mut self, at: usize, point: &Expression, m: &Builder<S>) -> Found<()> {
-        if point.uses_from(self.known.names.len()) {
+    fn add_point(&mut self, at: usize, point: &Formula, m: &Builder) -> Found<()> {
+        if point.uses_from(self.known.numbers.len()) {
             return Err(Mistake::new(at, "a point is one of the start, which depends on the design alone"));
         }
-        let (Some(node), Some(&id), Quantity::Vector(place)) =
-            (self.formulas.nodes.last_mut(), self.nodes.last(), point.value(&self.known.names))
-        else {
-            return Ok(());
-        };
+        let (Some(node), Some(&id)) = (self.formulas.nodes.last_mut(), self.nodes.last()) else { return Ok(()) };
+        let place = point.value(|place| self.known.numbers[place]).vector();
         if !node.kind.has_axes() {
             return Err(Mistake::new(at, format!("this is {}, which has no points but itself", node.kind.words())));
         }
@@ -219,33 +195,34 @@ impl<'f, S: Scalar> Reading<'f, S> {
     }
 
     /// Takes a formula, which may depend on rates and on the time or not, and returns its number.
-    pub fn take(&mut self, at: usize, formula: &Expression, [rates, time]: [bool; 2]) -> Found<usize> {
-        let mut place = self.known.names.len();
+    pub fn take(&mut self, at: usize, formula: &Formula, [rates, time]: [bool; 2]) -> Found<usize> {
+        let mut place = self.known.numbers.len();
         for (name, node) in self.names.iter().zip(&self.formulas.nodes) {
-            for (what, is_rate) in node.known() {
-                if is_rate && !rates && formula.uses(place) {
+            for (what, is_vector, is_rate) in node.known() {
+                let next = place + if is_vector { 3 } else { 1 };
+                if is_rate && !rates && formula.taken().iter().any(|own| (place..next).contains(own)) {
                     return Err(Mistake::new(at, format!("this depends on places alone: {name}.{what} cannot stand here")));
                 }
-                place += 1;
+                place = next;
             }
         }
-        if !time && formula.uses(place) {
+        if !time && formula.taken().contains(&place) {
             return Err(Mistake::new(at, "this cannot depend on the time t; a force can"));
         }
         Ok(self.add_formula(formula))
     }
 
     /// Takes a formula of anything, and returns its number.
-    pub fn add_formula(&mut self, formula: &Expression) -> usize {
-        let (own, numbers) = FormulaOf::of(formula, &self.known.names);
+    pub fn add_formula(&mut self, formula: &Formula) -> usize {
+        let (own, numbers) = formula.law(&self.known.numbers);
         self.formulas.all.push(own);
         self.p.extend(numbers);
         self.formulas.all.len() - 1
     }
 
     /// Takes the formula of a key, if it is given.
-    pub fn take_key(&mut self, fields: &Fields, key: &str, may: [bool; 2]) -> Found<Option<usize>> {
-        match fields.get(key) {
+    pub fn take_key(&mut self, e: Entry, key: &str, may: [bool; 2]) -> Found<Option<usize>> {
+        match e.get(key) {
             Some((at, Value::Formula(formula, _))) => self.take(at, formula, may).map(Some),
             _ => Ok(None),
         }

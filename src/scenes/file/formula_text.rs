@@ -1,40 +1,44 @@
 //! The grammar of formulas: sums of products of signed powers of components of operands.
 
-use super::expression::{
-    CONSTANTS, Expression, FUNCTIONS, Operation, Quantity, SPLINE, Scope, SyntaxError, constant, continues_name, starts_name,
+use super::formula::Quantity::{Number, Vector};
+use super::formula::{
+    CONSTANTS, FUNCTIONS, Formula, Meaning, Quantity, SHARE, SPLINE, Scope, SyntaxError, Taken, continues_name, starts_name,
 };
 use super::tables::NamedTable;
+use crate::program::Recorded;
+use crate::scalar::{Scalar, Vector3};
 use crate::scenes::unknown;
 use std::ops::Range;
-use std::sync::Arc;
 
 const OPERATORS: &str = "formulas know + - * / ^ ( ), functions such as sqrt(x), and vectors [x, y, z]";
 
 /// How deep brackets, signs and exponents may lie in each other.
 const MOST_DEPTH: usize = 60;
 
-/// How many operations a formula may have with what its names stand for.
-const MOST_OPERATIONS: usize = 10_000;
+/// What was read, or where in the text something is wrong.
+type Read = Result<Quantity<Recorded>, SyntaxError>;
 
 /// A formula as it is read from its start.
 struct FormulaText<'r> {
     text: &'r str,
     at: usize,
     scope: &'r Scope,
-    operations: Vec<Operation>,
+    taken: &'r mut Taken,
     depth: usize,
 }
 
-impl Expression {
+impl Formula {
     /// Reads a formula.
     pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
-        let mut own = FormulaText { text, at: 0, scope, operations: Vec::new(), depth: 0 };
-        let is_vector = own.sum()?;
-        own.skip_blanks();
-        match own.rest().chars().next() {
-            None => Ok(Expression { operations: own.operations, is_vector }),
-            Some(letter) => Err(own.wrong(format!("'{letter}' does not continue the formula; {OPERATORS}"))),
-        }
+        Self::record(|taken| {
+            let mut own = FormulaText { text, at: 0, scope, taken, depth: 0 };
+            let value = own.sum()?;
+            own.skip_blanks();
+            match own.rest().chars().next() {
+                None => Ok(value),
+                Some(letter) => Err(own.wrong(format!("'{letter}' does not continue the formula; {OPERATORS}"))),
+            }
+        })
     }
 }
 
@@ -73,96 +77,95 @@ impl<'r> FormulaText<'r> {
         self.depth -= 1;
         result
     }
-    fn mixed(&self, at: usize, operator: char, [first, second]: [bool; 2]) -> SyntaxError {
-        let word = |is_vector| if is_vector { "a vector" } else { "a number" };
-        (at, format!("'{operator}' cannot join {} and {}", word(first), word(second)))
+    /// The name that stands here.
+    fn word(&mut self) -> &'r str {
+        let rest = self.rest();
+        let word = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
+        self.at += word.len();
+        word
+    }
+    fn mixed(&self, at: usize, operator: char, joined: [Quantity<Recorded>; 2]) -> SyntaxError {
+        let [first, second] = joined.map(|own| if own.is_vector() { "a vector" } else { "a number" });
+        (at, format!("'{operator}' cannot join {first} and {second}"))
     }
 
-    fn sum(&mut self) -> Result<bool, SyntaxError> {
-        let first = self.product()?;
+    fn sum(&mut self) -> Read {
+        let mut sum = self.product()?;
         loop {
             let at = self.at;
-            let Some(operator) = self.next_of("+-") else { return Ok(first) };
-            let second = self.product()?;
-            if first != second {
-                return Err(self.mixed(at, operator, [first, second]));
-            }
-            self.operations.push(if operator == '+' { Operation::Add } else { Operation::Subtract });
+            let Some(operator) = self.next_of("+-") else { return Ok(sum) };
+            sum = match (operator, sum, self.product()?) {
+                ('+', Number(a), Number(b)) => Number(a + b),
+                ('+', Vector(a), Vector(b)) => Vector(a + b),
+                (_, Number(a), Number(b)) => Number(a - b),
+                (_, Vector(a), Vector(b)) => Vector(a - b),
+                (_, a, b) => return Err(self.mixed(at, operator, [a, b])),
+            };
         }
     }
 
-    fn product(&mut self) -> Result<bool, SyntaxError> {
-        let mut first = self.signed()?;
+    fn product(&mut self) -> Read {
+        let mut product = self.signed()?;
         loop {
             let at = self.at;
-            let Some(operator) = self.next_of("*/") else { return Ok(first) };
-            let second = self.signed()?;
-            if second && (first || operator == '/') {
-                let (at, what) = self.mixed(at, operator, [first, second]);
-                return Err((at, format!("{what}; there are dot(a, b) and cross(a, b)")));
-            }
-            self.operations.push(if operator == '*' { Operation::Multiply } else { Operation::Divide });
-            first = first || second;
+            let Some(operator) = self.next_of("*/") else { return Ok(product) };
+            product = match (operator, product, self.signed()?) {
+                ('*', Number(a), Number(b)) => Number(a * b),
+                ('*', Vector(a), Number(b)) | ('*', Number(b), Vector(a)) => Vector(a * b),
+                ('/', Number(a), Number(b)) => Number(a / b),
+                ('/', Vector(a), Number(b)) => Vector(a * b.recip()),
+                (_, a, b) => {
+                    let (at, what) = self.mixed(at, operator, [a, b]);
+                    return Err((at, format!("{what}; there are dot(a, b) and cross(a, b)")));
+                }
+            };
         }
     }
 
-    fn signed(&mut self) -> Result<bool, SyntaxError> {
+    fn signed(&mut self) -> Read {
         match self.next_of("+-") {
-            Some('-') => {
-                let is_vector = self.deeper(Self::signed)?;
-                self.operations.push(Operation::Negative);
-                Ok(is_vector)
-            }
+            Some('-') => Ok(match self.deeper(Self::signed)? {
+                Number(own) => Number(-own),
+                Vector(own) => Vector(-own),
+            }),
             Some(_) => self.deeper(Self::signed),
             None => self.power(),
         }
     }
 
-    fn power(&mut self) -> Result<bool, SyntaxError> {
+    fn power(&mut self) -> Read {
         let base = self.component()?;
         let at = self.at;
         if self.next_of("^").is_none() {
             return Ok(base);
         }
-        let before = self.operations.len();
         let exponent = self.deeper(Self::signed)?;
-        if base || exponent {
-            return Err(self.mixed(at, '^', [base, exponent]));
-        }
-        match constant(&self.operations[before..], self.scope) {
-            Some(Quantity::Number(value)) => {
-                self.operations.truncate(before);
-                let is_whole = value.fract() == 0.0 && value.abs() <= 1000.0;
-                self.operations.push(if is_whole {
-                    Operation::WholePower(value as i32)
-                } else {
-                    Operation::RealPower(value)
-                });
-            }
-            _ => self.operations.push(Operation::Power),
-        }
-        Ok(false)
+        let (Number(a), Number(b)) = (base, exponent) else { return Err(self.mixed(at, '^', [base, exponent])) };
+        Ok(Number(match b.known() {
+            Some(value) if value.fract() == 0.0 && value.abs() <= 1000.0 => a.powi(value as i32),
+            Some(value) => a.powf(value),
+            None => (b * a.ln()).exp(),
+        }))
     }
 
-    fn component(&mut self) -> Result<bool, SyntaxError> {
-        let is_vector = self.operand()?;
+    fn component(&mut self) -> Read {
+        let value = self.operand()?;
         self.skip_blanks();
         if !self.rest().starts_with('.') {
-            return Ok(is_vector);
+            return Ok(value);
         }
         let at = self.at;
         self.at += 1;
         let Some(letter) = self.next_of("xyz") else {
             return Err((at, "a component of a vector is .x, .y or .z".into()));
         };
-        if !is_vector {
-            return Err((at, "a number has no components: .x, .y and .z are those of vectors".into()));
+        match value {
+            Vector(own) => Ok(Number(own["xyz".find(letter).unwrap_or(0)])),
+            Number(_) => Err((at, "a number has no components: .x, .y and .z are those of vectors".into())),
         }
-        self.operations.push(Operation::Component("xyz".find(letter).unwrap_or(0)));
-        Ok(false)
     }
 
-    fn operand(&mut self) -> Result<bool, SyntaxError> {
+    fn operand(&mut self) -> Read {
         self.skip_blanks();
         let at = self.at;
         let Some(letter) = self.rest().chars().next() else {
@@ -171,24 +174,25 @@ impl<'r> FormulaText<'r> {
         match letter {
             '(' => {
                 self.at += 1;
-                let is_vector = self.deeper(Self::sum)?;
+                let value = self.deeper(Self::sum)?;
                 self.expect(')')?;
-                Ok(is_vector)
+                Ok(value)
             }
             '[' => {
                 self.at += 1;
+                let mut components = Vec::new();
                 for place in 0..3 {
                     if place > 0 {
                         self.expect(',')?;
                     }
                     let at = self.at;
-                    if self.deeper(Self::sum)? {
+                    let Number(own) = self.deeper(Self::sum)? else {
                         return Err((at, "a component of a vector is a number, and this is a vector".into()));
-                    }
+                    };
+                    components.push(own);
                 }
                 self.expect(']')?;
-                self.operations.push(Operation::Vector);
-                Ok(true)
+                Ok(Quantity::of(&components))
             }
             _ if letter.is_ascii_digit() || letter == '.' => self.literal(),
             _ if starts_name(letter) => self.name(),
@@ -196,7 +200,7 @@ impl<'r> FormulaText<'r> {
         }
     }
 
-    fn literal(&mut self) -> Result<bool, SyntaxError> {
+    fn literal(&mut self) -> Read {
         let rest = self.rest();
         let bytes = rest.as_bytes();
         let digits = |from: usize| from + bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -214,47 +218,45 @@ impl<'r> FormulaText<'r> {
         match rest[..end].parse::<f64>() {
             Ok(value) if value.is_finite() => {
                 self.at += end;
-                self.operations.push(Operation::Literal(value));
-                Ok(false)
+                Ok(Number(value.into()))
             }
             _ => Err(self.wrong(format!("\"{}\" is no finite number", &rest[..end]))),
         }
     }
 
+    /// The value of another formula.
+    fn value_of(&mut self, own: &Formula) -> Quantity<Recorded> {
+        own.value(|place| self.taken.number(place))
+    }
+
+    /// What a name stands for that is a number or a vector.
+    fn known(&mut self, meaning: &Meaning) -> Option<Quantity<Recorded>> {
+        match meaning {
+            Meaning::Formula(own) => Some(self.value_of(own)),
+            Meaning::Known { first, is_vector: false } | Meaning::Each(first, ..) => Some(Number(self.taken.number(*first))),
+            Meaning::Known { first, .. } => Some(Vector(Vector3::from([0, 1, 2].map(|k| self.taken.number(first + k))))),
+            Meaning::Array(_) | Meaning::Table(..) => None,
+        }
+    }
+
     /// What is known of a node whose name was read: `arm.position`.
-    fn of_node(&mut self, node: &str) -> Result<Option<bool>, SyntaxError> {
+    fn of_node(&mut self, node: &str) -> Result<Option<Quantity<Recorded>>, SyntaxError> {
         let names: Vec<&str> = self.scope.of_node(node).collect();
         if names.is_empty() {
             return Ok(None);
         }
-        let (at, rest) = (self.at, self.rest());
-        let what = rest.strip_prefix('.').unwrap_or_default();
-        let what = &what[..what.find(|letter| !continues_name(letter)).unwrap_or(what.len())];
-        let name = format!("{node}.{what}");
-        if let Some(own) = self.scope.definition(&name) {
-            self.at += 1 + what.len();
-            return self.defined(at, own).map(Some);
-        }
-        let Some((index, named)) = self.scope.find(&name) else {
+        let at = self.at;
+        self.at += usize::from(self.rest().starts_with('.'));
+        let name = format!("{node}.{}", self.word());
+        let Some(meaning) = self.scope.find(&name) else {
             let ways: Vec<String> = names.iter().map(|what| format!("{node}.{what}")).collect();
             return Err((at, format!("\"{node}\" is a node, of which formulas know {}", ways.join(", "))));
         };
-        self.at += 1 + what.len();
-        self.operations.push(Operation::Name(index));
-        Ok(Some(named.is_vector))
-    }
-
-    /// What stands for a name that was read.
-    fn defined(&mut self, at: usize, own: &Expression) -> Result<bool, SyntaxError> {
-        self.operations.extend_from_slice(&own.operations);
-        match self.operations.len() {
-            0..=MOST_OPERATIONS => Ok(own.is_vector),
-            _ => Err((at, format!("with what its names stand for the formula is longer than {MOST_OPERATIONS} operations"))),
-        }
+        Ok(self.known(meaning))
     }
 
     /// One of the numbers of a design variable whose name was read: `thickness[3]`.
-    fn of_array(&mut self, at: usize, name: &str, places: &Range<usize>) -> Result<bool, SyntaxError> {
+    fn of_array(&mut self, at: usize, name: &str, places: &Range<usize>) -> Read {
         let inside = self.rest().strip_prefix('[').and_then(|rest| Some(rest.split_once(']')?.0));
         let last = places.len() - 1;
         let Some((inside, index)) = inside.and_then(|inside| Some((inside, inside.trim().parse::<usize>().ok()?))) else {
@@ -268,108 +270,103 @@ impl<'r> FormulaText<'r> {
             return Err((at, format!("there is no {name}[{index}]: the last one is {name}[{last}]")));
         }
         self.at += inside.len() + 2;
-        self.operations.push(Operation::Name(places.start + index));
-        Ok(false)
+        Ok(Number(self.taken.number(places.start + index)))
     }
 
     /// `spline(NAME, s)`, its name read.
-    fn spline(&mut self) -> Result<bool, SyntaxError> {
+    fn spline(&mut self) -> Read {
         self.expect('(')?;
         self.skip_blanks();
-        let (at, rest) = (self.at, self.rest());
-        let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
+        let (at, name) = (self.at, self.word());
         let Some(places) = self.scope.array(name) else {
             return Err((at, format!("{SPLINE} wants the name of a design variable with count, and \"{name}\" is none")));
         };
-        self.at += name.len();
         self.expect(',')?;
         self.skip_blanks();
         let table = NamedTable::spline(places.len()).map_err(|why| (at, why))?;
-        self.operations.extend(places.map(Operation::Name));
-        self.at_of(SPLINE, Arc::new(table))
+        let values: Vec<Recorded> = places.map(|place| self.taken.number(place)).collect();
+        self.at_of(SPLINE, &table, &values)
     }
 
-    /// The number at which a table is taken whose values stand before it, and the bracket behind.
-    fn at_of(&mut self, name: &str, table: Arc<NamedTable>) -> Result<bool, SyntaxError> {
+    /// The value of a table at the number that stands here, and the bracket behind.
+    fn at_of(&mut self, name: &str, table: &NamedTable, values: &[Recorded]) -> Read {
         let at = self.at;
-        if self.deeper(Self::sum)? {
+        let Number(x) = self.deeper(Self::sum)? else {
             return Err((at, format!("the place of {name} is a number, and this is a vector")));
-        }
+        };
         self.expect(')')?;
-        self.operations.push(Operation::Table(table));
-        Ok(false)
+        Ok(Number(table.value(x, values)))
     }
 
     /// What stands in the brackets behind the name of a function; whether each is to be a vector.
-    fn arguments(&mut self, name: &str, are_vectors: &[bool]) -> Result<(), SyntaxError> {
+    fn arguments(&mut self, name: &str, are_vectors: &[bool]) -> Result<Vec<Quantity<Recorded>>, SyntaxError> {
         self.expect('(')?;
+        let mut arguments = Vec::new();
         for (place, &wanted) in are_vectors.iter().enumerate() {
             if place > 0 {
                 self.expect(',')?;
             }
             self.skip_blanks();
             let at = self.at;
-            if self.deeper(Self::sum)? != wanted {
+            let own = self.deeper(Self::sum)?;
+            if own.is_vector() != wanted {
                 let [is, must] = if wanted { ["a number", "a vector"] } else { ["a vector", "a number"] };
                 return Err((at, format!("argument {} of {name} is {is}; it must be {must}", place + 1)));
             }
+            arguments.push(own);
         }
-        self.expect(')')
+        self.expect(')')?;
+        Ok(arguments)
     }
 
-    fn name(&mut self) -> Result<bool, SyntaxError> {
-        let (at, rest) = (self.at, self.rest());
-        let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
-        self.at += name.len();
+    fn name(&mut self) -> Read {
+        let (at, name) = (self.at, self.word());
         if let Some(of_node) = self.of_node(name)? {
             return Ok(of_node);
         }
         if name == SPLINE {
             return self.spline();
         }
-        if let Some(places) = self.scope.array(name) {
-            return self.of_array(at, name, &places);
-        }
-        if let Some(own) = self.scope.definition(name) {
-            return self.defined(at, own);
-        }
-        if let Some((table, values)) = self.scope.table(name) {
-            if self.next_of("(").is_none() {
-                return Err((at, format!("\"{name}\" is a table: {name}(x) is its value at x")));
+        let meaning = self.scope.find(name);
+        match meaning {
+            Some(Meaning::Array(places)) => return self.of_array(at, name, places),
+            Some(Meaning::Table(table, values)) => {
+                if self.next_of("(").is_none() {
+                    return Err((at, format!("\"{name}\" is a table: {name}(x) is its value at x")));
+                }
+                let values: Vec<Recorded> = values.iter().map(|own| self.value_of(own).number()).collect();
+                self.skip_blanks();
+                return self.at_of(name, table, &values);
             }
-            values.iter().try_for_each(|own| self.defined(at, own).map(drop))?;
-            self.skip_blanks();
-            return self.at_of(name, table);
+            _ => {}
         }
-        if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
-            self.arguments(name, arguments)?;
-            self.operations.push(Operation::Call(*function));
-            return Ok(*is_vector);
+        if let Some((_, arguments, function)) = FUNCTIONS.iter().find(|own| own.0 == name) {
+            return Ok(function(&self.arguments(name, arguments)?));
         }
-        if self.next_of("(").is_some() {
-            let known: Vec<String> = FUNCTIONS.iter().map(|own| own.0.into()).chain(self.scope.table_names()).collect();
+        let names = |is_table: bool| {
+            let own = self.scope.names.iter().filter(move |own| matches!(own.1, Meaning::Table(..)) == is_table);
+            own.map(|own| own.0.clone()).filter(|own| own != SHARE || self.scope.of_section)
+        };
+        if self.rest().trim_start().starts_with('(') {
+            let known: Vec<String> = FUNCTIONS.iter().map(|own| own.0.into()).chain(names(true)).collect();
             return Err((at, unknown("function", name, &known)));
         }
         if let Some((_, value)) = CONSTANTS.iter().find(|own| own.0 == name) {
-            self.operations.push(Operation::Literal(*value));
-            return Ok(false);
+            return Ok(Number((*value).into()));
         }
-        let Some((index, named)) = self.scope.find(name) else {
-            if self.scope.loops.iter().any(|own| own == name) {
-                return Err((
-                    at,
-                    format!("name \"{name}\" is not known; what a for counts by {name} is written {{{name}}}"),
-                ));
-            }
-            let known = self.scope.known().map(|own| own.name.clone()).chain(self.scope.named_formulas());
-            let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
+        if meaning.is_none() && self.scope.loops.iter().any(|own| own == name) {
+            let text = format!("name \"{name}\" is not known; what a for counts by {name} is written {{{name}}}");
+            return Err((at, text));
+        }
+        let Some(meaning) = meaning else {
+            let known: Vec<String> = names(false).chain(CONSTANTS.map(|own| own.0.into())).collect();
             return Err((at, unknown("name", name, &known)));
         };
-        if self.scope.is_out_of_section(index) {
+        if name == SHARE && !self.scope.of_section {
             let text = "\"share\" is the place along a beam, from 0 to 1: only numbers of a [section] can use it";
             return Err((at, text.into()));
         }
-        if let Some((mesh, of)) = &named.each
+        if let Meaning::Each(_, mesh, of) = meaning
             && self.scope.of_mesh != Some(*mesh)
         {
             let text = format!(
@@ -377,7 +374,6 @@ impl<'r> FormulaText<'r> {
             );
             return Err((at, text));
         }
-        self.operations.push(Operation::Name(index));
-        Ok(named.is_vector)
+        self.known(meaning).ok_or_else(|| (at, format!("\"{name}\" is no number")))
     }
 }

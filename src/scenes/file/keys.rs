@@ -10,9 +10,6 @@ pub(super) const MANY: std::ops::RangeInclusive<usize> = 2..=10_000;
 /// Most elements along a line.
 pub(super) const MOST: usize = 10_000;
 
-/// Sections whose entries are nodes or have nodes.
-pub(super) const WITH_NODES: &[&str] =
-    &["body", "point", "coordinate", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
 pub(super) const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.

@@ -1,26 +1,26 @@
-//! Values of the keys of an entry, in the scalar of the mechanism.
+//! An entry while it is built: the values of its keys as numbers, and what other entries became.
 
-use super::expression::{Quantity, SHARE_PLACE};
 use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
-use super::formula_of::FormulaOf;
+use super::formula::{Quantity, SHARE_PLACE};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::Characteristic;
+use crate::elements::TimeFunction;
 use crate::elements::entries::{FUNCTION, Range, Type};
-use crate::elements::flexible::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
-use crate::elements::{TimeFormula, TimeFunction};
 use crate::functionals::ElementGroup;
-use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
+use crate::program::Recorded;
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
 use std::cell::Cell;
 use std::collections::HashSet;
+use std::ops::Deref;
 use std::sync::{Mutex, PoisonError};
 
 /// What an entry became.
-pub(super) enum Made<S> {
+pub(super) enum Made {
     Nothing,
     Node(NodeId),
     Joint(ConstraintId),
@@ -33,12 +33,11 @@ pub(super) enum Made<S> {
     Walls(ThinWalls),
     Sphere(Vec<ShellMember>),
     Group(ElementGroup),
-    Material(Material<S>),
-    Shape(Material<S>, Shape<S>),
-    Laminate(Laminate<S>, Vec<PlyStrength<S>>),
+    Material(Material<Recorded>),
+    Laminate(Laminate<Recorded>, Vec<PlyStrength<Recorded>>),
 }
 
-impl<S> Made<S> {
+impl Made {
     /// The shells of which it consists.
     pub fn shells(&self) -> Vec<&MeshedShell> {
         match self {
@@ -52,52 +51,119 @@ impl<S> Made<S> {
 }
 
 /// Values at the points of a table.
-enum TableValues<S> {
+enum TableValues {
     /// No design variable changes them.
     Fixed(Vec<f64>),
-    OfDesign(Vec<S>),
+    OfDesign(Vec<Recorded>),
 }
 
-/// Values of names, and what was made so far.
-pub(super) struct Known<'f, S> {
+/// What is known of a scene while it is built at a design.
+pub(super) struct Known<'f> {
     /// Parts beside those of the library.
     pub own: &'f OwnParts,
     /// All entries.
     pub items: &'f [Item],
-    pub names: Vec<Quantity<S>>,
+    /// Numbers that formulas take.
+    pub numbers: Vec<Recorded>,
     /// Place along a beam for whose sections numbers are wanted.
-    pub share: Cell<S>,
-    /// Variables with values for faces or nodes of a mesh: their places among the names, and these values.
-    pub each: Vec<(usize, &'f Each, Vec<S>)>,
-    pub made: Vec<Made<S>>,
+    pub share: Cell<Recorded>,
+    /// Variables with values for faces or nodes of a mesh: their places among the numbers, and these values.
+    pub each: Vec<(usize, &'f Each, Vec<Recorded>)>,
+    /// What entries became so far.
+    pub made: Vec<Made>,
     /// The elements of each.
     pub elements: Vec<Vec<ElementId>>,
 }
 
-pub(super) type Builder<S> = MechanismBuilder<S>;
+impl Known<'_> {
+    /// An entry by its place.
+    pub fn entry(&self, place: usize) -> Entry<'_> {
+        let item = &self.items[place];
+        Entry { known: self, item, fields: &item.fields }
+    }
+}
+
+pub(super) type Builder = MechanismBuilder<Recorded>;
 
 /// A result, or what is wrong and where.
 pub(super) type Found<T> = Result<T, Mistake>;
 
-pub(super) fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
-    Err(Mistake::new(fields.at, format!("the key {key} is needed here")))
+/// An entry, or a table in it, that is built.
+#[derive(Clone, Copy)]
+pub(super) struct Entry<'k> {
+    pub known: &'k Known<'k>,
+    pub item: &'k Item,
+    fields: &'k Fields,
 }
 
-impl<S: Scalar> Known<'_, S> {
-    fn value(&self, key: &str, given: (usize, &Value)) -> Found<Quantity<S>> {
-        match given.1 {
-            Value::Formula(formula, _) if formula.uses(SHARE_PLACE) => {
-                let mut names = self.names.clone();
-                names[SHARE_PLACE] = Quantity::Number(self.share.get());
-                self.value_with(key, given, &names)
-            }
-            _ => self.value_with(key, given, &self.names),
+impl Deref for Entry<'_> {
+    type Target = Fields;
+    fn deref(&self) -> &Fields {
+        self.fields
+    }
+}
+
+impl<'k> Entry<'k> {
+    pub fn name(&self) -> &'k str {
+        &self.item.name
+    }
+
+    /// Something is wrong with it.
+    pub fn wrong<T>(&self, what: impl Into<String>) -> Found<T> {
+        Err(Mistake::new(self.at, what))
+    }
+
+    /// Something is wrong with a key of it.
+    pub fn wrong_key<T>(&self, key: &str, what: impl Into<String>) -> Found<T> {
+        Err(Mistake::new(self.place(key), what))
+    }
+
+    fn missing<T>(&self, key: &str) -> Found<T> {
+        self.wrong(format!("the key {key} is needed here"))
+    }
+
+    /// What a key is given.
+    fn needed(&self, key: &str) -> Found<(usize, &'k Value)> {
+        self.fields.get(key).map_or_else(|| self.missing(key), Ok)
+    }
+
+    /// What is read of a key where it is given.
+    pub fn given<T>(&self, key: &str, read: impl FnOnce(&Self, &str) -> Found<T>) -> Found<Option<T>> {
+        self.has(key).then(|| read(self, key)).transpose()
+    }
+
+    /// A value and its place.
+    pub fn value(&self, key: &str) -> Option<(usize, &'k Value)> {
+        self.fields.get(key)
+    }
+
+    /// A table that is a value.
+    pub fn table(&self, key: &str) -> Option<Entry<'k>> {
+        match self.fields.get(key) {
+            Some((_, Value::Fields(fields))) => Some(Entry { fields, ..*self }),
+            _ => None,
         }
     }
 
-    fn value_with(&self, key: &str, (at, value): (usize, &Value), names: &[Quantity<S>]) -> Found<Quantity<S>> {
+    /// The tables of a list.
+    pub fn tables(&self, key: &str) -> impl Iterator<Item = Entry<'k>> + use<'k> {
+        let own = *self;
+        own.fields.tables(key).map(move |fields| Entry { fields, ..own })
+    }
+
+    fn quantity(&self, key: &str, given: (usize, &Value)) -> Found<Quantity<Recorded>> {
+        let Known { share, numbers, .. } = self.known;
+        self.value_of(key, given, |place| if place == SHARE_PLACE { share.get() } else { numbers[place] })
+    }
+
+    fn value_of(
+        &self,
+        key: &str,
+        (at, value): (usize, &Value),
+        known: impl Fn(usize) -> Recorded,
+    ) -> Found<Quantity<Recorded>> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
-        let value = formula.value(names);
+        let value = formula.value(known);
         let range = *range;
         match value.components().iter().map(|own| own.value()).find(|own| !(own.is_finite() && range.holds(*own))) {
             None => Ok(value),
@@ -108,33 +174,19 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    fn scalar(&self, key: &str, given: (usize, &Value)) -> Found<S> {
-        match self.value(key, given)? {
-            Quantity::Number(own) => Ok(own),
-            Quantity::Vector(_) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
-        }
-    }
-
-    fn spatial(&self, key: &str, given: (usize, &Value)) -> Found<Vector3<S>> {
-        match self.value(key, given)? {
-            Quantity::Vector(own) => Ok(own),
-            Quantity::Number(_) => Err(Mistake::new(given.0, "a vector is wanted, and this is a number")),
-        }
-    }
-
-    pub fn number(&self, fields: &Fields, key: &str) -> Found<S> {
-        fields.get(key).map_or_else(|| missing(fields, key), |given| self.scalar(key, given))
+    pub fn number(&self, key: &str) -> Found<Recorded> {
+        self.quantity(key, self.needed(key)?).map(|own| own.number())
     }
 
     /// A number at a point of a face of a mesh, for which some variables have values of their own; what the face is called, for messages.
-    pub fn number_at(&self, fields: &Fields, key: &str, [mesh, face, point]: [usize; 3], called: &str) -> Found<S> {
-        let given = fields.get(key).map_or_else(|| missing(fields, key), Ok)?;
-        let mut names = self.names.clone();
-        for (place, each, values) in self.each.iter().filter(|own| own.1.mesh == mesh) {
+    pub fn number_at(&self, key: &str, [mesh, face, point]: [usize; 3], called: &str) -> Found<Recorded> {
+        let given = self.needed(key)?;
+        let mut own = Vec::new();
+        for (place, each, values) in self.known.each.iter().filter(|own| own.1.mesh == mesh) {
             let wanted = if each.per == Per::Face { face } else { point };
             match each.places.binary_search(&wanted).ok().and_then(|own| values.get(own)) {
-                Some(&own) => names[*place] = Quantity::Number(own),
-                None if matches!(given.1, Value::Formula(formula, _) if formula.uses(*place)) => {
+                Some(&value) => own.push((*place, value)),
+                None if matches!(given.1, Value::Formula(formula, _) if formula.taken().contains(place)) => {
                     let text = format!(
                         "{key}: a design variable of some faces or nodes has no value for {called}; name those in per_face or per_node, or give \
                          the others a part of their own"
@@ -144,70 +196,71 @@ impl<S: Scalar> Known<'_, S> {
                 None => {}
             }
         }
-        match self.value_with(key, given, &names) {
-            Ok(Quantity::Number(own)) => Ok(own),
-            Ok(Quantity::Vector(_)) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
-            Err(Mistake { at, what }) => Err(Mistake::new(at, format!("{called}, {what}"))),
-        }
+        let known = |place| own.iter().find(|own| own.0 == place).map_or_else(|| self.known.numbers[place], |own| own.1);
+        let value = self.value_of(key, given, known).map(|own| own.number());
+        value.map_err(|Mistake { at, what }| Mistake::new(at, format!("{called}, {what}")))
     }
 
-    pub fn number_or(&self, fields: &Fields, key: &str, default: f64) -> Found<S> {
-        fields.get(key).map_or(Ok(S::from(default)), |given| self.scalar(key, given))
+    pub fn number_or(&self, key: &str, default: f64) -> Found<Recorded> {
+        Ok(self.given(key, Entry::number)?.unwrap_or(default.into()))
     }
 
-    pub fn vector(&self, fields: &Fields, key: &str) -> Found<Vector3<S>> {
-        fields.get(key).map_or_else(|| missing(fields, key), |given| self.spatial(key, given))
+    pub fn vector(&self, key: &str) -> Found<Vector3<Recorded>> {
+        self.quantity(key, self.needed(key)?).map(|own| own.vector())
     }
 
-    pub fn vector_or(&self, fields: &Fields, key: &str, default: Vector3<S>) -> Found<Vector3<S>> {
-        fields.get(key).map_or(Ok(default), |given| self.spatial(key, given))
+    pub fn vector_or(&self, key: &str, default: Vector3<Recorded>) -> Found<Vector3<Recorded>> {
+        Ok(self.given(key, Entry::vector)?.unwrap_or(default))
     }
 
     /// All numbers of a list, none if the key is not given.
-    pub fn series(&self, fields: &Fields, key: &str) -> Found<Vec<S>> {
-        list(fields, key).map(|given| self.scalar(key, given)).collect()
+    pub fn series(&self, key: &str) -> Found<Vec<Recorded>> {
+        self.list(key).map(|given| Ok(self.quantity(key, given)?.number())).collect()
     }
 
     /// The numbers of strips: where one formula uses [`SHARE_PLACE`], those at the middles of so many.
-    pub fn strips(&self, fields: &Fields, key: &str, count: usize) -> Found<Vec<S>> {
-        let uses_share = |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.uses(SHARE_PLACE));
-        let given: Vec<_> = list(fields, key).collect();
+    pub fn strips(&self, key: &str, count: usize) -> Found<Vec<Recorded>> {
+        let uses_share =
+            |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.taken().contains(&SHARE_PLACE));
+        let given: Vec<_> = self.list(key).collect();
         let [one] = given[..] else {
             return match given.iter().copied().find(|own| uses_share(*own)) {
                 Some((at, _)) => Err(Mistake::new(at, "share is the place along all strips: give one formula of it")),
-                None => self.series(fields, key),
+                None => self.series(key),
             };
         };
         if !uses_share(one) {
-            return self.series(fields, key);
+            return self.series(key);
         }
         let at_middle = |strip: usize| {
-            self.share.set(S::from((strip as f64 + 0.5) / count as f64));
-            self.scalar(key, one)
+            self.known.share.set(Recorded::from((strip as f64 + 0.5) / count as f64));
+            Ok(self.quantity(key, one)?.number())
         };
         let all = (0..count).map(at_middle).collect();
-        self.share.set(S::zero());
+        self.known.share.set(Recorded::default());
         all
     }
 
-    pub fn numbers<const N: usize>(&self, fields: &Fields, key: &str) -> Found<[S; N]> {
-        self.series(fields, key)?.try_into().or_else(|_| missing(fields, key))
+    pub fn numbers<const N: usize>(&self, key: &str) -> Found<[Recorded; N]> {
+        self.series(key)?.try_into().or_else(|_| self.missing(key))
     }
 
-    /// Two numbers of a list.
-    pub fn pair(&self, (at, value): (usize, &Value)) -> Found<[S; 2]> {
-        let Value::List(own) = value else { return Err(Mistake::new(at, "this is no pair")) };
-        let numbers: Vec<S> =
-            own.iter().map(|(at, own)| self.scalar("a number of a pair", (*at, own))).collect::<Found<_>>()?;
-        numbers.try_into().map_err(|_| Mistake::new(at, "a pair has two numbers"))
+    /// Pairs of numbers.
+    pub fn pairs(&self, key: &str) -> Found<Vec<[Recorded; 2]>> {
+        let number = |(at, own): &(usize, Value)| Ok(self.quantity("a number of a pair", (*at, own))?.number());
+        let pair = |(_, own): (usize, &Value)| {
+            let Value::List(own) = own else { return self.missing(key) };
+            own.iter().map(number).collect::<Found<Vec<_>>>()?.try_into().or_else(|_| self.missing(key))
+        };
+        self.list(key).map(pair).collect()
     }
 
-    pub fn points(&self, fields: &Fields, key: &str) -> Found<Vec<Vector3<S>>> {
-        list(fields, key).map(|given| self.spatial(key, given)).collect()
+    pub fn points(&self, key: &str) -> Found<Vec<Vector3<Recorded>>> {
+        self.list(key).map(|given| Ok(self.quantity(key, given)?.vector())).collect()
     }
 
     /// Nodes at a place: one, or those of an edge or end.
-    pub fn nodes_at(&self, at: usize, place: &NodePlace, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+    pub fn nodes_at(&self, at: usize, place: &NodePlace, m: &mut Builder) -> Found<Vec<NodeId>> {
         let Some(item) = place.item else { return Ok(vec![m.ground()]) };
         let index = |count: usize| match place.index.first() {
             Some(&own) if own < count => Ok(own),
@@ -230,7 +283,7 @@ impl<S: Scalar> Known<'_, S> {
                 _ => Err(Mistake::new(at, format!("the grid has {columns} x {rows} nodes, counted from 0"))),
             }
         };
-        match &self.made[item] {
+        match &self.known.made[item] {
             Made::Node(node) => Ok(vec![*node]),
             Made::Beam(beam) => on_line(&beam.nodes).map(|node| vec![node]),
             Made::Cable(cable) => on_line(&cable.nodes).map(|node| vec![node]),
@@ -248,10 +301,10 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    /// All nodes of the key `nodes`.
-    pub fn node_sets(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+    /// All nodes that a list names.
+    pub fn node_sets(&self, key: &str, m: &mut Builder) -> Found<Vec<NodeId>> {
         let mut nodes = Vec::new();
-        for (at, value) in list(fields, "nodes") {
+        for (at, value) in self.list(key) {
             if let Value::Node(place) = value {
                 nodes.extend(self.nodes_at(at, place, m)?);
             }
@@ -260,15 +313,14 @@ impl<S: Scalar> Known<'_, S> {
     }
 
     /// What a spring, damper or load acts on: its nodes, each that a load names, or those of each element of a member, with names.
-    pub fn carriers(&self, name: &str, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<(String, Vec<NodeId>)>> {
-        let (at, value) = ["between", "on", "beam", "shell"]
-            .into_iter()
-            .find_map(|key| fields.get(key))
-            .map_or_else(|| missing(fields, "on"), Ok)?;
+    pub fn carriers(&self, m: &mut Builder) -> Found<Vec<(String, Vec<NodeId>)>> {
+        let given = ["between", "on", "beam", "shell"].into_iter().find_map(|key| self.fields.get(key));
+        let (at, value) = given.map_or_else(|| self.missing("on"), Ok)?;
+        let name = self.name();
         let item = match value {
             Value::Node(place) => {
                 let nodes = self.nodes_at(at, place, m)?;
-                let (count, point) = (nodes.len(), fields.get("point"));
+                let (count, point) = (nodes.len(), self.fields.get("point"));
                 if let Some((at, _)) = point.filter(|_| count > 1) {
                     let text = format!("a force on {count} nodes has no point of its own: each takes its share where it is");
                     return Err(Mistake::new(at, text));
@@ -278,9 +330,9 @@ impl<S: Scalar> Known<'_, S> {
                 return Ok(nodes.into_iter().enumerate().map(named).collect());
             }
             Value::Item(item) | Value::Group(item, _) => *item,
-            _ => return Ok(vec![(name.into(), self.different_nodes_of_part(fields, m)?)]),
+            _ => return Ok(vec![(name.into(), self.different_nodes_of_part(m)?)]),
         };
-        match (&self.made[item], value) {
+        match (&self.known.made[item], value) {
             (Made::Beam(beam), _) => Ok(beam.carriers(name)),
             (Made::Mesh(shell), Value::Group(_, group)) => {
                 Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
@@ -289,7 +341,7 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    fn one_node(&self, (at, value): (usize, &Value), m: &mut MechanismBuilder<S>) -> Found<NodeId> {
+    fn one_node(&self, (at, value): (usize, &Value), m: &mut Builder) -> Found<NodeId> {
         let Value::Node(place) = value else { return Err(Mistake::new(at, "this is no node")) };
         match self.nodes_at(at, place, m)?.as_slice() {
             [node] => Ok(*node),
@@ -297,88 +349,87 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    pub fn node(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<NodeId> {
-        fields.get(key).map_or_else(|| missing(fields, key), |given| self.one_node(given, m))
-    }
-
-    fn list_of_nodes(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
-        list(fields, key).map(|given| self.one_node(given, m)).collect()
+    pub fn node(&self, key: &str, m: &mut Builder) -> Found<NodeId> {
+        self.one_node(self.needed(key)?, m)
     }
 
     /// What the keys `between`, or else `on`, name.
-    pub fn nodes_of_part(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
-        match fields.get("between") {
-            Some(_) => self.list_of_nodes(fields, "between", m),
-            None => self.node(fields, "on", m).map(|node| vec![node]),
+    pub fn nodes_of_part(&self, m: &mut Builder) -> Found<Vec<NodeId>> {
+        match self.has("between") {
+            true => self.list("between").map(|given| self.one_node(given, m)).collect(),
+            false => self.node("on", m).map(|node| vec![node]),
         }
     }
 
     /// The same for what connects nodes, which are all different.
-    pub fn different_nodes_of_part(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
-        let nodes = self.nodes_of_part(fields, m)?;
-        let is_twice = |place: usize| nodes[..place].contains(&nodes[place]);
-        match (0..nodes.len()).any(is_twice) {
-            true => Err(Mistake::new(
-                fields.get("between").map_or(fields.at, |own| own.0),
-                "two of between are the same node; give different ones",
-            )),
+    pub fn different_nodes_of_part(&self, m: &mut Builder) -> Found<Vec<NodeId>> {
+        let nodes = self.nodes_of_part(m)?;
+        match (0..nodes.len()).any(|place| nodes[..place].contains(&nodes[place])) {
+            true => self.wrong_key("between", "two of between are the same node; give different ones"),
             false => Ok(nodes),
         }
     }
 
     /// Two nodes that are different.
-    pub fn different_nodes(&self, fields: &Fields, m: &mut MechanismBuilder<S>) -> Found<[NodeId; 2]> {
-        self.different_nodes_of_part(fields, m)?.try_into().or_else(|_| missing(fields, "between"))
+    pub fn different_nodes(&self, m: &mut Builder) -> Found<[NodeId; 2]> {
+        self.different_nodes_of_part(m)?.try_into().or_else(|_| self.missing("between"))
     }
 
     /// What another entry became.
-    pub fn made<'m>(&'m self, fields: &Fields, key: &str) -> Found<&'m Made<S>> {
-        match fields.get(key) {
-            Some((_, Value::Item(item) | Value::Group(item, _))) => Ok(&self.made[*item]),
-            _ => missing(fields, key),
+    pub fn made(&self, key: &str) -> Found<&'k Made> {
+        match self.fields.get(key) {
+            Some((_, Value::Item(item) | Value::Group(item, _))) => Ok(&self.known.made[*item]),
+            _ => self.missing(key),
         }
     }
 
-    pub fn joint(&self, fields: &Fields) -> Found<ConstraintId> {
-        match self.made(fields, "joint")? {
+    pub fn joint(&self) -> Found<ConstraintId> {
+        match self.made("joint")? {
             Made::Joint(joint) => Ok(*joint),
             Made::SoftJoint => {
-                let at = fields.get("joint").map_or(fields.at, |own| own.0);
-                Err(Mistake::new(
-                    at,
-                    "this joint is soft: springs have no multipliers; leave out its stiffness to measure them",
-                ))
+                let text = "this joint is soft: springs have no multipliers; leave out its stiffness to measure them";
+                self.wrong_key("joint", text)
             }
-            _ => missing(fields, "joint"),
+            _ => self.missing("joint"),
         }
     }
 
-    pub fn material(&self, fields: &Fields) -> Found<Material<S>> {
-        match self.made(fields, "material")? {
+    pub fn material(&self) -> Found<Material<Recorded>> {
+        match self.made("material")? {
             Made::Material(material) => Ok(*material),
-            _ => missing(fields, "material"),
+            _ => self.missing("material"),
         }
     }
 
     /// The laminate that an entry names, with the strengths of its plies.
-    pub fn laminate(&self, fields: &Fields) -> Found<(&Laminate<S>, &[PlyStrength<S>])> {
-        match self.made(fields, "laminate")? {
+    pub fn laminate(&self) -> Found<(&'k Laminate<Recorded>, &'k [PlyStrength<Recorded>])> {
+        match self.made("laminate")? {
             Made::Laminate(laminate, strengths) => Ok((laminate, strengths)),
-            _ => Err(Mistake::new(fields.at, "laminate must name a laminate")),
+            _ => self.missing("laminate"),
         }
     }
 
+    /// Shells that a key names, a list of those of each entry.
+    pub fn shells(&self, key: &str) -> Vec<Vec<&'k MeshedShell>> {
+        let made = &self.known.made;
+        let shells = |(_, value): (usize, &Value)| match value {
+            Value::Item(item) | Value::Group(item, _) => Some(made[*item].shells()),
+            _ => None,
+        };
+        self.list(key).filter_map(shells).collect()
+    }
+
     /// Elements of everything that a key names.
-    pub fn group(&self, fields: &Fields, key: &str) -> Found<ElementGroup> {
+    pub fn group(&self, key: &str) -> Found<ElementGroup> {
         let mut groups = Vec::new();
-        for (at, value) in list(fields, key) {
+        for (at, value) in self.list(key) {
             if let Value::Group(item, name) = value
-                && let Made::Mesh(shell) = &self.made[*item]
+                && let Made::Mesh(shell) = &self.known.made[*item]
             {
                 groups.push(shell.group_named(name).map_err(|why| Mistake::new(at, why))?);
             }
             let Value::Item(item) = value else { continue };
-            groups.extend(match &self.made[*item] {
+            groups.extend(match &self.known.made[*item] {
                 Made::Beam(beam) => vec![beam.group()],
                 Made::Cable(cable) => vec![cable.group()],
                 Made::Group(group) => vec![group.clone()],
@@ -392,35 +443,33 @@ impl<S: Scalar> Known<'_, S> {
     }
 
     /// The elements of entries of any kind, and of groups.
-    pub fn parts(&self, fields: &Fields, key: &str) -> Found<ElementGroup> {
-        let own = list(fields, key).flat_map(|(_, value)| match value {
-            Value::Item(item) => &self.elements[*item][..],
+    pub fn parts(&self, key: &str) -> Found<ElementGroup> {
+        let own = self.list(key).flat_map(|(_, value)| match value {
+            Value::Item(item) => &self.known.elements[*item][..],
             _ => &[],
         });
-        let elements = self.group(fields, key)?.elements.into_iter().chain(own.copied());
+        let elements = self.group(key)?.elements.into_iter().chain(own.copied());
         Ok(ElementGroup::new("of all that are named", elements))
     }
 
     /// Axes of a frame.
-    pub fn orientation(&self, fields: &Fields) -> Found<Quaternion<S>> {
-        let Some((_, Value::Fields(own))) = fields.get("orientation") else { return Ok(Quaternion::identity()) };
-        let direction = |key: &str| -> Found<Vector3<S>> {
-            let vector = self.vector(own, key)?;
-            let components = vector.components();
-            match components.iter().any(|own| own.value() != 0.0) {
+    pub fn orientation(&self) -> Found<Quaternion<Recorded>> {
+        let Some(own) = self.table("orientation") else { return Ok(Quaternion::identity()) };
+        let direction = |key: &str| -> Found<Vector3<Recorded>> {
+            let vector = own.vector(key)?;
+            match vector.iter().any(|own| own.value() != 0.0) {
                 true => Ok(vector.unit()),
-                false => Err(Mistake::new(own.at, format!("{key} is zero; give a vector of any length but zero"))),
+                false => own.wrong(format!("{key} is zero; give a vector of any length but zero")),
             }
         };
         match own.form {
-            "angle" => Ok(Quaternion::about(direction("axis")?, self.number(own, "angle")?)),
+            "angle" => Ok(Quaternion::about(direction("axis")?, own.number("angle")?)),
             "x_axis" => Ok(Quaternion::x_axis_to(direction("along")?)),
             _ => {
-                let values: [S; 4] = self.numbers(own, "values")?;
+                let values: [Recorded; 4] = own.numbers("values")?;
                 let norm = values.iter().map(|own| own.value() * own.value()).sum::<f64>().sqrt();
                 if (norm - 1.0).abs() > 1e-9 {
-                    let text = format!("these Euler parameters have length {}; it must be 1", shortest(norm));
-                    return Err(Mistake::new(own.at, text));
+                    return own.wrong(format!("these Euler parameters have length {}; it must be 1", shortest(norm)));
                 }
                 Ok(Quaternion(values))
             }
@@ -428,152 +477,74 @@ impl<S: Scalar> Known<'_, S> {
     }
 
     /// A formula of time.
-    fn formula_of_time(&self, own: &Fields) -> Found<Signal<S>> {
-        let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
-        own.get("breakpoints");
-        let (function, parameters) = FormulaOf::of(formula, &self.names);
-        if !function.value(S::zero(), &parameters).value().is_finite() {
+    fn formula_of_time(&self) -> Found<Signal<Recorded>> {
+        let (at, Value::Formula(formula, _)) = self.needed("value")? else { return self.missing("value") };
+        let (function, parameters) = formula.law(&self.known.numbers);
+        if !function.at(&[Recorded::default()], &parameters).number().value().is_finite() {
             return Err(Mistake::new(at, "at t = 0 s the value is not finite"));
         }
-        Signal::own(function, &parameters).map_err(|why| Mistake::new(own.at, why))
+        Signal::own(function, &parameters).or_else(|why| self.wrong(why))
     }
 
     /// Points of a table and the values there.
-    fn points_and_values(&self, own: &Fields, points: &str) -> Found<(Vec<f64>, TableValues<S>)> {
-        if let Some((_, Value::Columns(columns))) = own.get("file") {
-            own.get("columns");
+    fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, TableValues)> {
+        if let Some((_, Value::Columns(columns))) = self.fields.get("file") {
+            self.has("columns");
             return Ok((columns[0].clone(), TableValues::Fixed(columns[1].clone())));
         }
-        let needed = |key| own.get(key).map_or_else(|| missing(own, key).map(|()| 0), |_| Ok(list(own, key).count()));
-        let counts = [needed(points)?, needed("values")?];
+        let count = |key| self.needed(key).map(|_| self.list(key).count());
+        let counts = [count(points)?, count("values")?];
         if counts[0] != counts[1] {
-            let text = format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1]);
-            return Err(Mistake::new(own.at, text));
+            return self.wrong(format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1]));
         }
         let fixed = |(_, value): (usize, &Value)| match value {
-            Value::Formula(formula, _) => formula.as_literal(),
+            Value::Formula(formula, _) => formula.constant_number(),
             _ => None,
         };
-        let values = match list(own, "values").map(fixed).collect() {
+        let values = match self.list("values").map(fixed).collect() {
             Some(fixed) => TableValues::Fixed(fixed),
-            None => TableValues::OfDesign(self.series(own, "values")?),
+            None => TableValues::OfDesign(self.series("values")?),
         };
-        Ok((fixed_list(own, points), values))
+        Ok((self.fixed_list(points), values))
     }
 
     /// A law of s, its rate and the time.
-    pub fn law(&self, fields: &Fields, key: &str) -> Found<(Characteristic, Vec<S>)> {
-        match fields.get(key) {
-            Some((at, Value::Formula(formula, _))) => {
-                let (law, numbers) = FormulaOf::of(formula, &self.names);
-                Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
-            }
-            Some((_, Value::Fields(own))) => {
-                let law = match self.points_and_values(own, "points")? {
-                    (points, TableValues::Fixed(fixed)) => {
-                        Characteristic::curve(&points, &fixed, way(own)).map(|law| (law, Vec::new()))
-                    }
-                    (points, TableValues::OfDesign(values)) => Characteristic::table(&points, &values, way(own)),
-                };
-                law.map_err(|why| Mistake::new(own.at, why))
-            }
-            _ => missing(fields, key),
+    pub fn law(&self, key: &str) -> Found<(Characteristic, Vec<Recorded>)> {
+        if let Some(own) = self.table(key) {
+            let law = match own.points_and_values("points")? {
+                (points, TableValues::Fixed(fixed)) => {
+                    Characteristic::curve(&points, &fixed, own.way()).map(|law| (law, Vec::new()))
+                }
+                (points, TableValues::OfDesign(values)) => Characteristic::table(&points, &values, own.way()),
+            };
+            return law.or_else(|why| own.wrong(why));
         }
+        let (at, Value::Formula(formula, _)) = self.needed(key)? else { return self.missing(key) };
+        let (law, numbers) = formula.law(&self.known.numbers);
+        Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
     }
 
     /// A function of time with its numbers.
-    pub fn function(&self, fields: &Fields, key: &str) -> Found<Signal<S>> {
-        let own = match fields.get(key) {
-            Some((_, Value::Fields(own))) => own,
-            Some(given) => return Ok(Signal::Constant(self.scalar(key, given)?)),
-            None => return missing(fields, key),
-        };
+    pub fn function(&self, key: &str) -> Found<Signal<Recorded>> {
+        let Some(own) = self.table(key) else { return Ok(Signal::Constant(self.number(key)?)) };
         let numbers = FUNCTION.keys(own.form).skip(FUNCTION.common.len());
         let numbers = numbers.filter(|key| matches!(key.takes, Type::Number(..)));
-        let numbers = numbers.map(|key| self.number_or(own, key.name, 0.0)).collect::<Found<Vec<S>>>()?;
-        let signal = match (own.form, TimeFunction::of_form(own.form, fixed(own, "at"))) {
+        let numbers = numbers.map(|key| own.number_or(key.name, 0.0)).collect::<Found<Vec<Recorded>>>()?;
+        let signal = match (own.form, TimeFunction::of_form(own.form, own.fixed("at"))) {
             (_, Some(function)) => Signal::of(function, &numbers),
-            ("formula", _) => {
-                // files from when formulas were splines may keep it
-                own.get("intervals");
-                self.formula_of_time(own)?
-            }
-            _ => match self.points_and_values(own, "times")? {
+            ("formula", _) => own.formula_of_time()?,
+            _ => match own.points_and_values("times")? {
                 (times, TableValues::Fixed(fixed)) => {
-                    let curve = TimeFunction::curve(&times, &fixed, way(own)).map_err(|why| Mistake::new(own.at, why))?;
-                    Signal::of(curve, &[])
+                    Signal::of(TimeFunction::curve(&times, &fixed, own.way()).or_else(|why| own.wrong(why))?, &[])
                 }
-                (times, TableValues::OfDesign(values)) => Signal::Table { times, values, interpolant: way(own) },
+                (times, TableValues::OfDesign(values)) => Signal::Table { times, values, interpolant: own.way() },
             },
         };
-        if own.get("smooth_start").is_none() {
-            return Ok(signal);
-        }
-        Ok(Signal::SmoothStart { of: Box::new(signal), duration: self.number(own, "smooth_start")? })
+        Ok(match own.given("smooth_start", Entry::number)? {
+            Some(duration) => Signal::SmoothStart { of: Box::new(signal), duration },
+            None => signal,
+        })
     }
-}
-
-/// The way between the points of a table.
-pub(super) fn way(own: &Fields) -> Interpolant {
-    match text(own, "interpolation") {
-        Some("smooth") => Interpolant::Smooth,
-        Some("lines") => Interpolant::Lines,
-        Some("steps") => Interpolant::Steps,
-        _ if own.form == "lines" => Interpolant::Lines,
-        _ => Interpolant::Monotone,
-    }
-}
-
-/// Entries of a list.
-pub(super) fn list<'f>(fields: &'f Fields, key: &str) -> impl Iterator<Item = (usize, &'f Value)> + use<'f> {
-    let list: &[(usize, Value)] = match fields.get(key) {
-        Some((_, Value::List(list))) => list,
-        _ => &[],
-    };
-    list.iter().map(|(at, value)| (*at, value))
-}
-
-pub(super) fn fixed(fields: &Fields, key: &str) -> Option<f64> {
-    match fields.get(key) {
-        Some((_, Value::Fixed(value))) => Some(*value),
-        _ => None,
-    }
-}
-
-pub(super) fn fixed_list(fields: &Fields, key: &str) -> Vec<f64> {
-    let number = |(_, value): (usize, &Value)| if let Value::Fixed(own) = value { Some(*own) } else { None };
-    list(fields, key).filter_map(number).collect()
-}
-
-pub(super) fn count(fields: &Fields, key: &str) -> usize {
-    match fields.get(key) {
-        Some((_, Value::Count(count))) => *count,
-        _ => 0,
-    }
-}
-
-pub(super) fn counts(fields: &Fields, key: &str) -> Option<[usize; 2]> {
-    let number = |(_, value): (usize, &Value)| if let Value::Count(own) = value { Some(*own) } else { None };
-    list(fields, key).filter_map(number).collect::<Vec<_>>().try_into().ok()
-}
-
-pub(super) fn flag(fields: &Fields, key: &str, default: bool) -> bool {
-    match fields.get(key) {
-        Some((_, Value::Flag(flag))) => *flag,
-        _ => default,
-    }
-}
-
-pub(super) fn text<'f>(fields: &'f Fields, key: &str) -> Option<&'f str> {
-    match fields.get(key) {
-        Some((_, Value::Text(text))) => Some(text),
-        _ => None,
-    }
-}
-
-pub(super) fn texts(fields: &Fields, key: &str) -> Vec<String> {
-    let own = |(_, value): (usize, &Value)| if let Value::Text(own) = value { Some(own.clone()) } else { None };
-    list(fields, key).filter_map(own).collect()
 }
 
 /// A text that stays for the life of the program: each is kept once.

@@ -1,7 +1,7 @@
 //! Groups of faces and node sets that a scene file adds to a mesh: by numbers, or by a condition on the place.
 
 use super::condition::Condition;
-use super::expression::{Expression, Scope};
+use super::formula::{Formula, Scope};
 use super::raw::{Entry, Raw, RawValue};
 use super::reader::Reader;
 use crate::scenes::MeshData;
@@ -130,8 +130,7 @@ pub(super) fn fixed_point(raw: &Raw) -> [f64; 3] {
     let fixed = |raw: &Raw| match &raw.value {
         RawValue::Number { value, .. } => vec![*value],
         RawValue::Text(..) => {
-            let scope = Scope::default();
-            let value = raw.formula().and_then(|own| Expression::parse(own, &scope).ok()?.constant(&scope));
+            let value = raw.formula().and_then(|own| Formula::parse(own, &Scope::default()).ok()?.constant());
             value.map_or_else(Vec::new, |own| own.components())
         }
         _ => Vec::new(),

@@ -127,7 +127,7 @@ impl Reader {
         // what is no text is told where values are checked
         let text = own.text().filter(|text| !text.is_empty())?;
         let Some((mesh, rest)) = self.of_mesh(text) else {
-            let mut known = self.names_of(&["mesh"]);
+            let mut known = self.names_of(|own| own.name == "mesh");
             known.extend(self.group_names());
             return self.refuse(own.at, format!("{key}: {}", unknown("mesh", text, &known)));
         };

@@ -28,43 +28,56 @@ pub(super) struct Text {
     pub text: String,
 }
 
-/// The text of a scene file, behind those of the files which it extends; places are counted through all of them.
+/// Where entries come from.
 #[derive(Clone, Debug)]
-pub(super) struct Source(Vec<Text>);
+pub(super) struct Source {
+    /// The text of a scene file, behind those of the files which it extends; places are counted through all of them.
+    texts: Vec<Text>,
+    /// Of entries that no text says: the places of a program, by their numbers.
+    places: Vec<String>,
+}
 
 impl Source {
     pub fn new(name: String, text: String) -> Self {
-        Source(vec![Text { name, text }])
+        Source { texts: vec![Text { name, text }], places: Vec::new() }
+    }
+
+    /// Of entries of a program.
+    pub fn of_program(name: String, places: Vec<String>) -> Self {
+        Source { places, ..Source::new(name, String::new()) }
     }
 
     /// Takes what the first file extends.
     pub fn extend(&mut self, name: String, text: String) {
-        self.0.insert(0, Text { name, text });
+        self.texts.insert(0, Text { name, text });
     }
 
     /// What all others build on.
     pub fn first(&self) -> &Text {
-        &self.0[0]
+        &self.texts[0]
     }
 
     /// The name of the file itself.
     pub fn name(&self) -> &str {
-        self.0.last().map_or("", |own| &own.name)
+        self.texts.last().map_or("", |own| &own.name)
     }
 
     /// Whether a file of this name is among them.
     pub fn has(&self, name: &str) -> bool {
-        self.0.iter().any(|own| own.name == name)
+        self.texts.iter().any(|own| own.name == name)
     }
 
     /// The numbers of the first places of all texts.
     pub fn starts(&self) -> impl Iterator<Item = usize> {
-        self.0.iter().scan(0, |next, own| Some(std::mem::replace(next, *next + own.text.len() + 1)))
+        self.texts.iter().scan(0, |next, own| Some(std::mem::replace(next, *next + own.text.len() + 1)))
     }
 
-    /// `pendulum.toml:12:8`: line and column, counted from 1 in characters.
+    /// `pendulum.toml:12:8`: line and column, counted from 1 in characters; of a program as it says.
     pub fn place(&self, at: usize) -> String {
-        let known = self.starts().zip(&self.0).take_while(|(from, _)| *from <= at).last();
+        if let Some(own) = self.places.get(at) {
+            return own.clone();
+        }
+        let known = self.starts().zip(&self.texts).take_while(|(from, _)| *from <= at).last();
         let Some((from, Text { name, text })) = known else { return String::new() };
         let end = (0..=(at - from).min(text.len())).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
         let before = &text[..end];

@@ -7,11 +7,10 @@ mod columns;
 mod condition;
 mod describing;
 mod elsewhere;
-mod expression;
 mod extended;
 mod fields;
+mod formula;
 mod formula_names;
-mod formula_of;
 mod formula_parts;
 mod formula_text;
 mod functionals;
@@ -40,7 +39,7 @@ mod tables;
 mod values;
 
 #[doc(hidden)]
-pub use expression::is_free_name;
+pub use formula::is_free_name;
 pub use own_parts::OwnParts;
 pub use reference::reference;
 pub use scene::FileScene;

@@ -1,6 +1,6 @@
 //! The tree of a TOML text with the place of everything in it, and entries that stand for many.
 
-use super::expression::{Expression, Quantity, Scope, SyntaxError, continues_name, meaning, starts_name};
+use super::formula::{Formula, Scope, SyntaxError, continues_name, meaning, starts_name};
 use super::mistake::Mistake;
 use crate::scenes::unknown;
 use toml::de::{DeTable, DeValue};
@@ -75,6 +75,67 @@ impl Raw {
             Mistake::new(at, format!("this is no TOML: {}", error.message().trim().replace('\n', ", ")))
         })?;
         Ok(Raw { at: 0, value: raw_table(text, table.get_ref()) })
+    }
+
+    /// The tree of entries of a program, with the numbers of their places.
+    pub fn of_entries(entries: &serde_json::Value, at: usize) -> Raw {
+        use serde_json::Value::{Array, Bool, Null, Number, Object, String};
+        let value = match entries {
+            String(text) => RawValue::Text(text.clone(), Origin::Escaped),
+            Number(own) => RawValue::Number { value: own.as_f64().unwrap_or(f64::NAN), whole: !own.is_f64() },
+            Bool(flag) => RawValue::Flag(*flag),
+            Null => RawValue::List(Vec::new()),
+            Array(list) => RawValue::List(list.iter().map(|own| Raw::of_entries(own, at)).collect()),
+            Object(own) => {
+                let at = own.get("").and_then(serde_json::Value::as_u64).map_or(at, |at| at as usize);
+                if let Some(value) = own.get("=") {
+                    return Raw::of_entries(value, at);
+                }
+                let entry = |(key, own): (&std::string::String, _)| {
+                    let value = Raw::of_entries(own, at);
+                    Entry { key: key.clone(), at: value.at, value }
+                };
+                let entries = own.iter().filter(|own| !own.0.is_empty()).map(entry).collect();
+                return Raw { at, value: RawValue::Table(entries) };
+            }
+        };
+        Raw { at, value }
+    }
+
+    /// The text of a file that says the same.
+    pub fn written(&self) -> String {
+        let lines = |own: &Raw| own.entries().unwrap_or_default().iter().map(Entry::written).collect::<String>();
+        let (mut top, mut sections) = (String::new(), String::new());
+        for own in self.entries().unwrap_or_default() {
+            let (key, tables) = (written_key(&own.key), own.value.one_or_more());
+            if tables.is_empty() || tables.iter().any(|own| own.entries().is_none()) {
+                top += &own.written();
+            } else if own.value.list().is_some() {
+                sections.extend(tables.iter().map(|own| format!("\n[[{key}]]\n{}", lines(own))));
+            } else if tables[0].entries().is_some_and(|own| own.iter().all(|own| own.value.entries().is_some())) {
+                let named = tables[0].entries().unwrap_or_default().iter();
+                sections.extend(named.map(|own| format!("\n[{key}.{}]\n{}", written_key(&own.key), lines(&own.value))));
+            } else {
+                sections += &format!("\n[{key}]\n{}", lines(&own.value));
+            }
+        }
+        top + &sections
+    }
+
+    /// As a value in a line.
+    fn inline(&self) -> String {
+        match &self.value {
+            RawValue::Text(text, _) => serde_json::Value::from(text.as_str()).to_string(),
+            RawValue::Number { value, whole: true } => format!("{value}"),
+            RawValue::Number { value, .. } => format!("{value:?}"),
+            RawValue::Flag(flag) => flag.to_string(),
+            RawValue::Date => String::new(),
+            RawValue::List(list) => format!("[{}]", list.iter().map(Raw::inline).collect::<Vec<_>>().join(", ")),
+            RawValue::Table(entries) => {
+                let own = |own: &Entry| format!("{} = {}", written_key(&own.key), own.value.inline());
+                format!("{{ {} }}", entries.iter().map(own).collect::<Vec<_>>().join(", "))
+            }
+        }
     }
 
     /// The same of a text that stands behind another one.
@@ -164,6 +225,22 @@ impl Raw {
     }
 }
 
+impl Entry {
+    /// The same key with another value.
+    pub fn with(&self, value: Raw) -> Entry {
+        Entry { key: self.key.clone(), at: self.at, value }
+    }
+
+    fn written(&self) -> String {
+        format!("{} = {}\n", written_key(&self.key), self.value.inline())
+    }
+}
+
+fn written_key(key: &str) -> String {
+    let is_bare = !key.is_empty() && key.chars().all(|own| own.is_ascii_alphanumeric() || matches!(own, '_' | '-'));
+    if is_bare { key.into() } else { serde_json::Value::from(key).to_string() }
+}
+
 fn raw_table(text: &str, table: &DeTable) -> RawValue {
     let mut entries: Vec<Entry> = table
         .iter()
@@ -243,7 +320,7 @@ impl Wholes {
             Step::Word(_) => None,
         });
         for (name, value) in own.map(|(name, value)| (name, *value)).chain(loops) {
-            scope.add_constant(name, Quantity::Number(value as f64));
+            scope.add_value(name, &Formula::literal(value as f64));
         }
         scope
     }
@@ -251,9 +328,8 @@ impl Wholes {
 
 /// The value of a formula of whole numbers.
 fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
-    let expression = Expression::parse(text, scope).map_err(|(_, what)| what)?;
-    match expression.constant(scope) {
-        Some(Quantity::Number(value)) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(value as i64),
+    match Formula::parse(text, scope).map_err(|(_, what)| what)?.constant_number() {
+        Some(value) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(value as i64),
         _ => Err(format!("{{{text}}} must be a whole number")),
     }
 }
@@ -301,14 +377,44 @@ pub(super) fn loop_names(raw: &Raw) -> Vec<String> {
     }
 }
 
-/// The entries that an entry with a key `for` stands for, or itself.
-///
-/// In all its texts `{i}`, `{i+1}` and the like are filled with their values.
-pub(super) fn repeated_entries(entry: &Raw, wholes: &Wholes) -> Result<Vec<Raw>, Mistake> {
-    repeated(entry, &[], wholes)
+impl Raw {
+    /// The same with all that entries of lists stand for which have a key `for`, and those of a table with names; of what is wrong, which is
+    /// told, nothing.
+    ///
+    /// In all their texts `{i}`, `{i+1}` and the like are filled with their values.
+    pub fn repeated(&self, has_names: bool, wholes: &Wholes, mistakes: &mut Vec<Mistake>) -> Raw {
+        let value = match &self.value {
+            RawValue::List(list) => RawValue::List(
+                list.iter()
+                    .flat_map(|own| match own.get("for") {
+                        Some(_) => told(repeated(own, &[], wholes), mistakes),
+                        None => vec![own.repeated(false, wholes, mistakes)],
+                    })
+                    .collect(),
+            ),
+            RawValue::Table(entries) => RawValue::Table(
+                entries
+                    .iter()
+                    .flat_map(|own| match own.value.get("for") {
+                        Some(_) if has_names => told(repeated_named(own, wholes), mistakes),
+                        _ => vec![own.with(own.value.repeated(false, wholes, mistakes))],
+                    })
+                    .collect(),
+            ),
+            other => other.clone(),
+        };
+        Raw { at: self.at, value }
+    }
 }
 
-/// The same within loops around it.
+fn told<T>(made: Result<Vec<T>, Mistake>, mistakes: &mut Vec<Mistake>) -> Vec<T> {
+    made.unwrap_or_else(|mistake| {
+        mistakes.push(mistake);
+        Vec::new()
+    })
+}
+
+/// The entries that an entry stands for within loops around it.
 fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, Mistake> {
     let Some(loops) = entry.get("for") else {
         return Ok(vec![replaced(entry, around, wholes)?]);
@@ -344,17 +450,12 @@ fn without_for(entry: &Raw) -> Raw {
 }
 
 /// The same for an entry with a key of its own, which is replaced, too.
-pub(super) fn repeated_named(entry: &Entry, wholes: &Wholes) -> Result<Vec<Entry>, Mistake> {
-    let Some(loops) = entry.value.entries().and_then(|own| own.iter().find(|own| own.key == "for")) else {
-        return Ok(vec![entry.clone()]);
-    };
-    let once = Entry { key: entry.key.clone(), at: entry.at, value: without_for(&entry.value) };
-    let both = RawValue::Table(vec![loops.clone(), once]);
-    let all = repeated_entries(&Raw { at: entry.at, value: both }, wholes)?;
-    Ok(all
-        .into_iter()
-        .filter_map(|own| if let RawValue::Table(own) = own.value { own.into_iter().next() } else { None })
-        .collect())
+fn repeated_named(entry: &Entry, wholes: &Wholes) -> Result<Vec<Entry>, Mistake> {
+    let loops = entry.value.entries().unwrap_or_default().iter().filter(|own| own.key == "for").cloned();
+    let once = entry.with(without_for(&entry.value));
+    let both = Raw { at: entry.at, value: RawValue::Table(loops.chain([once]).collect()) };
+    let all = repeated(&both, &[], wholes)?;
+    Ok(all.iter().flat_map(|own| own.entries().unwrap_or_default().to_vec()).collect())
 }
 
 fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
@@ -496,24 +597,6 @@ mod tests {
         }
     }
 
-    /// The same with loops written out.
-    fn values_without_loops(root: &Raw) -> usize {
-        let wholes = Wholes::of(root);
-        let of_named =
-            |entry: &Entry| -> usize { repeated_named(entry, &wholes).unwrap().iter().map(|own| values(&own.value)).sum() };
-        let of_section = |own: &Entry| -> usize {
-            match &own.value.value {
-                RawValue::List(list) if list.iter().any(|own| own.entries().is_some()) => {
-                    let all = list.iter().flat_map(|entry| repeated_entries(entry, &wholes).unwrap());
-                    all.map(|entry| values(&entry)).sum()
-                }
-                RawValue::Table(entries) if own.key != "settings" => entries.iter().map(of_named).sum(),
-                _ => values(&own.value),
-            }
-        };
-        root.entries().unwrap_or_default().iter().map(of_section).sum()
-    }
-
     #[test]
     fn loops_shorten_scenes_of_like_parts() {
         for (name, text, at_most) in [
@@ -523,7 +606,10 @@ mod tests {
             ("rotor", include_str!("../../../examples/scenes/rotor.toml"), 0.7),
         ] {
             let root = Raw::parse(text).unwrap();
-            let (said, without) = (values(&root), values_without_loops(&root));
+            let (wholes, mut mistakes) = (Wholes::of(&root), Vec::new());
+            let repeated = root.entries().unwrap().iter().map(|own| own.value.repeated(true, &wholes, &mut mistakes));
+            let (said, without) = (values(&root), repeated.map(|own| values(&own)).sum::<usize>());
+            assert!(mistakes.is_empty(), "{mistakes:?}");
             println!("{name}: {said} values, {without} with loops written out");
             assert!(said as f64 <= at_most * without as f64, "{name}: {said} of {without}");
         }

@@ -1,18 +1,17 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
 use super::elsewhere::unknown_or_elsewhere;
-use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::fields::{Each, Fields, Item};
-use super::keys::{MANY, WITH_NODES};
+use super::formula::{Formula, Scope, is_name, meaning, names_in};
+use super::keys::MANY;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
-use super::raw::{Entry, Raw, RawValue, Wholes, loop_names, repeated_entries, repeated_named};
+use super::raw::{Entry, Raw, RawValue, Wholes, loop_names};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
 use super::tables::TABLES;
-use crate::elements::entries::{Form, Forms, named};
-use crate::elements::forces::LOADS;
+use crate::elements::entries::{Form, Forms};
 use crate::scenes::MeshData;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -41,7 +40,7 @@ pub(super) struct Contents {
     pub top: Fields,
     pub variables: Vec<Variable>,
     /// After the variables, in an order in which each depends on others before it only, with their places and names.
-    pub definitions: Vec<(usize, String, Expression)>,
+    pub definitions: Vec<(usize, String, Formula)>,
     pub items: Vec<Item>,
     /// Sections that occur once.
     pub single: Vec<(&'static str, Fields)>,
@@ -68,32 +67,19 @@ pub(super) struct Reader {
     pub meshes: HashMap<usize, Arc<MeshData>>,
     /// The entry that is read.
     pub current: Option<usize>,
-    /// Whole numbers that loops may use.
+    /// Whole numbers that counts may use.
     pub wholes: Wholes,
     /// Nodes of its formulas that outputs of its nodes bring with them.
     pub brought: Vec<Entry>,
     pub scope: Scope,
     pub declared: Vec<Declared>,
-    pub by_name: HashMap<(String, &'static str), usize>,
+    /// Entries by their names, one of each space.
+    pub by_name: HashMap<String, Vec<usize>>,
     /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
     pub names_are_missing: bool,
     /// Parts beside those of the library.
     pub own: Arc<OwnParts>,
     pub mistakes: Vec<Mistake>,
-}
-
-/// Sections whose names may be the same, as nobody takes one for the other, have different words here.
-pub(super) fn name_space(section: &str) -> &'static str {
-    match section {
-        "variable" | "material" | "section" | "laminate" | "drawing" | "hold" | "spin" => {
-            SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
-        }
-        "joint" | "driver" | "rigid_interface" | "tie" => "joint",
-        "spring" | "damper" | "element" => "force",
-        load if named(LOADS, load).is_some() => "force",
-        "functional" | "mode" => "functional",
-        _ => "member",
-    }
 }
 
 /// Reads a whole file; paths in it begin at a folder. Parts of one's own are known by their names.
@@ -107,7 +93,7 @@ pub(super) fn read(root: &Raw, folder: &Path, own: &OwnParts) -> Result<Contents
 impl Contents {
     /// Names of the functionals.
     pub fn functionals(&self) -> impl Iterator<Item = &str> {
-        self.items.iter().filter(|item| item.section == "functional").map(|item| item.name.as_str())
+        self.items.iter().filter(|item| item.section.name == "functional").map(|item| item.name.as_str())
     }
 }
 
@@ -123,9 +109,17 @@ impl Reader {
     }
 
     fn contents(&mut self, root: &Raw) -> Contents {
-        let entries = root.entries().unwrap_or_default();
         self.scope.loops = loop_names(root);
         self.wholes = Wholes::of(root);
+        let has_names =
+            |key: &str| key == DEFINE.0 || SECTIONS.iter().any(|own| own.name == key && own.shape == Shape::Named);
+        let repeated = root
+            .entries()
+            .unwrap_or_default()
+            .iter()
+            .map(|own| own.with(own.value.repeated(has_names(&own.key), &self.wholes, &mut self.mistakes)));
+        let entries: &[Entry] = &repeated.collect::<Vec<_>>();
+        self.names_are_missing = !self.mistakes.is_empty();
         let top_keys = TOP.forms[0].keys;
         let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
         known.push(DEFINE.0.into());
@@ -161,7 +155,7 @@ impl Reader {
             .into_iter()
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
             .collect();
-        if !self.names_are_missing && self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
+        if !self.names_are_missing && self.declared.iter().all(|own| own.section.nodes.is_none()) {
             self.wrong(
                 root.at,
                 "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves",
@@ -184,7 +178,7 @@ impl Reader {
             }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             let mesh = self.meshes.get(&place).cloned();
-            items.push(Item { place, section: section.name, name, fields, mesh });
+            items.push(Item { place, section, name, fields, mesh });
         }
         let variables = variables
             .into_iter()
@@ -196,30 +190,18 @@ impl Reader {
 
     /// Takes down the entries of a section with their names.
     fn declare(&mut self, section: &'static Section, entry: &Entry) {
-        let entries: Result<Vec<(String, Raw)>, Mistake> = match (section.shape, &entry.value.value) {
+        let entries: Vec<(String, Raw)> = match (section.shape, &entry.value.value) {
             (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
                 let name = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
-                let all: Result<Vec<Vec<Raw>>, Mistake> =
-                    list.iter().map(|own| repeated_entries(own, &self.wholes)).collect();
-                all.map(|all| all.into_iter().flatten().map(|own| (name(&own), own)).collect())
+                list.iter().map(|own| (name(own), own.clone())).collect()
             }
             (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
-                let all: Result<Vec<Vec<Entry>>, Mistake> =
-                    named.iter().map(|own| repeated_named(own, &self.wholes)).collect();
-                let of_key = |own: Entry| (own.key, Raw { at: own.at, value: own.value.value });
-                all.map(|all| all.into_iter().flatten().map(of_key).collect())
+                named.iter().map(|own| (own.key.clone(), Raw { at: own.at, value: own.value.value.clone() })).collect()
             }
             _ => {
-                let header = section.header();
-                let text = format!("{} must be written as {header}; it is {}", section.name, entry.value.words());
-                Err(Mistake::new(entry.at, text))
-            }
-        };
-        let entries = match entries {
-            Ok(entries) => entries,
-            Err(mistake) => {
+                let (header, is) = (section.header(), entry.value.words());
                 self.names_are_missing = true;
-                return self.mistakes.push(mistake);
+                return self.wrong(entry.at, format!("{} must be written as {header}; it is {is}", section.name));
             }
         };
         for (name, raw) in entries {
@@ -229,15 +211,18 @@ impl Reader {
                     "has a line break or another control character, which tables and pictures cannot show; leave it out";
                 self.wrong(at, format!("the name {name:?} {text}"));
             }
-            let space = name_space(section.name);
-            if !["drawing", "hold", "spin"].contains(&space) && !name.is_empty() {
+            let space = section.space;
+            if !space.is_empty() && !name.is_empty() {
                 if name == "ground" && space == "member" {
                     self.wrong(at, "the name \"ground\" belongs to the body that never moves and is there already");
                 }
-                if let Some(before) = self.by_name.insert((name.clone(), space), self.declared.len()) {
+                let named = self.by_name.entry(name.clone()).or_default();
+                let before = named.iter().position(|&place| self.declared[place].section.space == space);
+                if let Some(before) = before.map(|before| named.remove(before)) {
                     let other = self.declared[before].section.name;
                     self.wrong(at, format!("the name \"{name}\" is taken: there is a {other} with this name"));
                 }
+                self.by_name.entry(name.clone()).or_default().push(self.declared.len());
             }
             self.declared.push(Declared { section, name, at, raw });
         }
@@ -274,7 +259,7 @@ impl Reader {
             match &extent {
                 Extent::OfMesh(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
                 Extent::Array(count) => self.scope.add_array(&own, *count),
-                Extent::One => self.scope.add_variable(&own),
+                Extent::One => self.scope.add_known(&own, false),
             }
             list.push((place, shown, extent));
         }
@@ -292,36 +277,18 @@ impl Reader {
         }
     }
 
-    /// Definitions one by one: `"corner{k}" = { for = { k = [0, 1] }, value = .. }` stands for two.
-    fn defined(&mut self, entry: &Entry) -> Vec<Entry> {
-        let is_loop = entry
-            .value
-            .entries()
-            .is_some_and(|own| own.len() == 2 && ["for", "value"].iter().all(|key| own.iter().any(|own| own.key == *key)));
-        if !is_loop {
-            return vec![entry.clone()];
-        }
-        let all = repeated_named(entry, &self.wholes).unwrap_or_else(|mistake| {
-            self.mistakes.push(mistake);
-            Vec::new()
-        });
-        let value = |own: Entry| own.value.get("value").cloned().map(|value| Entry { value, ..own });
-        all.into_iter().filter_map(value).collect()
-    }
-
     /// Definitions and tables in an order in which each depends on earlier ones only.
-    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Expression)> {
-        let mut entries: Vec<Entry> = entries.iter().flat_map(|entry| self.defined(entry)).collect();
-        let first_table = entries.len();
-        for own in tables {
-            match repeated_named(own, &self.wholes) {
-                Ok(own) => entries.extend(own),
-                Err(mistake) => self.mistakes.push(mistake),
-            }
-        }
+    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Formula)> {
+        // `"corner{k}" = { for = { k = [0, 1] }, value = .. }` stands for two
+        let value = |own: &Entry| match own.value.entries() {
+            Some([only]) if only.key == "value" => only.value.clone(),
+            _ => own.value.clone(),
+        };
+        let defined = entries.iter().map(|own| own.with(value(own)));
+        let (first_table, entries): (usize, Vec<Entry>) = (entries.len(), defined.chain(tables.iter().cloned()).collect());
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
-            let by = match self.by_name.contains_key(&(entry.key.clone(), "variable")) {
+            let by = match self.find(&entry.key, &["variable"]).is_some() {
                 true => "a design variable",
                 false if entries[..place].iter().any(|other| other.key == entry.key) => "another definition",
                 false => continue,
@@ -358,10 +325,10 @@ impl Reader {
             };
             // what is wrong is told once, not by all that use it
             let formula = formula.unwrap_or_else(|| match &value.value {
-                RawValue::List(_) => Expression::vector([1.0, 0.0, 0.0].map(Expression::literal)),
-                _ => Expression::literal(1.0),
+                RawValue::List(_) => Formula::vector(&[1.0, 0.0, 0.0].map(Formula::literal)),
+                _ => Formula::literal(1.0),
             });
-            self.scope.add_formula(key, &formula);
+            self.scope.add_value(key, &formula);
             definitions.push((value.at, key.clone(), formula));
         }
         definitions

@@ -1,24 +1,28 @@
 //! Names of other entries, and of their nodes; in which order they are made.
 
 use super::fields::{Item, NodePlace, Value};
-use super::keys::WITH_NODES;
 use super::order::ordered;
 use super::raw::Raw;
-use super::reader::{Reader, name_space};
-use crate::scenes::{Edge, unknown};
+use super::reader::Reader;
+use super::section::Section;
+use crate::scenes::unknown;
 
 impl Reader {
     /// Names of the entries of some sections.
-    pub(super) fn names_of(&self, sections: &[&str]) -> Vec<String> {
-        let own = self.declared.iter().filter(|own| sections.contains(&own.section.name) && !own.name.is_empty());
+    pub(super) fn names_of(&self, is_of: impl Fn(&Section) -> bool) -> Vec<String> {
+        let own = self.declared.iter().filter(|own| is_of(own.section) && !own.name.is_empty());
         own.map(|own| own.name.clone()).collect()
     }
 
+    /// The entry with a name, of some sections.
+    fn find_where(&self, name: &str, is_of: impl Fn(&Section) -> bool) -> Option<usize> {
+        let named = self.by_name.get(name)?;
+        named.iter().copied().find(|&place| is_of(self.declared[place].section))
+    }
+
+    /// The same of sections by their names, the first of them first.
     pub(super) fn find(&self, name: &str, sections: &[&str]) -> Option<usize> {
-        sections.iter().find_map(|section| {
-            let place = self.by_name.get(&(name.to_string(), name_space(section)))?;
-            (self.declared[*place].section.name == *section).then_some(*place)
-        })
+        sections.iter().find_map(|section| self.find_where(name, |own| own.name == *section))
     }
 
     pub(super) fn item(&mut self, raw: &Raw, what: &str, sections: &[&str]) -> Option<usize> {
@@ -26,7 +30,7 @@ impl Reader {
         let name = raw.text().or_else(|| self.not(raw, what, &format!("the name of a {wanted}")))?;
         let found = self.find(name, sections);
         if found.is_none() && !self.names_are_missing {
-            let mut names = self.names_of(sections);
+            let mut names = self.names_of(|own| sections.contains(&own.name));
             if sections.contains(&"mesh") {
                 names.extend(self.group_names());
             }
@@ -73,11 +77,11 @@ impl Reader {
             return found;
         }
         let (name, edge, index) = self.node_parts(text);
-        let Some(place) = self.find(name, WITH_NODES) else {
+        let Some(place) = self.find_where(name, |own| own.nodes.is_some()) else {
             if self.names_are_missing {
                 return None;
             }
-            let mut known = self.names_of(WITH_NODES);
+            let mut known = self.names_of(|own| own.nodes.is_some());
             known.push("ground".into());
             let text = match self.declared.iter().find(|own| own.name == name) {
                 Some(other) => {
@@ -87,8 +91,7 @@ impl Reader {
             };
             return self.refuse(raw.at, format!("{what}: {text}"));
         };
-        let section = self.declared[place].section.name;
-        let nodes = MemberNodes::of(section);
+        let Section { name: section, nodes: Some(nodes), .. } = self.declared[place].section else { return None };
         let found = edge.map(|edge| nodes.edges.iter().copied().find(|own| *own == edge));
         let right = match (found, index.len()) {
             (None, count) => count == nodes.own && (count > 0 || nodes.edges.is_empty()),
@@ -106,7 +109,7 @@ impl Reader {
 
     /// The entry that a text names, the edge or end behind it, and the numbers behind these.
     fn node_parts<'t>(&self, text: &'t str) -> (&'t str, Option<&'t str>, Vec<usize>) {
-        let is_known = |name: &str| self.find(name, WITH_NODES).is_some();
+        let is_known = |name: &str| self.find_where(name, |own| own.nodes.is_some()).is_some();
         if is_known(text) {
             return (text, None, Vec::new());
         }
@@ -115,42 +118,6 @@ impl Reader {
             Some((name, edge)) if !is_known(front) && is_known(name) => (name, Some(edge), index),
             _ => (front, None, index),
         }
-    }
-}
-
-/// How nodes of a member are called: its ends and edges, and how many numbers stand behind its name and behind these.
-struct MemberNodes {
-    edges: &'static [&'static str],
-    own: usize,
-    of_edge: usize,
-}
-
-impl MemberNodes {
-    fn of(section: &str) -> Self {
-        let (edges, own, of_edge): (&[&str], usize, usize) = match section {
-            "beam" | "cable" => (&["start", "end"], 1, 0),
-            "shell" => (&Edge::NAMES, 2, 1),
-            "thin_walls" => (&["start", "end"], 0, 1),
-            "sphere" => (&[], 3, 0),
-            _ => (&[], 0, 0),
-        };
-        MemberNodes { edges, own, of_edge }
-    }
-
-    /// All ways to name nodes, or also sets of them.
-    fn ways(&self, name: &str, sets: bool) -> Vec<String> {
-        let numbers = |count| ["", "[i]", "[i, j]", "[face, i, j]"][count];
-        let mut ways: Vec<String> = Vec::new();
-        if self.own > 0 || self.edges.is_empty() {
-            ways.push(format!("{name}{}", numbers(self.own)));
-        }
-        for edge in self.edges {
-            if sets && self.of_edge > 0 {
-                ways.push(format!("{name}.{edge}"));
-            }
-            ways.push(format!("{name}.{edge}{}", numbers(self.of_edge)));
-        }
-        ways
     }
 }
 

@@ -1,13 +1,10 @@
-use super::expression::Quantity;
 use super::extended::{text_of, whole_tree};
 use super::fields::{Each, Fields, Item, Value};
-use super::keys::{WITH_MASS, WITH_MULTIPLIERS, WITH_NODES};
-use super::known::{Known, Made, count, fixed, fixed_list, flag, kept, list, text, texts};
+use super::known::{Builder, Known, Made, kept};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
-use super::parts::build;
 use super::raw::Raw;
-use super::reader::{Contents, Extent, Variable, name_space, read};
+use super::reader::{Contents, Extent, Variable, read};
 use super::scenarios::{take_scenarios, without_problem};
 use crate::design::DesignVariable;
 use crate::integrators::{
@@ -15,7 +12,7 @@ use crate::integrators::{
 };
 use crate::linalg::Backend;
 use crate::program::Recorded;
-use crate::scalar::{Scalar, Vector3};
+use crate::scalar::Scalar;
 use crate::scenes::{
     AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
     Scenario, Sense, Settings, built,
@@ -111,7 +108,30 @@ impl FileScene {
         if let Some(kind) = other_format(text) {
             return Err(format!("{file}: this is {kind}"));
         }
-        let mut root = whole_tree(&mut source)?;
+        let root = whole_tree(&mut source)?;
+        Self::of_tree(source, root, folder, parts)
+    }
+
+    /// Takes entries that a program gives: sections as in a file, whose tables say by the key "" where they come from, a number of the list of
+    /// places that the key "" of the whole has; `{"": 3, "=": value}` is a value with its place.
+    ///
+    /// # Errors
+    /// As [`FileScene::parse`].
+    pub fn of_entries(file: &str, entries: &serde_json::Value, parts: &OwnParts) -> Result<Self, String> {
+        parts.check()?;
+        let places = entries[""].as_array().into_iter().flatten().filter_map(|own| own.as_str().map(String::from));
+        let source = Source::of_program(file.into(), places.collect());
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        Self::of_tree(source, Raw::of_entries(entries, 0), folder, parts)
+    }
+
+    /// The text of a scene file with these entries.
+    pub fn text_of(entries: &serde_json::Value) -> String {
+        Raw::of_entries(entries, 0).written()
+    }
+
+    fn of_tree(source: Source, mut root: Raw, folder: &Path, parts: &OwnParts) -> Result<Self, String> {
+        let file = source.name().to_string();
         let told = |mistakes| source.all_told(mistakes);
         let scenarios = take_scenarios(&mut root).map_err(told)?;
         let mut made = Vec::new();
@@ -152,27 +172,26 @@ impl FileScene {
         let file = source.name();
         let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy().into_owned());
         let mut mistakes = Vec::new();
-        let name = super::known::text(&contents.top, "name").map_or(stem, String::from);
+        let name = contents.top.text("name").map_or(stem, String::from);
         if let Err((_, why)) = check_folders([&*name]) {
             let mend = if contents.top.get("name").is_some() { "" } else { "; give the file a key name" };
-            mistakes.push(Mistake::new(contents.top.at("name"), why + mend));
+            mistakes.push(Mistake::new(contents.top.place("name"), why + mend));
         }
         let variables = variables(&contents, &mut mistakes);
         let settings = settings(&contents, &mut mistakes);
         let problem = problem(&contents, (&variables, functionals), &mut mistakes);
         let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
-            let histories = texts(fields, "histories");
-            Output { step: fixed(fields, "step"), histories, meshes: flag(fields, "vtk", false) }
+            let histories = fields.texts("histories").map(String::from).collect();
+            Output { step: fields.fixed("step"), histories, meshes: fields.flag("vtk") }
         });
         if let Some(step) = output.step
             && settings.end / step > MOST_STEPS as f64
             && let Some(fields) = single(&contents, "output")
         {
             let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
-            mistakes.push(Mistake::new(fields.at("step"), text));
+            mistakes.push(Mistake::new(fields.place("step"), text));
         }
         check_output(&contents, &mut mistakes);
-        check_spans(&contents, settings.end, &mut mistakes);
         if mistakes.is_empty() {
             for (section, fields) in &contents.single {
                 mistakes.extend(fields.unread().into_iter().map(|(key, at)| {
@@ -224,33 +243,13 @@ fn single<'c>(contents: &'c Contents, name: &str) -> Option<&'c Fields> {
     contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
 }
 
-/// Formulas of time hold at all times; when they were splines, these went on with constant slope before their start and after their end.
-fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
-    let functions = contents.items.iter().flat_map(|item| &item.fields.values).filter_map(|own| match &own.2 {
-        Value::Fields(fields) if fields.form == "formula" => Some(fields),
-        _ => None,
-    });
-    for function in functions {
-        let is_outside = |key| fixed(function, key).is_some_and(|own| if key == "start" { own > 0.0 } else { own < end });
-        for key in ["start", "end"].into_iter().filter(|key| is_outside(key)) {
-            let text = format!(
-                "{key} lies within the run, but a formula of time holds at all times; leave {key} out, or let if_less choose between what \
-                 holds before it and after it"
-            );
-            mistakes.push(Mistake::new(function.at(key), text));
-        }
-    }
-}
-
 /// What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.
 fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
     let Some(fields) = single(contents, "output") else { return };
-    let has_columns = |item: &&Item| {
-        [WITH_NODES, WITH_MULTIPLIERS, &["spring", "damper", "element", "functional"]].concat().contains(&item.section)
-    };
-    let mut known: Vec<String> = contents.items.iter().filter(has_columns).map(|item| item.name.clone()).collect();
+    let told = contents.items.iter().filter(|item| item.section.has_columns);
+    let mut known: Vec<String> = told.map(|item| item.name.clone()).collect();
     known.push("energy".into());
-    for (at, value) in list(fields, "histories") {
+    for (at, value) in fields.list("histories") {
         let Value::Text(text) = value else { continue };
         let is_of = |name: &String| {
             text.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.', ',']))
@@ -264,10 +263,10 @@ fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
 fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVariable> {
     let mut variables = Vec::new();
     for own in &contents.variables {
-        let mut initial = fixed_list(&own.fields, "initial");
-        let bounds = fixed_list(&own.fields, "bounds");
+        let mut initial = own.fields.fixed_list("initial");
+        let bounds = own.fields.fixed_list("bounds");
         let &[lower, upper] = bounds.as_slice() else { continue };
-        let at = |key: &str| own.fields.at(key);
+        let at = |key: &str| own.fields.place(key);
         if lower > upper {
             let text = format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name);
             mistakes.push(Mistake::new(at("bounds"), text));
@@ -283,7 +282,7 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
             let text = format!("\"{}\" has {} values, and these are {}", own.name, own.count(), initial.len());
             mistakes.push(Mistake::new(at("initial"), text));
         }
-        let unit = kept(text(&own.fields, "unit").unwrap_or("-"));
+        let unit = kept(own.fields.text("unit").unwrap_or("-"));
         let numbered = own.names().into_iter().zip(initial);
         variables.extend(numbered.map(|(name, initial)| DesignVariable::new(name, initial, (lower, upper), unit)));
     }
@@ -296,40 +295,37 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
             .push(Mistake::new(contents.top.at, "the section [settings] is missing: give it the keys end [s] and steps"));
         return Settings::new(1.0, 1);
     };
-    let method = text(fields, "method");
+    let method = fields.text("method");
     match method.map(table_named) {
         None | Some(Ok(Some(_))) => {}
         Some(Ok(None)) => {
             let text = unknown("method of [settings]:", method.unwrap_or_default(), &table_names());
-            mistakes.push(Mistake::new(fields.at("method"), text));
+            mistakes.push(Mistake::new(fields.place("method"), text));
         }
-        Some(Err(why)) => mistakes.push(Mistake::new(fields.at("method"), format!("method of [settings]: {why}"))),
+        Some(Err(why)) => mistakes.push(Mistake::new(fields.place("method"), format!("method of [settings]: {why}"))),
     }
     let is_static = method == Some(STATIC_TABLE);
-    let tolerance = fixed(fields, "tolerance");
-    let end = fixed(fields, "end").or(is_static.then_some(1.0));
-    let steps = match fields.get("steps") {
-        Some((_, Value::Count(steps))) => Some(*steps),
-        _ => None,
-    };
+    let tolerance = fields.fixed("tolerance");
+    let end = fields.fixed("end").or(is_static.then_some(1.0));
+    let steps = fields.has("steps").then(|| fields.count("steps"));
     check_steps(fields, (end, steps, tolerance), is_static, mistakes);
     let mut settings = Settings::new(end.unwrap_or(1.0), steps.unwrap_or(1));
     settings.method = method.map(str::to_string);
-    let level = text(fields, "constraint_level").and_then(ConstraintLevel::by_name);
+    let level = fields.text("constraint_level").and_then(ConstraintLevel::by_name);
     settings.level = level.unwrap_or(settings.level);
-    let newton = NewtonTolerance::ALL.into_iter().find(|own| text(fields, "newton") == Some(own.name()));
+    let newton = NewtonTolerance::ALL.into_iter().find(|own| fields.text("newton") == Some(own.name()));
     settings.newton = newton.unwrap_or(settings.newton);
-    let solver = Backend::ALL.into_iter().find(|own| text(fields, "solver") == Some(own.name()));
+    let solver = Backend::ALL.into_iter().find(|own| fields.text("solver") == Some(own.name()));
     settings.solver = solver.unwrap_or(settings.solver);
-    settings.divide = flag(fields, "divide_steps", false);
-    settings.policy.drop_redundant = flag(fields, "drop_redundant", false);
-    settings.policy.project_start = flag(fields, "project_start", false);
-    settings.policy.from_equilibrium = matches!(text(fields, "start"), Some("equilibrium" | "steady"));
+    settings.divide = fields.flag("divide_steps");
+    settings.policy.drop_redundant = fields.flag("drop_redundant");
+    settings.policy.project_start = fields.flag("project_start");
+    settings.policy.from_equilibrium = matches!(fields.text("start"), Some("equilibrium" | "steady"));
     check_start(contents, fields, mistakes);
     settings.control = tolerance.map(|tolerance| {
         let mut control = StepControl::new(tolerance);
-        control.velocities = StepControl::new(fixed(fields, "velocity_tolerance").unwrap_or(tolerance)).velocities;
-        control.longest = fixed(fields, "longest_step").unwrap_or(f64::INFINITY);
+        control.velocities = StepControl::new(fields.fixed("velocity_tolerance").unwrap_or(tolerance)).velocities;
+        control.longest = fields.fixed("longest_step").unwrap_or(f64::INFINITY);
         control
     });
     settings
@@ -351,18 +347,18 @@ fn check_steps(
             wrong(fields.at, "[settings] needs the key steps, or tolerance where steps are to be chosen by their error");
         }
         (Some(_), Some(_)) => {
-            wrong(fields.at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are");
+            wrong(fields.place("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are");
         }
         _ => {}
     }
     for key in ["velocity_tolerance", "project_start", "start"] {
-        if fields.get(key).is_some() && is_static {
-            wrong(fields.at(key), &format!("{key} of [settings] means nothing with the method static"));
+        if fields.has(key) && is_static {
+            wrong(fields.place(key), &format!("{key} of [settings] means nothing with the method static"));
         }
     }
     for key in ["velocity_tolerance", "longest_step"] {
-        if fields.get(key).is_some() && tolerance.is_none() {
-            wrong(fields.at(key), &format!("{key} of [settings] means nothing without the key tolerance"));
+        if fields.has(key) && tolerance.is_none() {
+            wrong(fields.place(key), &format!("{key} of [settings] means nothing without the key tolerance"));
         }
     }
 }
@@ -370,8 +366,8 @@ fn check_steps(
 /// Whether what is held and what turns fits to how the motion begins.
 fn check_start(contents: &Contents, fields: &Fields, mistakes: &mut Vec<Mistake>) {
     let mut wrong = |at: usize, what: &str| mistakes.push(Mistake::new(at, what));
-    let start = text(fields, "start");
-    let first = |section: &str| contents.items.iter().find(|item| item.section == section);
+    let start = fields.text("start");
+    let first = |section: &str| contents.items.iter().find(|item| item.section.name == section);
     if let Some(hold) = first("hold").filter(|_| !matches!(start, Some("equilibrium" | "steady"))) {
         let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\" or \"steady\"";
         wrong(hold.fields.at, text);
@@ -383,7 +379,7 @@ fn check_start(contents: &Contents, fields: &Fields, mistakes: &mut Vec<Mistake>
         }
         (None, true) => {
             let text = "start = \"steady\" needs a [[spin]]: which parts turn, about which axis, at which rate";
-            wrong(fields.at("start"), text);
+            wrong(fields.place("start"), text);
         }
         _ => {}
     }
@@ -391,9 +387,9 @@ fn check_start(contents: &Contents, fields: &Fields, mistakes: &mut Vec<Mistake>
 
 fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
     let given = [
-        fixed(fields, "at_most").map(Limit::AtMost),
-        fixed(fields, "at_least").map(Limit::AtLeast),
-        fixed(fields, "equal").map(Limit::Equal),
+        fields.fixed("at_most").map(Limit::AtMost),
+        fields.fixed("at_least").map(Limit::AtLeast),
+        fields.fixed("equal").map(Limit::Equal),
     ];
     let given: Vec<Limit> = given.into_iter().flatten().collect();
     match given.as_slice() {
@@ -418,12 +414,12 @@ fn weights(fields: &Fields, key: &str) -> Weights {
 
 /// The objective, with the key that says it.
 fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'static str, Weights)> {
-    let one = |key: &str| vec![(text(fields, key).unwrap_or_default().to_string(), 1.0)];
-    match ["minimize", "maximize", "weights"].map(|key| fields.get(key).is_some()) {
+    let one = |key: &str| vec![(fields.text(key).unwrap_or_default().to_string(), 1.0)];
+    match ["minimize", "maximize", "weights"].map(|key| fields.has(key)) {
         [true, false, false] => Some((Sense::Minimize, "minimize", one("minimize"))),
         [false, true, false] => Some((Sense::Maximize, "maximize", one("maximize"))),
         [false, false, true] => {
-            let sense = if text(fields, "sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize };
+            let sense = if fields.text("sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize };
             Some((sense, "weights", weights(fields, "weights")))
         }
         _ => {
@@ -436,11 +432,11 @@ fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'s
 
 /// Numbers of modes.
 fn modes(contents: &Contents) -> impl Iterator<Item = ModeMeasure> {
-    contents.items.iter().filter(|item| item.section == "mode").map(|Item { name, fields, .. }| ModeMeasure {
+    contents.items.iter().filter(|item| item.section.name == "mode").map(|Item { name, fields, .. }| ModeMeasure {
         name: name.clone(),
-        number: count(fields, "number"),
-        growth: text(fields, "measure") == Some("growth"),
-        damped: flag(fields, "damped", false),
+        number: fields.count("number"),
+        growth: fields.text("measure") == Some("growth"),
+        damped: fields.flag("damped"),
     })
 }
 
@@ -464,31 +460,31 @@ fn problem(
             mistakes.push(Mistake::new(at, unknown(kind, name, known)));
         }
     };
-    objective.iter().for_each(|(name, _)| check("functional", fields.at(key), name, &functionals, mistakes));
+    objective.iter().for_each(|(name, _)| check("functional", fields.place(key), name, &functionals, mistakes));
     // one name stands for all of a variable of faces or nodes
-    let varying = fields.get("varying").map(|_| {
-        let all = |name: String| match contents.variables.iter().find(|own| own.name == name) {
+    let varying = fields.has("varying").then(|| {
+        let all = |name: &str| match contents.variables.iter().find(|own| own.name == name) {
             Some(own) => own.names(),
-            None => vec![name],
+            None => vec![name.into()],
         };
-        texts(fields, "varying").into_iter().flat_map(all).collect::<Vec<String>>()
+        fields.texts("varying").flat_map(all).collect::<Vec<String>>()
     });
-    let at = fields.at("varying");
+    let at = fields.place("varying");
     varying.iter().flatten().for_each(|name| check("design variable", at, name, &names, mistakes));
-    let constraints = fields.tables("constraint").map(|(_, own)| {
-        let functional = text(own, "functional").unwrap_or_default().to_string();
-        check("functional", own.at("functional"), &functional, &functionals, mistakes);
-        FunctionalConstraint { functional, limit: limit(own, mistakes), scale: fixed(own, "scale") }
+    let constraints = fields.tables("constraint").map(|own| {
+        let functional = own.text("functional").unwrap_or_default().to_string();
+        check("functional", own.place("functional"), &functional, &functionals, mistakes);
+        FunctionalConstraint { functional, limit: limit(own, mistakes), scale: own.fixed("scale") }
     });
     let constraints = constraints.collect();
-    let linear = fields.tables("linear").map(|(_, own)| {
-        let (name, at) = (text(own, "name").unwrap_or_default().to_string(), own.at("coefficients"));
+    let linear = fields.tables("linear").map(|own| {
+        let (name, at) = (own.text("name").unwrap_or_default().to_string(), own.place("coefficients"));
         let coefficients = weights(own, "coefficients");
         coefficients.iter().for_each(|(name, _)| check("design variable", at, name, &names, mistakes));
         LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
     });
     let linear = linear.collect();
-    let (scale, screening) = (fixed(fields, "scale"), fixed(fields, "screening"));
+    let (scale, screening) = (fields.fixed("scale"), fields.fixed("screening"));
     let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
     // the rest, such as an objective of weights that are zero
     if mistakes.is_empty()
@@ -499,31 +495,32 @@ fn problem(
     Some(problem)
 }
 
-/// The values of all names of formulas, and those of the variables of each face or node of a mesh.
-type Values<'c, S> = (Vec<Quantity<S>>, Vec<(usize, &'c Each, Vec<S>)>);
+/// The numbers that formulas take, and those of the variables of each face or node of a mesh with their places among them.
+type Numbers<'c> = (Vec<Recorded>, Vec<(usize, &'c Each, Vec<Recorded>)>);
 
 impl FileScene {
-    /// What the names of formulas are at a design: the place along a section, the design variables, the definitions.
-    fn values<S: Scalar>(&self, x: &[S]) -> Result<Values<'_, S>, String> {
-        let (mut names, mut each, mut rest) = (vec![Quantity::Number(S::zero())], Vec::new(), x);
+    /// The numbers that formulas take at a design: the place along a section, the design variables, the definitions.
+    fn numbers(&self, x: &[Recorded]) -> Result<Numbers<'_>, String> {
+        let (mut numbers, mut each, mut rest) = (vec![Recorded::default()], Vec::new(), x);
         for own in &self.contents.variables {
             let (values, others) = rest.split_at(own.count());
             rest = others;
             if let Extent::OfMesh(of) = &own.extent {
-                each.push((names.len(), of, values.to_vec()));
+                each.push((numbers.len(), of, values.to_vec()));
             }
-            let named = if let Extent::Array(_) = own.extent { values } else { &values[..1] };
-            names.extend(named.iter().map(|&own| Quantity::Number(own)));
+            numbers.extend_from_slice(if let Extent::Array(_) = own.extent { values } else { &values[..1] });
         }
         for (at, name, formula) in &self.contents.definitions {
-            let value = formula.value(&names);
-            if let Some(own) = value.components().iter().map(|own| own.value()).find(|own| !own.is_finite()) {
+            let value = formula.value(|place| numbers[place]).components();
+            if let Some(own) = value.iter().map(|own| own.value()).find(|own| !own.is_finite()) {
                 let text = format!("{name} of [define] is {own} at this design; it must be finite");
                 return Err(self.source.told(&Mistake::new(*at, text)));
             }
-            names.push(value);
+            if formula.constant().is_none() {
+                numbers.extend(value);
+            }
         }
-        Ok((names, each))
+        Ok((numbers, each))
     }
 }
 
@@ -533,7 +530,7 @@ impl AnyScene for FileScene {
         self.name.clone()
     }
     fn summary(&self) -> String {
-        text(&self.contents.top, "summary").unwrap_or("a scene from a file").into()
+        self.contents.top.text("summary").unwrap_or("a scene from a file").into()
     }
     fn variables(&self) -> Vec<DesignVariable> {
         self.variables.clone()
@@ -563,7 +560,7 @@ impl AnyScene for FileScene {
     }
     fn place_of(&self, part: &str) -> Option<String> {
         let items = || self.contents.items.iter().filter(|item| !part.is_empty() && item.name == part);
-        let item = PARTS.into_iter().find_map(|space| items().find(|item| name_space(item.section) == space))?;
+        let item = PARTS.into_iter().find_map(|space| items().find(|item| item.section.space == space))?;
         Some(self.source.place(item.fields.at))
     }
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
@@ -572,24 +569,24 @@ impl AnyScene for FileScene {
 }
 
 impl FileScene {
-    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+    fn build(&self, x: &[Recorded], m: &mut Builder) -> Result<(), String> {
         let Contents { top, items, order, own, .. } = &self.contents;
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
-        let (names, each) = self.values(x)?;
+        let (numbers, each) = self.numbers(x)?;
         let made = items.iter().map(|_| Made::Nothing).collect();
         let elements = vec![Vec::new(); items.len()];
-        let mut known = Known { own, items, names, share: Cell::new(S::zero()), each, made, elements };
+        let mut known = Known { own, items, numbers, share: Cell::new(Recorded::default()), each, made, elements };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();
         }
         let mut mistakes = Vec::new();
-        let last = order.iter().rposition(|&place| WITH_MASS.contains(&items[place].section));
+        let last = order.iter().rposition(|&place| items[place].section.has_mass);
         for (rank, &place) in order.iter().enumerate() {
             let first = m.model.elements.len();
-            let built = build(&known, &items[place], m);
+            let built = (items[place].section.build)(known.entry(place), m);
             known.elements[place] = m.model.element_ids().skip(first).collect();
             let of_builder = m.take_mistakes().into_iter().map(|what| Mistake::new(items[place].fields.at, what));
             let before = mistakes.len();
@@ -611,10 +608,10 @@ impl FileScene {
             if Some(rank) == last
                 && let Some((at, Value::Formula(formula, _))) = top.get("gravity")
             {
-                let gravity: Vector3<S> = match formula.value(&known.names) {
-                    Quantity::Vector(own) if own.iter().all(|own| own.value().is_finite()) => own,
-                    _ => return Err(self.source.told(&Mistake::new(at, "gravity is not finite at this design"))),
-                };
+                let gravity = formula.value(|place| known.numbers[place]).vector();
+                if !gravity.iter().all(|own| own.value().is_finite()) {
+                    return Err(self.source.told(&Mistake::new(at, "gravity is not finite at this design")));
+                }
                 m.gravity(gravity);
             }
         }
@@ -637,12 +634,15 @@ fn without_effect(items: &[Item]) -> Vec<Mistake> {
     }
     let is_used = |place: usize| {
         // what others are made of may stand in a file that does not use it
-        let of_others = matches!(items[place].section, "section" | "laminate");
+        let of_others = matches!(items[place].section.name, "section" | "laminate");
         !of_others || items.iter().any(|other| other.fields.values.iter().any(|(_, _, own)| names(own, place)))
     };
-    let checked = items.iter().enumerate().filter(|(place, item)| item.section != "variable" && is_used(*place));
+    let checked = items
+        .iter()
+        .enumerate()
+        .filter(|(place, item)| !matches!(item.section.name, "variable" | "mode") && is_used(*place));
     let told = |item: &Item, (key, at): (&str, usize)| {
-        let (section, name) = (item.section, &item.name);
+        let (section, name) = (item.section.name, &item.name);
         Mistake::new(at, format!("{key} of the {section} \"{name}\" has no effect beside its other keys: leave it out"))
     };
     checked.flat_map(|(_, item)| item.fields.unread().into_iter().map(|key| told(item, key))).collect()

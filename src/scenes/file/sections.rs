@@ -4,7 +4,7 @@ use super::extended::EXTENDS;
 use super::keys::one_form;
 use super::own_parts::{OwnParts, all_forms};
 use super::parts::PARTS;
-use super::section::{Section, Shape};
+use super::section::Section;
 use super::tables::TABLES;
 use crate::design::repeated;
 use crate::elements::entries::{Form, Forms, Key, Range, Type, joined, may, need};
@@ -54,9 +54,6 @@ pub(super) const SECTIONS: &[Section] = &joined::<Section, { PARTS.len() + OF_AL
 /// Sections of which nothing is made.
 const OF_ALL: &[Section] = &[
     Section {
-        name: "settings",
-        shape: Shape::Once,
-        doc: "How a run is made where the command line does not say otherwise.",
         forms: one_form![
             may(
                 "end",
@@ -105,11 +102,9 @@ const OF_ALL: &[Section] = &[
                 "project an inconsistent start onto the constraints instead of refusing it: a run prints what was given and what is used; false"
             ),
         ],
+        ..Section::once("settings", "How a run is made where the command line does not say otherwise.")
     },
     Section {
-        name: "output",
-        shape: Shape::Once,
-        doc: "What a run writes where the command line does not say otherwise.",
         forms: one_form![
             may("step", Fixed("s", Positive), "histories at multiples of this time; at the steps"),
             may(
@@ -120,11 +115,9 @@ const OF_ALL: &[Section] = &[
             ),
             may("vtk", Flag, "meshes for ParaView; false"),
         ],
+        ..Section::once("output", "What a run writes where the command line does not say otherwise.")
     },
     Section {
-        name: "optimization",
-        shape: Shape::Once,
-        doc: "What costate optimize does. The objective is minimize, maximize, or a sum with sense and weights.",
         forms: one_form![
             may("minimize", Text, "name of a functional, or of a mode, that is to become small"),
             may("maximize", Text, "name of one that is to become large"),
@@ -140,6 +133,10 @@ const OF_ALL: &[Section] = &[
             may("constraint", Tables(&LIMIT), "limits of functionals and modes"),
             may("linear", Tables(&LINEAR), "limits of sums of design variables"),
         ],
+        ..Section::once(
+            "optimization",
+            "What costate optimize does. The objective is minimize, maximize, or a sum with sense and weights.",
+        )
     },
 ];
 

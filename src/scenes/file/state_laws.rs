@@ -1,14 +1,14 @@
 //! What entries of states make of a file: what it would write of their keys, and read as such.
 
-use super::expression::{Expression, Scope};
 use super::fields::{Fields, Value};
+use super::formula::{Formula, Meaning, Scope};
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
 use super::state_entries::{Law, MADE, STATE_ENTRIES, StateEntry};
 use crate::elements::entries::Range;
 
 /// Formulas by names, with their places in the file.
-pub(super) type Formulas = Vec<(String, usize, Expression)>;
+pub(super) type Formulas = Vec<(String, usize, Formula)>;
 
 /// The entry of states that a table is of, where it is of one.
 fn entry_of(raw: &Raw) -> Option<&'static StateEntry> {
@@ -84,22 +84,23 @@ impl Reader {
         let law = law_of(entry, raw).ok()?;
         let mut scope = Scope::default();
         for [key, text] in entry.defaults.iter().filter(|own| raw.get(own[0]).is_none()) {
-            scope.add_definition(key, Expression::parse(text, &scope).ok()?);
+            let default = Formula::parse(text, &scope).ok()?;
+            scope.add(key, Meaning::Formula(default));
         }
         for key in entry.form.keys {
             if let Some(given) = raw.get(key.name) {
                 let formula = self.formula(given, key.name, Some(Range::Any))?;
-                scope.add_definition(key.name, formula);
+                scope.add(key.name, Meaning::Formula(formula));
             }
         }
         for [state, ..] in &law.states {
-            scope.add_definition(state, Expression::name(self.scope.find(&unnamed(state))?.0));
+            scope.add(state, Meaning::Formula(Formula::number(self.scope.place(&unnamed(state))?)));
         }
         for [name, text] in &law.definitions {
-            let formula = Expression::parse(text, &scope).ok()?;
-            scope.add_definition(name, formula);
+            let formula = Formula::parse(text, &scope).ok()?;
+            scope.add(name, Meaning::Formula(formula));
         }
-        let read = |name: &str, text| Some((name.to_string(), raw.at, Expression::parse(text, &scope).ok()?));
+        let read = |name: &str, text| Some((name.to_string(), raw.at, Formula::parse(text, &scope).ok()?));
         let starts: Option<Formulas> = law.states.iter().map(|[name, start, _]| read(name, start)).collect();
         let rates: Option<Formulas> = law.states.iter().map(|[name, _, rate]| read(name, rate)).collect();
         let outputs: Option<Formulas> = law.outputs.iter().map(|[name, text]| read(name, text)).collect();

@@ -1,13 +1,12 @@
 //! Tables by names, which formulas call like functions: `[table.road]` makes `road(x)`.
 
-use super::expression::Expression;
 use super::fields::{Fields, Value};
+use super::formula::{Formula, Meaning};
 use super::keys::one_form;
-use super::known::{fixed_list, list, text, way};
 use super::mistake::Mistake;
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
-use super::section::{Section, Shape};
+use super::section::Section;
 use crate::elements::Table;
 use crate::elements::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Type, VALUES, may};
 use crate::scalar::{Curve, Interpolant, Scalar};
@@ -30,15 +29,16 @@ pub(super) const TABLE: Forms = one_form![
 
 /// `[table.NAME]`.
 pub(super) const TABLES: Section = Section {
-    name: "table",
-    shape: Shape::Named,
-    doc: "A function of one number by values at points, which all formulas call by its name: `road(wheel.position.x)`, `drag(v)`. Values may be \
-          formulas of design variables. An [[element]], a [[state]] or a functional by a formula may have tables of its own by its key table.",
     forms: TABLE,
+    ..Section::named(
+        "table",
+        "A function of one number by values at points, which all formulas call by its name: `road(wheel.position.x)`, `drag(v)`. Values may be \
+          formulas of design variables. An [[element]], a [[state]] or a functional by a formula may have tables of its own by its key table.",
+    )
 };
 
 /// A table as formulas call it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct NamedTable {
     of: Values,
     /// Where its argument is kept between the ends.
@@ -46,11 +46,11 @@ pub(super) struct NamedTable {
 }
 
 /// Values at the points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Values {
     /// Always the same.
     Fixed(Arc<Curve>),
-    /// They come before the argument.
+    /// Given with the argument.
     OfDesign(Table),
 }
 
@@ -62,44 +62,36 @@ impl NamedTable {
     }
 
     /// What its keys say, and the formulas of its values where they change with the design.
-    fn of(fields: &Fields) -> Result<(Self, Vec<Expression>), String> {
+    fn of(fields: &Fields) -> Result<(Self, Vec<Formula>), String> {
         let (points, values) = match fields.get("file") {
             Some((_, Value::Columns(columns))) => {
-                (columns[0].clone(), columns[1].iter().map(|&value| Expression::literal(value)).collect())
+                (columns[0].clone(), columns[1].iter().map(|&value| Formula::literal(value)).collect())
             }
             _ => {
                 let formula = |(_, value): (usize, &Value)| match value {
                     Value::Formula(formula, _) => Some(formula.clone()),
                     _ => None,
                 };
-                (fixed_list(fields, "points"), list(fields, "values").filter_map(formula).collect::<Vec<_>>())
+                (fields.fixed_list("points"), fields.list("values").filter_map(formula).collect::<Vec<_>>())
             }
         };
         if points.len() != values.len() {
             return Err(format!("there are {} points, but {} values; give one for each", points.len(), values.len()));
         }
-        let (is_linear, mut interpolant) = (text(fields, "extrapolation").map(|word| word == "linear"), way(fields));
+        let (is_linear, mut interpolant) = (fields.text("extrapolation").map(|word| word == "linear"), fields.way());
         if interpolant == Interpolant::Lines && is_linear == Some(true) {
             interpolant = Interpolant::LinesOn;
         }
         if interpolant == Interpolant::Steps && is_linear == Some(true) {
             return Err("steps stay constant beyond the points: leave extrapolation out".into());
         }
-        let fixed: Option<Vec<f64>> = values.iter().map(Expression::as_literal).collect();
+        let fixed: Option<Vec<f64>> = values.iter().map(Formula::constant_number).collect();
         let (of, values) = match fixed {
             Some(fixed) => (Values::Fixed(Curve::new(&points, &fixed, interpolant)?), Vec::new()),
             None => (Values::OfDesign(Table::new(&points, interpolant)?), values),
         };
         let is_kept = is_linear == Some(false) && !interpolant.has_kinks();
         Ok((NamedTable { of, within: is_kept.then(|| [points[0], points[points.len() - 1]]) }, values))
-    }
-
-    /// How many values come before its argument.
-    pub fn values(&self) -> usize {
-        match &self.of {
-            Values::Fixed(_) => 0,
-            Values::OfDesign(table) => table.knots().len(),
-        }
     }
 
     pub fn value<S: Scalar>(&self, x: S, values: &[S]) -> S {
@@ -125,10 +117,10 @@ impl Reader {
                 if self.mistakes.len() == before {
                     self.mistakes.push(mistake);
                 }
-                NamedTable::spline(2).map(|table| (table, vec![Expression::literal(1.0); 2]))
+                NamedTable::spline(2).map(|table| (table, vec![Formula::literal(1.0); 2]))
             })
             .unwrap_or_else(|_: String| unreachable!("two points make a spline"));
-        self.scope.add_table(&own.key, table, values);
+        self.scope.add(&own.key, Meaning::Table(Arc::new(table), values.into()));
     }
 
     /// The tables of an entry's own.
@@ -137,7 +129,7 @@ impl Reader {
         let wanted = "with tables, as in { drag = { points = [0, 1], values = [0, 5] } }";
         self.named(given, "table", wanted, |reader, own| {
             reader.check_name(&own.key, own.at);
-            if reader.scope.knows(&own.key) || reader.scope.of_node(&own.key).next().is_some() {
+            if reader.scope.find(&own.key).is_some() || reader.scope.of_node(&own.key).next().is_some() {
                 reader.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
             }
             reader.take_table(own);

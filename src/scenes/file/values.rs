@@ -1,8 +1,8 @@
 //! Values by what their keys take.
 
-use super::expression::{Expression, OF_LAW, Quantity, TIME, names_in};
 use super::fields::{NamedNode, Value};
-use super::raw::{Entry, Raw, RawValue, repeated_entries};
+use super::formula::{Formula, OF_LAW, TIME, names_in};
+use super::raw::{Entry, Raw, RawValue};
 use super::reader::Reader;
 use crate::elements::entries::{Forms, Range, Type};
 use crate::scenes::unknown;
@@ -58,8 +58,7 @@ impl Reader {
             Type::FixedOrMore(unit) => self.values(raw.one_or_more(), &Type::Fixed(unit, Range::Any), what),
             Type::Choices(words) => self.values(raw.one_or_more(), &Type::Choice(words), what),
             Type::Items(sections) => self.values(raw.one_or_more(), &Type::Item(sections), what),
-            Type::Series(_) => self.list(raw, takes, what).map(|own| self.with_known(own)),
-            Type::Numbers(..) | Type::Fixeds(..) | Type::SeriesOfNodes(_) => self.list(raw, takes, what),
+            Type::Series(_) | Type::Numbers(..) | Type::Fixeds(..) | Type::SeriesOfNodes(_) => self.list(raw, takes, what),
             Type::Points | Type::Pairs(_) | Type::Counts(..) => self.list(raw, takes, what),
             Type::Nodes(_) | Type::NodeSets => self.list(raw, takes, what),
             Type::Texts => self.texts(raw, what),
@@ -172,14 +171,7 @@ impl Reader {
 
     fn tables(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
         let Some(list) = raw.list() else { return self.not(raw, what, "a list of tables") };
-        let mut all = Vec::new();
-        for own in list {
-            match repeated_entries(own, &self.wholes) {
-                Ok(own) => all.extend(own),
-                Err(mistake) => self.mistakes.push(mistake),
-            }
-        }
-        self.values(&all, &Type::Table(forms), what)
+        self.values(list, &Type::Table(forms), what)
     }
 
     /// What is read of the entries of a table of names, which has some.
@@ -238,7 +230,7 @@ impl Reader {
             _ => return None,
         };
         let places = self.scope.array(raw.text()?.trim())?;
-        Some(Value::List(places.map(|place| (raw.at, Value::Formula(Expression::name(place), range))).collect()))
+        Some(Value::List(places.map(|place| (raw.at, Value::Formula(Formula::number(place), range))).collect()))
     }
 
     /// A node by the name that formulas give it, or a point of one.
@@ -257,25 +249,10 @@ impl Reader {
     }
 
     /// A formula of a number or of a vector, which may be a list of three.
-    pub(super) fn number_or_vector(&mut self, raw: &Raw, what: &str) -> Option<Expression> {
+    pub(super) fn number_or_vector(&mut self, raw: &Raw, what: &str) -> Option<Formula> {
         match raw.value {
             RawValue::List(_) => self.vector(raw, what),
             _ => self.formula(raw, what, None),
-        }
-    }
-
-    /// Formulas that no design variable changes as numbers.
-    fn with_known(&self, value: Value) -> Value {
-        let known = |(at, own): (usize, Value)| match own {
-            Value::Formula(formula, range) => match formula.constant(&self.scope) {
-                Some(Quantity::Number(number)) => (at, Value::Formula(Expression::literal(number), range)),
-                _ => (at, Value::Formula(formula, range)),
-            },
-            other => (at, other),
-        };
-        match value {
-            Value::List(list) => Value::List(list.into_iter().map(known).collect()),
-            other => other,
         }
     }
 
@@ -306,11 +283,11 @@ impl Reader {
     }
 
     /// A number or formula; of a number where a range is given.
-    pub(super) fn formula(&mut self, raw: &Raw, what: &str, range: Option<Range>) -> Option<Expression> {
+    pub(super) fn formula(&mut self, raw: &Raw, what: &str, range: Option<Range>) -> Option<Formula> {
         let formula = match &raw.value {
-            RawValue::Number { value, .. } if value.is_finite() => Expression::literal(*value),
+            RawValue::Number { value, .. } if value.is_finite() => Formula::literal(*value),
             RawValue::Number { value, .. } => return self.refuse(raw.at, format!("{what} is {value}; it must be finite")),
-            RawValue::Text(text, origin) => match origin.formula(text).and_then(|own| Expression::parse(own, &self.scope)) {
+            RawValue::Text(text, origin) => match origin.formula(text).and_then(|own| Formula::parse(own, &self.scope)) {
                 Ok(formula) => formula,
                 Err((inside, why)) => {
                     let at = origin.place().map_or(raw.at, |at| at + inside);
@@ -320,26 +297,26 @@ impl Reader {
             _ => return self.not(raw, what, "a number or a formula"),
         };
         let Some(range) = range else { return Some(formula) };
-        if formula.is_vector {
+        if formula.is_vector() {
             return self.refuse(raw.at, format!("{what} must be a number; {} is a vector", raw.words()));
         }
-        match formula.constant(&self.scope) {
-            Some(Quantity::Number(value)) if !(range.holds(value) && value.is_finite()) => {
+        match formula.constant_number() {
+            Some(value) if !(range.holds(value) && value.is_finite()) => {
                 self.refuse(raw.at, format!("{what} is {value}; it must be {}", range.words()))
             }
             _ => Some(formula),
         }
     }
 
-    pub(super) fn vector(&mut self, raw: &Raw, what: &str) -> Option<Expression> {
+    pub(super) fn vector(&mut self, raw: &Raw, what: &str) -> Option<Formula> {
         match &raw.value {
             RawValue::List(list) if list.len() == 3 => {
                 let own = self.all(list, |reader, own| reader.formula(own, what, Some(Range::Any)))?;
-                own.try_into().ok().map(Expression::vector)
+                own.try_into().ok().map(|own| Formula::vector(&own))
             }
             RawValue::Text(text, _) => {
                 let formula = self.formula(raw, what, None)?;
-                if !formula.is_vector {
+                if !formula.is_vector() {
                     let text = format!("{what} must be a vector; the formula \"{text}\" gives a number");
                     return self.refuse(raw.at, text);
                 }
@@ -351,9 +328,9 @@ impl Reader {
 
     fn fixed(&mut self, raw: &Raw, what: &str, range: Range) -> Option<f64> {
         let formula = self.formula(raw, what, Some(range))?;
-        match formula.constant(&self.scope) {
-            Some(Quantity::Number(value)) => Some(value),
-            _ => {
+        match formula.constant_number() {
+            Some(value) => Some(value),
+            None => {
                 let text = format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words());
                 self.refuse(raw.at, text)
             }
@@ -364,11 +341,8 @@ impl Reader {
         let value = match &raw.value {
             RawValue::Number { value, whole: true } => Some(*value),
             RawValue::Text(..) => {
-                let value = raw.formula().and_then(|own| Expression::parse(own, &self.scope).ok()?.constant(&self.scope));
-                match value {
-                    Some(Quantity::Number(value)) if value.fract() == 0.0 => Some(value),
-                    _ => None,
-                }
+                let value = raw.formula().and_then(|own| Formula::parse(own, &self.scope).ok()?.constant_number());
+                value.filter(|value| value.fract() == 0.0)
             }
             _ => None,
         };

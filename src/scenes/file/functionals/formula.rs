@@ -1,7 +1,6 @@
 //! A functional by a formula of nodes.
 
-use super::measurand::Measurand;
-use super::over::over;
+use super::Measurand;
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
@@ -25,10 +24,8 @@ impl Quantity for FormulaQuantity {
     }
 }
 
-pub(super) struct Formula;
-
-impl Measurand for Formula {
-    const FORM: Form = Form {
+pub(super) const FORMULA: Measurand = Measurand {
+    form: Form {
         name: "formula",
         doc: "a formula of its nodes and of the time",
         keys: &[
@@ -38,14 +35,13 @@ impl Measurand for Formula {
             need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
             may("unit", Type::Text, "its unit, for tables and charts; -"),
         ],
-    };
-
-    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
-        let mut reading = Reading::new(known, fields, m)?;
-        reading.take_key(fields, "value", [true, true])?;
+    },
+    add: |e, over, m| {
+        let mut reading = Reading::new(e, m)?;
+        reading.take_key(e, "value", [true, true])?;
         let Reading { nodes, formulas, p, .. } = reading;
-        let unit = kept(text(fields, "unit").unwrap_or("-"));
-        m.functional(name, over(fields), (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
+        let unit = kept(e.text("unit").unwrap_or("-"));
+        m.functional(e.name(), over, (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
         Ok(())
-    }
-}
+    },
+};

@@ -28,26 +28,26 @@ pub(super) const OVER: Key = need(
 );
 
 /// What is made over time.
-pub(super) fn over(fields: &Fields) -> Over {
-    let own = match fields.get("over") {
+pub(super) fn over(e: &Fields) -> Over {
+    let own = match e.get("over") {
         Some((_, Value::Fields(own))) => own,
         Some((_, Value::Text(word))) if word == "initial" => return Over::Initial,
         Some((_, Value::Text(word))) if word == "integral" => return Over::Integral,
         _ => return Over::Terminal,
     };
-    let kind = match text(own, "aggregate") {
+    let kind = match own.text("aggregate") {
         Some("upper_maximum") => AggregateKind::UpperMaximum,
         Some("exponential") => AggregateKind::Exponential,
         Some("squared_exponential") => AggregateKind::SquaredExponential,
         Some("power") => AggregateKind::Power,
         Some("squared_power") => AggregateKind::SquaredPower,
-        _ => AggregateKind::SmoothMaximum { normalized: flag(own, "normalized", true) },
+        _ => AggregateKind::SmoothMaximum { normalized: !own.has("normalized") || own.flag("normalized") },
     };
-    let aggregate = Aggregate::new(kind, fixed(own, "sharpness").unwrap_or(f64::NAN));
-    let size = if kind.is_power() { None } else { fixed(own, "size") };
+    let aggregate = Aggregate::new(kind, own.fixed("sharpness").unwrap_or(f64::NAN));
+    let size = if kind.is_power() { None } else { own.fixed("size") };
     let aggregate = size.map_or(aggregate, |size| aggregate.relative_to(size));
-    let aggregate = if flag(own, "continuous", false) { aggregate.continuous() } else { aggregate };
-    aggregate.at(match text(own, "times") {
+    let aggregate = if own.flag("continuous") { aggregate.continuous() } else { aggregate };
+    aggregate.at(match own.text("times") {
         Some("start") => Times::Start,
         Some("end") => Times::End,
         _ => Times::Run,

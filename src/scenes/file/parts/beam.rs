@@ -1,6 +1,6 @@
 //! Beams.
 
-use super::line::{LINE, set_motion, with_ends};
+use super::line::{LINE, LINE_NODES, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
 use crate::elements::flexible;
 use crate::scenes::BeamLine;
@@ -15,9 +15,6 @@ const ARC: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "beam",
-    shape: Shape::Listed,
-    doc: "A beam, geometrically exact, with shear and torsion, of three-node elements.",
     forms: one_form![
         LINE[0],
         LINE[1],
@@ -36,51 +33,56 @@ pub(super) const SECTION: Section = Section {
         LINE[6],
         LINE[7],
     ],
+    nodes: Some(Nodes { known: OF_BODY, ..LINE_NODES }),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed("beam", "A beam, geometrically exact, with shear and torsion, of three-node elements.")
 };
 
-fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<flexible::Section<S>> {
-    let (at, Item { name, fields: own, .. }) = section_of(known.items, fields)?;
+fn beam_section(e: Entry) -> Found<flexible::Section<Recorded>> {
+    let (at, own) = section_of(e)?;
     if own.form == "cable" {
-        return Err(Mistake::new(at, format!("\"{name}\" is a section of cables; a beam needs one of another type")));
+        let text = format!("\"{}\" is a section of cables; a beam needs one of another type", own.name());
+        return Err(Mistake::new(at, text));
     }
-    let of = shape_of(known, own)?;
-    made_of(own, given(known, own, &flexible::SECTION)?, |given| flexible::Section::given(given, of))
+    let of = shape_of(own)?;
+    made_of(own, given(own, &flexible::SECTION)?, |given| flexible::Section::given(given, of))
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (from, elements) = (known.vector(fields, "from")?, count(fields, "elements"));
-    let mut line = match fields.get("arc") {
-        Some((_, Value::Fields(arc))) => {
-            let (centre, axis) = (known.vector(arc, "centre")?, known.vector(arc, "axis")?);
-            BeamLine::arc(from, centre, axis.unit(), known.number(arc, "angle")?, elements)
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let (from, elements) = (e.vector("from")?, e.count("elements"));
+    let mut line = match e.table("arc") {
+        Some(arc) => {
+            let (centre, axis) = (arc.vector("centre")?, arc.vector("axis")?);
+            BeamLine::arc(from, centre, axis.unit(), arc.number("angle")?, elements)
         }
-        _ => BeamLine::straight([from, known.vector(fields, "to")?], elements, known.vector(fields, "second_axis")?),
+        None => BeamLine::straight([from, e.vector("to")?], elements, e.vector("second_axis")?),
     };
-    if fields.get("twist").is_some() {
-        line = line.twisted(known.number(fields, "twist")?);
+    if let Some(twist) = e.given("twist", Entry::number)? {
+        line = line.twisted(twist);
     }
-    let node = |key: &str| known.node(fields, key, m);
     let (joined, clamped) = ([BeamLine::from_node, BeamLine::to_node], [BeamLine::clamped_start, BeamLine::clamped_end]);
-    let line = with_ends(fields, line, node, joined, clamped)?;
-    let first = beam_section(known, fields)?;
-    let beam = if is_tapered(&section_of(known.items, fields)?.1.fields) {
-        let failed = RefCell::new(None);
-        let at_share = |share: f64| {
-            known.share.set(S::from(share));
-            beam_section(known, fields).unwrap_or_else(|why| {
+    let line = with_ends(e, line, joined, clamped, m)?;
+    let first = beam_section(e)?;
+    let beam = if is_tapered(&section_of(e)?.1) {
+        let (failed, share) = (RefCell::new(None), &e.known.share);
+        let at_share = |place: f64| {
+            share.set(place.into());
+            beam_section(e).unwrap_or_else(|why| {
                 failed.borrow_mut().get_or_insert(why);
                 first
             })
         };
-        let beam = m.tapered_beam(name, line, at_share);
-        known.share.set(S::zero());
+        let beam = m.tapered_beam(e.name(), line, at_share);
+        share.set(Recorded::default());
         if let Some(why) = failed.into_inner() {
             return Err(why);
         }
         beam
     } else {
-        m.beam(name, line, &first)
+        m.beam(e.name(), line, &first)
     };
-    set_motion(known, fields, &beam.nodes, m)?;
+    set_motion(e, &beam.nodes, m)?;
     Ok(Made::Beam(beam))
 }

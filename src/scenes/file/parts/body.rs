@@ -37,9 +37,6 @@ const SOLID: Forms = forms!([
 ]);
 
 pub(super) const SECTION: Section = Section {
-    name: "body",
-    shape: Shape::Listed,
-    doc: "A rigid body: a frame in space, with or without mass. The body named ground is there already; it never moves.",
     forms: one_form![
         NAME,
         may("position", Vector("m"), "origin of its frame; that of the world"),
@@ -61,86 +58,75 @@ pub(super) const SECTION: Section = Section {
         ),
         may("draw", Points, "corners of a line of the picture, in the world at the start; none"),
     ],
+    nodes: Some(Nodes::one(OF_BODY)),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed(
+        "body",
+        "A rigid body: a frame in space, with or without mass. The body named ground is there already; it never moves.",
+    )
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let zero = Vector3::zeros();
-    let (position, rotation) = (known.vector_or(fields, "position", zero)?, known.orientation(fields)?);
-    let node = match text(fields, "coordinates") {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let (name, zero) = (e.name(), Vector3::zeros());
+    let (position, rotation) = (e.vector_or("position", zero)?, e.orientation()?);
+    let node = match e.text("coordinates") {
         Some("natural") => m.natural_body(name, position, rotation),
         _ => m.body(name, position, rotation),
     };
-    if fields.get("velocity").is_some() || fields.get("angular_velocity").is_some() {
-        let velocity = known.vector_or(fields, "velocity", zero)?;
-        m.set_velocity(node, velocity, known.vector_or(fields, "angular_velocity", zero)?);
+    if e.has("velocity") || e.has("angular_velocity") {
+        m.set_velocity(node, e.vector_or("velocity", zero)?, e.vector_or("angular_velocity", zero)?);
     }
-    let solids = solids(known, fields, (position, rotation))?;
-    let is_weighed = solids.iter().any(|solid| solid.density.is_some());
-    if let Some((at, _)) = fields.get("mass").or(fields.get("inertia")).or(fields.get("mass_centre")).filter(|_| is_weighed)
-    {
+    let solids = e.tables("solids").map(|own| solid(own, (position, rotation))).collect::<Found<Vec<_>>>()?;
+    let given = ["mass", "inertia", "mass_centre"].into_iter().find(|key| e.has(key));
+    if let Some(key) = given.filter(|_| solids.iter().any(|solid| solid.density.is_some())) {
         let text =
             format!("\"{name}\" has its mass of its solids: leave mass, mass_centre and inertia or their densities out");
-        return Err(Mistake::new(at, text));
+        return e.wrong_key(key, text);
     }
     m.solid_body(name, node, &solids);
-    if fields.get("mass").is_some() {
-        let (mass, centre) = (known.number(fields, "mass")?, known.vector_or(fields, "mass_centre", zero)?);
-        m.rigid_body(name, node, mass, centre, inertia(known, fields)?);
-    } else if let Some((at, _)) = fields.get("inertia").or(fields.get("mass_centre")) {
-        return Err(Mistake::new(at, format!("\"{name}\" has no mass: give it the key mass, too")));
+    match given {
+        Some("mass") => {
+            m.rigid_body(name, node, e.number("mass")?, e.vector_or("mass_centre", zero)?, inertia(e)?);
+        }
+        Some(key) => return e.wrong_key(key, format!("\"{name}\" has no mass: give it the key mass, too")),
+        None => {}
     }
-    if fields.get("draw").is_some() {
-        m.draw(node, &known.points(fields, "draw")?);
+    if e.has("draw") {
+        m.draw(node, &e.points("draw")?);
     }
     Ok(Made::Node(node))
 }
 
 /// Three or six numbers of an inertia tensor.
-fn inertia<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<[S; 6]> {
-    let mut own = known.series(fields, "inertia")?;
+fn inertia(e: Entry) -> Found<[Recorded; 6]> {
+    let mut own = e.series("inertia")?;
     if own.is_empty() {
-        return Err(Mistake::new(fields.at, "a body with mass needs the key inertia: [xx, yy, zz] in kg m2"));
+        return e.wrong("a body with mass needs the key inertia: [xx, yy, zz] in kg m2");
     }
-    own.resize(6, S::zero());
-    own.try_into().map_err(|_| Mistake::new(fields.at, "inertia has three or six numbers"))
+    own.resize(6, Recorded::default());
+    own.try_into().or_else(|_| e.wrong("inertia has three or six numbers"))
 }
 
-/// Solids of a body that stands at a place with some axes.
-fn solids<S: Scalar>(
-    known: &Known<S>,
-    fields: &Fields,
-    (position, rotation): (Vector3<S>, Quaternion<S>),
-) -> Found<Vec<Solid<S>>> {
-    let mut solids = Vec::new();
-    for (_, value) in list(fields, "solids") {
-        let Value::Fields(own) = value else { continue };
-        let number = |key| known.number(own, key);
-        let wanted = |key: &str| own.get(key).map(|_| known.number(own, key)).transpose();
-        let line = || Found::Ok([known.vector(own, "from")?, known.vector(own, "to")?]);
-        let shape = match own.form {
-            "box" => SolidShape::Box {
-                ends: line()?,
-                second_axis: known.vector(own, "second_axis")?,
-                size: [number("width")?, number("height")?],
-            },
-            "cylinder" => SolidShape::Cylinder { ends: line()?, diameter: number("diameter")?, wall: wanted("wall")? },
-            "sphere" => SolidShape::Sphere {
-                centre: known.vector(own, "centre")?,
-                diameter: number("diameter")?,
-                wall: wanted("wall")?,
-            },
-            _ => {
-                let Some((_, Value::Surface(surface))) = own.get("file") else { continue };
-                let turned = own.get("orientation").map(|_| known.orientation(own)).transpose()?;
-                SolidShape::Surface {
-                    surface: surface.clone(),
-                    scale: known.number_or(own, "scale", 1.0)?,
-                    position: known.vector_or(own, "position", position)?,
-                    rotation: turned.unwrap_or(rotation),
-                }
-            }
-        };
-        solids.push(Solid { shape, density: wanted("density")? });
-    }
-    Ok(solids)
+/// A solid of a body that stands at a place with some axes.
+fn solid(e: Entry, (position, rotation): (Vector3<Recorded>, Quaternion<Recorded>)) -> Found<Solid<Recorded>> {
+    let line = || Found::Ok([e.vector("from")?, e.vector("to")?]);
+    let wall = || e.given("wall", Entry::number);
+    let shape = match (e.form, e.get("file")) {
+        ("box", _) => SolidShape::Box {
+            ends: line()?,
+            second_axis: e.vector("second_axis")?,
+            size: [e.number("width")?, e.number("height")?],
+        },
+        ("cylinder", _) => SolidShape::Cylinder { ends: line()?, diameter: e.number("diameter")?, wall: wall()? },
+        (_, Some((_, Value::Surface(surface)))) => SolidShape::Surface {
+            surface: surface.clone(),
+            scale: e.number_or("scale", 1.0)?,
+            position: e.vector_or("position", position)?,
+            rotation: if e.has("orientation") { e.orientation()? } else { rotation },
+        },
+        _ => SolidShape::Sphere { centre: e.vector("centre")?, diameter: e.number("diameter")?, wall: wall()? },
+    };
+    Ok(Solid { shape, density: e.given("density", Entry::number)? })
 }

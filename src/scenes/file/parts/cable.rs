@@ -1,6 +1,6 @@
 //! Cables.
 
-use super::line::{LINE, set_motion, with_ends};
+use super::line::{LINE, LINE_NODES, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
 use crate::elements::flexible::{self, CableSection};
 use crate::scenes::CableLine;
@@ -8,9 +8,6 @@ use crate::scenes::file::build_parts::{given, made_of};
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    name: "cable",
-    shape: Shape::Listed,
-    doc: "A cable in absolute nodal coordinates: straight at the start, without torsion.",
     forms: one_form![
         LINE[0],
         LINE[1],
@@ -23,32 +20,33 @@ pub(super) const SECTION: Section = Section {
         LINE[6],
         LINE[7],
     ],
+    nodes: Some(LINE_NODES),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed("cable", "A cable in absolute nodal coordinates: straight at the start, without torsion.")
 };
 
-fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSection<S>> {
-    let (at, Item { name, fields: own, .. }) = section_of(known.items, fields)?;
-    if is_tapered(own) {
-        let text = format!("\"{name}\" depends on share, and a cable has one section from end to end");
-        return Err(Mistake::new(at, text));
-    }
-    if own.form == "beam" {
-        return Err(Mistake::new(at, format!("\"{name}\" is a section of beams; a cable needs one of another type")));
-    }
-    if own.get("offset").is_some() {
-        return Err(Mistake::new(at, format!("\"{name}\" has an offset, which a cable cannot have")));
-    }
-    let of = shape_of(known, own)?;
-    let section = made_of(own, given(known, own, &flexible::SECTION)?, |given| CableSection::given(given, of))?;
-    Ok(if text(fields, "strains") == Some("small") { section.small_strains() } else { section })
+fn cable_section(e: Entry) -> Found<CableSection<Recorded>> {
+    let (at, own) = section_of(e)?;
+    let why = match own.form {
+        _ if is_tapered(&own) => "depends on share, and a cable has one section from end to end",
+        "beam" => "is a section of beams; a cable needs one of another type",
+        _ if own.has("offset") => "has an offset, which a cable cannot have",
+        _ => {
+            let of = shape_of(own)?;
+            let section = made_of(own, given(own, &flexible::SECTION)?, |given| CableSection::given(given, of))?;
+            return Ok(if e.text("strains") == Some("small") { section.small_strains() } else { section });
+        }
+    };
+    Err(Mistake::new(at, format!("\"{}\" {why}", own.name())))
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let ends = [known.vector(fields, "from")?, known.vector(fields, "to")?];
-    let line = CableLine::straight(ends, count(fields, "elements"));
-    let node = |key: &str| known.node(fields, key, m);
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let line = CableLine::straight([e.vector("from")?, e.vector("to")?], e.count("elements"));
     let (joined, clamped) = ([CableLine::from_node, CableLine::to_node], [CableLine::clamped_start, CableLine::clamped_end]);
-    let line = with_ends(fields, line, node, joined, clamped)?;
-    let cable = m.cable(name, line, &cable_section(known, fields)?);
-    set_motion(known, fields, &cable.nodes, m)?;
+    let line = with_ends(e, line, joined, clamped, m)?;
+    let cable = m.cable(e.name(), line, &cable_section(e)?);
+    set_motion(e, &cable.nodes, m)?;
     Ok(Made::Cable(cable))
 }

@@ -3,14 +3,14 @@
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    name: "drawing",
-    shape: Shape::Listed,
-    doc: "A line of the picture that moves with a node.",
     forms: one_form![may("on", Node, "node; ground"), need("points", Points, "corners in the world at the start"),],
+    space: "",
+    build,
+    ..Section::listed("drawing", "A line of the picture that moves with a node.")
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let node = if fields.get("on").is_some() { known.node(fields, "on", m)? } else { m.ground() };
-    m.draw(node, &known.points(fields, "points")?);
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let node = if e.has("on") { e.node("on", m)? } else { m.ground() };
+    m.draw(node, &e.points("points")?);
     Ok(Made::Nothing)
 }

@@ -2,17 +2,10 @@
 
 use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::expression::Quantity;
-use crate::scenes::file::formula_parts::{
-    BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of,
-};
+use crate::scenes::file::formula::Quantity;
+use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of};
 
 pub(super) const SECTION: Section = Section {
-    name: "element",
-    shape: Shape::Listed,
-    doc: "A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], \
-          of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and \
-          a.rate, of a state a.NAME of its values and outputs; and the time t.",
     forms: one_form![
         NAME,
         NODES,
@@ -26,8 +19,16 @@ pub(super) const SECTION: Section = Section {
             "forces on its nodes in the world, of anything; of a joint angle its moment; none"
         ),
         may("moment", Type::NamedFormulas("N m"), "moments on bodies among them in the world, of anything; none"),
-        BREAKPOINTS,
     ],
+    space: "force",
+    has_columns: true,
+    build,
+    ..Section::listed(
+        "element",
+        "A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], \
+          of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and \
+          a.rate, of a state a.NAME of its values and outputs; and the time t.",
+    )
 };
 
 /// An element by formulas: numbers of its energies among them, and of the loads on each node.
@@ -81,15 +82,15 @@ impl Element for FormulaElement {
     }
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let mut reading = Reading::new(known, fields, m)?;
-    let kinetic = reading.take_key(fields, "kinetic", [true, false])?;
-    let potential = reading.take_key(fields, "potential", [false, false])?;
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let mut reading = Reading::new(e, m)?;
+    let kinetic = reading.take_key(e, "kinetic", [true, false])?;
+    let potential = reading.take_key(e, "potential", [false, false])?;
     let energies = [("kinetic", kinetic), ("potential", potential)].into_iter().filter(|own| own.1.is_some());
     let mut outputs: Vec<Output> = energies.flat_map(|(name, _)| outputs_of(name, "J", false)).collect();
     let mut loads = Vec::new();
     for (key, is_moment) in [("force", false), ("moment", true)] {
-        let Some((_, Value::Formulas(given))) = fields.get(key) else { continue };
+        let Some((_, Value::Formulas(given))) = e.get(key) else { continue };
         for (of, at, formula) in given {
             let Some(node) = reading.names.iter().position(|name| name == of) else {
                 return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
@@ -99,7 +100,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
                 return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
             }
             let wants_vector = kind.in_space().is_some();
-            if wants_vector != formula.is_vector || (is_moment && !kind.has_axes()) {
+            if wants_vector != formula.is_vector() || (is_moment && !kind.has_axes()) {
                 let wanted = match (is_moment, wants_vector) {
                     (true, _) if !kind.has_axes() => "no moment",
                     (_, true) => "a vector",
@@ -108,14 +109,14 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
                 return Err(Mistake::new(*at, format!("\"{of}\" is {}, which takes {wanted} here", kind.words())));
             }
             let (what, unit) = if is_moment { ("moment", "N m") } else { ("force", if wants_vector { "N" } else { "" }) };
-            outputs.extend(outputs_of(&format!("{of}.{what}"), unit, formula.is_vector));
+            outputs.extend(outputs_of(&format!("{of}.{what}"), unit, formula.is_vector()));
             loads.push((node, is_moment, reading.take(*at, formula, [true, true])?));
         }
     }
     if kinetic.is_none() && potential.is_none() && loads.is_empty() {
-        return Err(Mistake::new(fields.at, "an element needs kinetic, potential, force or moment"));
+        return e.wrong("an element needs kinetic, potential, force or moment");
     }
     let Reading { nodes, formulas, p, .. } = reading;
-    m.element(name, &nodes, FormulaElement { formulas, kinetic, potential, loads, outputs }, &p);
+    m.element(e.name(), &nodes, FormulaElement { formulas, kinetic, potential, loads, outputs }, &p);
     Ok(Made::Nothing)
 }

@@ -1,12 +1,12 @@
-//! Joints.
+//! Joints, and drivers, which prescribe motions.
 
-use crate::elements::entries::Kind;
+use crate::elements::entries::{JointPart, Kind};
 use crate::elements::forces::Soft;
-use crate::elements::joints::{JOINTS, ROLLING};
+use crate::elements::joints::{DRIVERS, JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
-use crate::scenes::file::build_parts::{SOFT, joint, located, rates, values};
+use crate::scenes::file::build_parts::{located, nothing_builds, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
+use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 const BY_FORMULA: Form = Form {
     name: "formula",
@@ -16,24 +16,65 @@ const BY_FORMULA: Form = Form {
         DEFINITIONS,
         OWN_TABLES,
         need("equations", SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
-        BREAKPOINTS,
     ],
 };
 const FORMS: [Form; JOINTS.len() + 1 + ROLLING.forms.len()] =
     joined(&[&forms_of::<{ JOINTS.len() }, _>(JOINTS), &[BY_FORMULA], ROLLING.forms]);
 
-pub(super) const SECTION: Section = Section {
-    name: "joint",
-    shape: Shape::Listed,
-    doc: "What holds nodes together. Geometry is given in the world at the start.",
+/// What makes springs of a joint.
+const SOFT: [Key; 2] = [
+    may(
+        "stiffness",
+        Type::Series("N/m, N m/rad"),
+        "of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid",
+    ),
+    may("damping", Type::Series("N s/m, N m s/rad"), "of a soft joint, of each of its equations; 0"),
+];
+
+pub(super) const JOINT: Section = Section {
     forms: Forms { common: &[NAME, SOFT[0], SOFT[1]], forms: &FORMS, own: Some(Kind::Joint) },
+    space: "joint",
+    has_columns: true,
+    build: |e, m| match e.known.own.joint_named(e.form) {
+        Some(part) => by_entry(part, e, m),
+        None if e.form == BY_FORMULA.name => by_formula(e, m),
+        None => rolling(e, m),
+    },
+    ..Section::listed("joint", "What holds nodes together. Geometry is given in the world at the start.")
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    match known.own.joint_named(item.fields.form) {
-        Some(part) => joint(known, part, item, m),
-        None if item.fields.form == BY_FORMULA.name => by_formula(known, item, m),
-        None => rolling(known, item, m),
+pub(super) const DRIVER: Section = Section {
+    forms: Forms { common: &[NAME], forms: &forms_of::<{ DRIVERS.len() }, _>(DRIVERS), own: None },
+    space: "joint",
+    has_columns: true,
+    build: |e, m| named(DRIVERS, e.form).map_or_else(|| nothing_builds(e), |part| by_entry(part, e, m)),
+    ..Section::listed("driver", "A prescribed motion.")
+};
+
+/// Makes a joint or driver of its entry.
+fn by_entry(part: &JointPart, e: Entry, m: &mut Builder) -> Found<Made> {
+    let (nodes, values) = (e.different_nodes_of_part(m)?, values(e, part.form.keys)?);
+    let made = match rates(e)? {
+        Some([stiffness, damping]) => {
+            m.soft_part(part, e.name(), &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
+        }
+        None => m.rigid_part(part, e.name(), &nodes, values).map(Made::Joint),
+    };
+    located(made, e, m)
+}
+
+/// Stiffnesses and dampings of a soft joint.
+fn rates(e: Entry) -> Found<Option<[Vec<Recorded>; 2]>> {
+    let [stiffness, mut damping] = [e.series("stiffness")?, e.series("damping")?];
+    match (e.has("stiffness"), e.has("damping")) {
+        (false, true) => e.wrong_key("damping", "only a soft joint has damping: give it stiffness, too, or leave it out"),
+        (false, false) => Ok(None),
+        (true, is_damped) => {
+            if !is_damped {
+                damping.resize(stiffness.len(), Recorded::default());
+            }
+            Ok(Some([stiffness, damping]))
+        }
     }
 }
 
@@ -63,40 +104,36 @@ impl Constraint for FormulaJoint {
 }
 
 /// A joint by its equations.
-fn by_formula<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let mut reading = Reading::new(known, fields, m)?;
-    for (at, own) in list(fields, "equations") {
+fn by_formula(e: Entry, m: &mut Builder) -> Found<Made> {
+    let mut reading = Reading::new(e, m)?;
+    for (at, own) in e.list("equations") {
         let Value::Formula(formula, _) = own else { continue };
         reading.take(at, formula, [false, true])?;
     }
     let Reading { nodes, formulas, p, .. } = reading;
     let count = formulas.all.len();
     if count > MOST_EQUATIONS {
-        return Err(Mistake::new(
-            fields.at,
-            format!("a joint has at most {MOST_EQUATIONS} equations, and these are {count}"),
-        ));
+        return e.wrong(format!("a joint has at most {MOST_EQUATIONS} equations, and these are {count}"));
     }
-    Ok(match rates(known, fields)? {
-        None => Made::Joint(m.constraint(name, &nodes, FormulaJoint(formulas), &p)),
+    Ok(match rates(e)? {
+        None => Made::Joint(m.constraint(e.name(), &nodes, FormulaJoint(formulas), &p)),
         Some(own) if own.iter().any(|list| list.len() != count) => {
             let text = format!("there are {count} equations: give as many numbers for stiffness, and for damping or none");
-            return Err(Mistake::new(fields.at, text));
+            return e.wrong(text);
         }
         Some([stiffness, damping]) => {
-            m.element(name, &nodes, Soft(FormulaJoint(formulas)), &[stiffness, damping, p].concat());
+            m.element(e.name(), &nodes, Soft(FormulaJoint(formulas)), &[stiffness, damping, p].concat());
             Made::SoftJoint
         }
     })
 }
 
 /// Joints that are two constraints: a contact, and what rolls.
-fn rolling<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let Item { name, fields, .. } = item;
-    if let Some((at, _)) = fields.get("stiffness").or(fields.get("damping")) {
-        return Err(Mistake::new(at, "what rolls cannot be soft: leave this out"));
+fn rolling(e: Entry, m: &mut Builder) -> Found<Made> {
+    if let Some(key) = ["stiffness", "damping"].into_iter().find(|key| e.has(key)) {
+        return e.wrong_key(key, "what rolls cannot be soft: leave this out");
     }
-    let (nodes, values) = (known.different_nodes(fields, m)?, values(known, fields, ROLLING.keys(fields.form))?);
-    let made = m.rolling_part(fields.form, [&format!("contact of {name}"), name], nodes, values);
-    located(made.map(|own| Made::Joint(own[1])), item, m)
+    let (nodes, values) = (e.different_nodes(m)?, values(e, ROLLING.keys(e.form))?);
+    let made = m.rolling_part(e.form, [&format!("contact of {}", e.name()), e.name()], nodes, values);
+    located(made.map(|own| Made::Joint(own[1])), e, m)
 }

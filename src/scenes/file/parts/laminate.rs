@@ -16,36 +16,35 @@ const PLY: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "laminate",
-    shape: Shape::Named,
-    doc: "Plies of a shell, from below.",
     forms: one_form![
         need("plies", Tables(&PLY), "plies"),
         may("offset", Number("m", Any), "of the middle of all plies from the nodes, along the normal; 0"),
         may("shear_factor", Fixed("-", Positive), "share of the shear stiffness that acts; 5/6"),
     ],
+    build,
+    ..Section::named("laminate", "Plies of a shell, from below.")
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { fields, .. }: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
+pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
     let (mut plies, mut strengths) = (Vec::new(), Vec::new());
-    for (_, own) in fields.tables("plies") {
+    for own in e.tables("plies") {
         plies.push(Ply {
-            thickness: known.number(own, "thickness")?,
-            angle: known.number_or(own, "angle", 0.0)?,
-            young: known.numbers(own, "young")?,
-            poisson: known.number(own, "poisson")?,
-            shear: known.numbers(own, "shear")?,
-            density: known.number(own, "density")?,
+            thickness: own.number("thickness")?,
+            angle: own.number_or("angle", 0.0)?,
+            young: own.numbers("young")?,
+            poisson: own.number("poisson")?,
+            shear: own.numbers("shear")?,
+            density: own.number("density")?,
         });
-        if own.get("tension").is_some() {
+        if own.has("tension") {
             strengths.push(PlyStrength {
-                tension: known.numbers(own, "tension")?,
-                compression: known.numbers(own, "compression")?,
-                shear: known.number(own, "shear_strength")?,
+                tension: own.numbers("tension")?,
+                compression: own.numbers("compression")?,
+                shear: own.number("shear_strength")?,
             });
         }
     }
-    let mut laminate = Laminate::new(plies).offset(known.number_or(fields, "offset", 0.0)?);
-    laminate.shear_factor = fixed(fields, "shear_factor").unwrap_or(laminate.shear_factor);
+    let mut laminate = Laminate::new(plies).offset(e.number_or("offset", 0.0)?);
+    laminate.shear_factor = e.fixed("shear_factor").unwrap_or(laminate.shear_factor);
     Ok(Made::Laminate(laminate, strengths))
 }

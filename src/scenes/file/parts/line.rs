@@ -21,64 +21,61 @@ pub(super) const LINE: [Key; 8] = [
     may("motion", Table(&MOTION), "rigid motion that it starts with; at rest"),
 ];
 
+/// Nodes of a line.
+pub(super) const LINE_NODES: Nodes = Nodes { edges: &["start", "end"], own: 1, of_edge: 0, known: OF_POINT };
+
 /// Gives nodes of a member the motion that the entry says. Nodes of others that have a motion of their own must have the same.
-pub(super) fn set_motion<S: Scalar>(known: &Known<S>, fields: &Fields, nodes: &[NodeId], m: &mut Builder<S>) -> Found<()> {
-    let Some((at, Value::Fields(own))) = fields.get("motion") else { return Ok(()) };
-    let vector = |key| known.vector_or(own, key, Vector3::zeros());
-    let moves = |key: &str| match fields.get(key) {
+pub(super) fn set_motion(e: Entry, nodes: &[NodeId], m: &mut Builder) -> Found<()> {
+    let Some(own) = e.table("motion") else { return Ok(()) };
+    let vector = |key| own.vector_or(key, Vector3::zeros());
+    let moves = |key: &str| match e.get(key) {
         Some((_, Value::Node(NodePlace { item: Some(item), .. }))) => {
-            let has = |key: &&str| known.items[*item].fields.values.iter().any(|own| own.0 == *key);
-            ["velocity", "angular_velocity", "motion"].iter().any(has).then_some(*item)
+            let item = &e.known.items[*item];
+            let has = |key: &&str| item.fields.values.iter().any(|own| own.0 == *key);
+            ["velocity", "angular_velocity", "motion"].iter().any(has).then_some(item)
         }
         _ => None,
     };
     let shared = [("start_node", nodes.first()), ("end_node", nodes.last())];
-    let rates = |node: NodeId, m: &Builder<S>| -> Vec<f64> {
+    let rates = |node: NodeId, m: &Builder| -> Vec<f64> {
         let dofs = m.model.find_node(node).map_or(0..0, |own| own.dofs.clone());
         m.numbers.v[dofs].iter().map(|own| own.value()).collect()
     };
-    let given: Vec<(usize, NodeId, Vec<f64>)> = shared
-        .into_iter()
-        .filter_map(|(key, node)| Some((moves(key)?, *node?)))
-        .map(|(item, node)| (item, node, rates(node, m)))
-        .collect();
+    let given = shared.into_iter().filter_map(|(key, node)| Some((moves(key)?, *node?)));
+    let given: Vec<(&Item, NodeId, Vec<f64>)> = given.map(|(item, node)| (item, node, rates(node, m))).collect();
     m.set_rigid_motion(nodes, vector("point")?, vector("velocity")?, vector("angular_velocity")?);
     for (item, node, before) in given {
         let differs =
             rates(node, m).iter().zip(&before).any(|(now, before)| (now - before).abs() > 1e-9 * (1.0 + before.abs()));
         if differs {
-            let name = &known.items[item].name;
-            let text = format!(
+            let name = &item.name;
+            return e.wrong_key("motion", format!(
                 "this motion gives \"{name}\" another velocity than it has of its own: let both be the same, or one of them say it"
-            );
-            return Err(Mistake::new(at, text));
+            ));
         }
     }
     Ok(())
 }
 
-fn is_clamped(fields: &Fields, end: &str) -> bool {
-    texts(fields, "clamped").iter().any(|own| own == end)
-}
-
 /// A line with its ends in the nodes that are named, or clamped.
 pub(super) fn with_ends<L>(
-    fields: &Fields,
+    e: Entry,
     mut line: L,
-    mut node: impl FnMut(&str) -> Found<NodeId>,
     joined: [fn(L, NodeId) -> L; 2],
     clamped: [fn(L) -> L; 2],
+    m: &mut Builder,
 ) -> Found<L> {
     for (place, [key, end]) in [["start_node", "start"], ["end_node", "end"]].into_iter().enumerate() {
-        if fields.get(key).is_some() {
-            if is_clamped(fields, end) {
+        let is_clamped = e.texts("clamped").any(|own| own == end);
+        match e.given(key, |e, key| e.node(key, m))? {
+            Some(_) if is_clamped => {
                 let text =
                     format!("clamped = \"{end}\" has no effect beside {key}: hold that node, or leave one of them out");
-                return Err(Mistake::new(fields.at("clamped"), text));
+                return e.wrong_key("clamped", text);
             }
-            line = joined[place](line, node(key)?);
-        } else if is_clamped(fields, end) {
-            line = clamped[place](line);
+            Some(node) => line = joined[place](line, node),
+            None if is_clamped => line = clamped[place](line),
+            None => {}
         }
     }
     Ok(line)

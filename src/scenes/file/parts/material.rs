@@ -5,8 +5,8 @@ use crate::scenes::file::build_parts::{given, made_of};
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section =
-    Section { name: "material", shape: Shape::Named, doc: "An isotropic elastic material.", forms: MATERIAL_KEYS };
+    Section { forms: MATERIAL_KEYS, build, ..Section::named("material", "An isotropic elastic material.") };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { fields, .. }: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
-    made_of(fields, given(known, fields, &MATERIAL_KEYS)?, Material::given).map(Made::Material)
+pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
+    made_of(e, given(e, &MATERIAL_KEYS)?, Material::given).map(Made::Material)
 }

@@ -1,6 +1,6 @@
 //! Shells on meshes.
 
-use super::shell::{COINCIDENT, shells_named};
+use super::shell::COINCIDENT;
 use crate::elements::entries::ORIENTATION;
 use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::SHELLS;
@@ -22,11 +22,6 @@ const PART: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "mesh",
-    shape: Shape::Listed,
-    doc: "A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the \
-          file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group \
-          of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.",
     forms: forms!([
         NAME,
         may("material", Type::Item(&["material"]), "name of a material; needed but with laminate or parts"),
@@ -58,36 +53,44 @@ pub(super) const SECTION: Section = Section {
         need("faces", Lists, "points of each face: corners counterclockwise as seen from where the normal points to, then the middles of the edges \
              from the first corner on, then the middle"),
     ]),
+    nodes: Some(Nodes::one(OF_BODY)),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed(
+        "mesh",
+        "A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the \
+          file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group \
+          of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.",
+    )
 };
 
 /// Thickness at the points of each face, those that complete faces of eight points included.
-type Thickness<S> = Vec<Vec<(usize, S)>>;
+type Thickness = Vec<Vec<(usize, Recorded)>>;
 
 /// Points of the mesh where they are wanted.
-fn points<S: Scalar>(known: &Known<S>, fields: &Fields, data: &MeshData) -> Found<Vec<Vector3<S>>> {
-    let mut points = match fields.form {
-        "faces" => known.points(fields, "points")?,
+fn points(e: Entry, data: &MeshData) -> Found<Vec<Vector3<Recorded>>> {
+    let mut points = match e.form {
+        "faces" => e.points("points")?,
         _ => data.points.iter().map(|&point| Vector3::from_f64(point)).collect(),
     };
-    if fields.get("scale").is_some() {
-        let scale = known.number(fields, "scale")?;
+    if let Some(scale) = e.given("scale", Entry::number)? {
         points.iter_mut().for_each(|point| *point *= scale);
     }
-    if fields.get("orientation").is_some() {
-        let turn = known.orientation(fields)?;
+    if e.has("orientation") {
+        let turn = e.orientation()?;
         points.iter_mut().for_each(|point| *point = turn.rotate(*point));
     }
-    if fields.get("position").is_some() {
-        let position = known.vector(fields, "position")?;
+    if let Some(position) = e.given("position", Entry::vector)? {
         points.iter_mut().for_each(|point| *point += position);
     }
     Ok(points)
 }
 
 /// What a file gives of its own must be right before a mesh is made of it.
-fn check(fields: &Fields, data: &MeshData) -> Found<()> {
+fn check(e: Entry, data: &MeshData) -> Found<()> {
     let count = data.points.len();
-    for (at, face) in list(fields, "faces") {
+    for (at, face) in e.list("faces") {
         let Value::List(own) = face else { continue };
         let most = own.iter().filter_map(|(_, own)| if let Value::Count(own) = own { Some(*own) } else { None }).max();
         if !matches!(own.len(), 4 | 6 | 8 | 9) {
@@ -101,16 +104,11 @@ fn check(fields: &Fields, data: &MeshData) -> Found<()> {
     Ok(())
 }
 
-/// The thickness that an entry gives to some faces.
-fn thickness<S: Scalar>(
-    known: &Known<S>,
-    (item, data): (&Item, &MeshData),
-    fields: &Fields,
-    faces: &[usize],
-) -> Found<Thickness<S>> {
-    let mut all = vec![Vec::new(); data.faces.len()];
-    let has_each = known.each.iter().any(|own| own.1.mesh == item.place);
-    let constant = if has_each { None } else { Some(known.number(fields, "thickness")?) };
+/// The thickness that an entry, or one of its parts, gives to some faces.
+fn thickness(e: Entry, data: &MeshData, faces: &[usize]) -> Found<Thickness> {
+    let (mut all, mesh) = (vec![Vec::new(); data.faces.len()], e.item.place);
+    let has_each = e.known.each.iter().any(|own| own.1.mesh == mesh);
+    let constant = if has_each { None } else { Some(e.number("thickness")?) };
     // the middle of a quadrilateral of eight points follows the last of all points
     let mut middles = data.points.len()..;
     let middle_of: Vec<usize> = data
@@ -124,16 +122,15 @@ fn thickness<S: Scalar>(
         for &point in own {
             let value = match constant {
                 Some(value) => value,
-                None => known.number_at(fields, "thickness", [item.place, face, point], &called())?,
+                None => e.number_at("thickness", [mesh, face, point], &called())?,
             };
             all[face].push((point, value));
         }
         if own.len() == 8 {
             // as the place of the middle follows from the others
-            let value = all[face]
-                .iter()
-                .enumerate()
-                .fold(S::zero(), |sum, (place, (_, own))| sum + *own * S::from(if place < 4 { -0.25 } else { 0.5 }));
+            let share = |place| if place < 4 { -0.25 } else { 0.5 };
+            let shares = all[face].iter().enumerate().map(|(place, (_, own))| *own * share(place));
+            let value = shares.fold(Recorded::default(), |sum, own| sum + own);
             all[face].push((middle_of[face], value));
         }
     }
@@ -141,105 +138,103 @@ fn thickness<S: Scalar>(
 }
 
 /// The mesh of an entry, with what holds its points.
-fn free_mesh<S: Scalar>(known: &Known<S>, fields: &Fields, data: &Arc<MeshData>, m: &mut Builder<S>) -> Found<FreeMesh<S>> {
-    let mut mesh = FreeMesh::of_data_at(data, points(known, fields, data)?);
-    if let Some(angle) = fixed(fields, "crease") {
+fn free_mesh(e: Entry, data: &Arc<MeshData>, m: &mut Builder) -> Found<FreeMesh<Recorded>> {
+    let mut mesh = FreeMesh::of_data_at(data, points(e, data)?);
+    if let Some(angle) = e.fixed("crease") {
         mesh = mesh.creased(angle);
     }
-    if fields.get("damping").is_some() {
-        mesh = mesh.damped(known.number(fields, "damping")?);
+    if let Some(damping) = e.given("damping", Entry::number)? {
+        mesh = mesh.damped(damping);
     }
-    for (at, value) in list(fields, "clamped") {
+    for (at, value) in e.list("clamped") {
         let Value::Text(set) = value else { continue };
         let points = nodes_of(data, &format!(".{set}"));
         mesh = mesh.clamped(points.map_err(|why| Mistake::new(at, format!("clamped, \"{set}\": {why}")))?);
     }
-    for (at, own) in fields.tables("nodes") {
-        let Some(text) = text(own, "at") else { continue };
+    for own in e.tables("nodes") {
+        let Some(text) = own.text("at") else { continue };
         let is_number = text.chars().all(|letter| letter.is_ascii_digit());
         let rest = if is_number { format!("[{text}]") } else { format!(".{text}") };
         let point = match nodes_of(data, &rest).as_deref() {
             Ok(&[point]) => point,
             Ok(points) => {
-                let text = format!("at, \"{text}\": these are {} nodes, and one is wanted", points.len());
-                return Err(Mistake::new(at, text));
+                return own.wrong(format!("at, \"{text}\": these are {} nodes, and one is wanted", points.len()));
             }
-            Err(why) => return Err(Mistake::new(at, format!("at, \"{text}\": {why}"))),
+            Err(why) => return own.wrong(format!("at, \"{text}\": {why}")),
         };
-        mesh = mesh.with_node(point, known.node(own, "node", m)?);
+        mesh = mesh.with_node(point, own.node("node", m)?);
     }
-    if flag(fields, "coincident", false) {
+    if e.flag("coincident") {
         mesh = mesh.with_coincident_points();
     }
-    Ok(m.joined_to_each(mesh, &shells_named(known, fields, "joined")))
+    Ok(m.joined_to_each(mesh, &e.shells("joined")))
 }
 
 /// The tables that say the sections of faces, the entry itself where they belong to no part, and which does for each.
-fn parts<'f>(name: &str, fields: &'f Fields, data: &MeshData) -> Found<(Vec<&'f Fields>, Vec<usize>)> {
-    let mut entries: Vec<&Fields> = fields.tables("parts").map(|own| own.1).collect();
+fn parts<'k>(e: Entry<'k>, data: &MeshData) -> Found<(Vec<Entry<'k>>, Vec<usize>)> {
+    let mut entries: Vec<Entry> = e.tables("parts").collect();
     let mut part_of: Vec<Option<usize>> = vec![None; data.faces.len()];
     for (number, own) in entries.iter().enumerate() {
-        for group in texts(own, "of") {
-            let at = own.at("of");
-            let Some(faces) = data.group(&group) else {
-                return Err(Mistake::new(at, unknown("group of faces", &group, &names(&data.groups))));
+        for group in own.texts("of") {
+            let Some(faces) = data.group(group) else {
+                return own.wrong_key("of", unknown("group of faces", group, &names(&data.groups)));
             };
             for &face in faces {
                 if part_of[face].replace(number).is_some_and(|before| before != number) {
                     let text = format!("element {} of \"{group}\" belongs to another part, too", data.face_numbers[face]);
-                    return Err(Mistake::new(at, text));
+                    return own.wrong_key("of", text);
                 }
             }
         }
     }
     let of_mesh = entries.len();
     if let Some(face) = part_of.iter().position(Option::is_none) {
-        if fields.get("thickness").is_none() && fields.get("laminate").is_none() {
-            let text = format!(
-                "\"{name}\" needs the keys material and thickness, or laminate and direction: element {} belongs to none of its {of_mesh} parts",
+        if !e.has("thickness") && !e.has("laminate") {
+            return e.wrong(format!(
+                "\"{}\" needs the keys material and thickness, or laminate and direction: element {} belongs to none of its {of_mesh} parts",
+                e.name(),
                 data.face_numbers[face],
-            );
-            return Err(Mistake::new(fields.at, text));
+            ));
         }
-        entries.push(fields);
+        entries.push(e);
     }
     Ok((entries, part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect()))
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (name, fields) = (item.name.as_str(), &item.fields);
-    let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
-    check(fields, data)?;
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let Some(data) = &e.item.mesh else { return e.wrong(format!("\"{}\" has no mesh", e.name())) };
+    check(e, data)?;
     // these were read with the mesh
-    ["file", "reverse", "groups", "node_sets"].iter().for_each(|key| _ = fields.get(key));
-    let mesh = free_mesh(known, fields, data, m)?;
-    let (entries, part_of) = parts(name, fields, data)?;
-    let mut tables: Vec<Thickness<S>> = Vec::new();
+    ["file", "reverse", "groups", "node_sets"].iter().for_each(|key| _ = e.get(key));
+    let mesh = free_mesh(e, data, m)?;
+    let (entries, part_of) = parts(e, data)?;
+    let mut tables: Vec<Thickness> = Vec::new();
     for (number, own) in entries.iter().enumerate() {
-        let is_layered = own.get("laminate").is_some();
-        if is_layered && let Some((at, _)) = own.get("thickness") {
-            return Err(Mistake::new(at, "a laminate has the thickness of its plies: leave out thickness or laminate"));
+        let is_layered = own.has("laminate");
+        if is_layered && own.has("thickness") {
+            let text = "a laminate has the thickness of its plies: leave out thickness or laminate";
+            return own.wrong_key("thickness", text);
         }
         let faces: Vec<usize> = (0..part_of.len()).filter(|&face| part_of[face] == number).collect();
-        tables.push(if is_layered || faces.is_empty() { Vec::new() } else { thickness(known, (item, data), own, &faces)? });
+        tables.push(if is_layered || faces.is_empty() { Vec::new() } else { thickness(*own, data, &faces)? });
     }
     let at_point = |table: usize, face: usize, point: usize| {
         let own = tables[table].get(face).into_iter().flatten().find(|own| own.0 == point);
-        own.map_or(S::from(f64::NAN), |own| own.1)
+        own.map_or(Recorded::from(f64::NAN), |own| own.1)
     };
-    let lookups: Vec<Box<dyn Fn(usize, usize) -> S>> = (0..tables.len())
-        .map(|table| Box::new(move |face, point| at_point(table, face, point)) as Box<dyn Fn(usize, usize) -> S>)
+    let lookups: Vec<Box<dyn Fn(usize, usize) -> Recorded>> = (0..tables.len())
+        .map(|table| Box::new(move |face, point| at_point(table, face, point)) as Box<dyn Fn(usize, usize) -> Recorded>)
         .collect();
-    let mut sections: Vec<ShellPart<S>> = Vec::new();
+    let mut sections: Vec<ShellPart<Recorded>> = Vec::new();
     for (number, own) in entries.iter().enumerate() {
-        let given = |key: &str| if own.get(key).is_some() { own } else { fields };
-        sections.push(if own.get("laminate").is_some() {
-            ShellPart::Laminate(known.laminate(own)?.0, known.vector(given("direction"), "direction")?)
+        let given = |key: &str| if own.has(key) { *own } else { e };
+        sections.push(if own.has("laminate") {
+            ShellPart::Laminate(own.laminate()?.0, given("direction").vector("direction")?)
         } else if part_of.contains(&number) {
-            ShellPart::Isotropic(known.material(given("material"))?, &*lookups[number])
+            ShellPart::Isotropic(given("material").material()?, &*lookups[number])
         } else {
-            return Err(Mistake::new(own.at, "this part has no faces"));
+            return own.wrong("this part has no faces");
         });
     }
-    Ok(Made::Mesh(Box::new(m.shell_of_parts(name, mesh, &sections, |face| part_of[face]))))
+    Ok(Made::Mesh(Box::new(m.shell_of_parts(e.name(), mesh, &sections, |face| part_of[face]))))
 }

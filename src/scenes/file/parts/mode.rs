@@ -3,9 +3,6 @@
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    name: "mode",
-    shape: Shape::Listed,
-    doc: "A number of a mode of small vibrations about the start or the equilibrium, measured by runs, gradients, sweeps and optimizations.",
     forms: one_form![
         need("name", Text, "what results, objective and limits call it"),
         need(
@@ -24,10 +21,9 @@ pub(super) const SECTION: Section = Section {
             "with dampers, states of first order and what else depends on velocities, as about a steady turn always; false"
         ),
     ],
+    space: "functional",
+    ..Section::listed(
+        "mode",
+        "A number of a mode of small vibrations about the start or the equilibrium, measured by runs, gradients, sweeps and optimizations.",
+    )
 };
-
-/// Nothing: it is of the whole, and the file has measured it.
-pub(super) fn build<S: Scalar>(_: &Known<S>, Item { fields, .. }: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
-    ["number", "measure", "damped"].iter().for_each(|key| _ = fields.get(key));
-    Ok(Made::Nothing)
-}

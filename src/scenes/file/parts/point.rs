@@ -3,24 +3,26 @@
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    name: "point",
-    shape: Shape::Listed,
-    doc: "A point without rotation.",
     forms: one_form![
         NAME,
         need("position", Vector("m"), "place"),
         may("velocity", Vector("m/s"), "velocity; 0"),
         may("mass", Number("kg", Positive), "mass; none"),
     ],
+    nodes: Some(Nodes::one(OF_POINT)),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed("point", "A point without rotation.")
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let node = m.point(name, known.vector(fields, "position")?);
-    if fields.get("velocity").is_some() {
-        m.set_velocity(node, known.vector(fields, "velocity")?, Vector3::zeros());
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let node = m.point(e.name(), e.vector("position")?);
+    if let Some(velocity) = e.given("velocity", Entry::vector)? {
+        m.set_velocity(node, velocity, Vector3::zeros());
     }
-    if fields.get("mass").is_some() {
-        m.point_mass(name, node, known.number(fields, "mass")?);
+    if let Some(mass) = e.given("mass", Entry::number)? {
+        m.point_mass(e.name(), node, mass);
     }
     Ok(Made::Node(node))
 }

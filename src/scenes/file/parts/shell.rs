@@ -2,7 +2,7 @@
 
 use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::SHELLS;
-use crate::scenes::{Edge, MeshedShell, ShellMesh};
+use crate::scenes::{Edge, ShellMesh};
 
 pub(super) const COINCIDENT: Key =
     may("coincident", Flag, "nodes may stand at the same place, or on other faces, and are not joined: a slit; false");
@@ -14,10 +14,6 @@ const HELD: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "shell",
-    shape: Shape::Listed,
-    doc: "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
-          the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
     forms: forms!([
         NAME,
         ELEMENTS,
@@ -58,82 +54,75 @@ pub(super) const SECTION: Section = Section {
         need("first", Vector("-"), "unit vector along an edge of the face"),
         need("second", Vector("-"), "unit vector along the other, at right angles"),
     ]),
+    nodes: Some(Nodes { edges: &Edge::NAMES, own: 2, of_edge: 1, known: OF_BODY }),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed(
+        "shell",
+        "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
+          the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
+    )
 };
 
-/// Shells that a key names, a list of those of each entry.
-pub(super) fn shells_named<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields, key: &str) -> Vec<Vec<&'k MeshedShell>> {
-    let shells = |(_, value): (usize, &Value)| match value {
-        Value::Item(item) | Value::Group(item, _) => Some(known.made[*item].shells()),
-        _ => None,
-    };
-    list(fields, key).filter_map(shells).collect()
-}
-
 /// The surface of a shell by its form.
-fn surface<S: Scalar>(known: &Known<S>, fields: &Fields, elements: [usize; 2]) -> Found<ShellMesh<S>> {
-    let vector = |key| known.vector(fields, key);
-    Ok(match fields.form {
+fn surface(e: Entry, elements: [usize; 2]) -> Found<ShellMesh<Recorded>> {
+    let (vector, number) = (|key| e.vector(key), |key| e.number(key));
+    Ok(match e.form {
         "plate" => {
-            let corner = known.vector_or(fields, "corner", Vector3::zeros())?;
+            let corner = e.vector_or("corner", Vector3::zeros())?;
             ShellMesh::plate(corner, [vector("first")?, vector("second")?], elements)
         }
         "cylinder" => {
             let (line, about) = ([vector("from")?, vector("along")?], [vector("centre")?, vector("axis")?.unit()]);
-            ShellMesh::cylinder(line, about, known.number(fields, "angle")?, elements)
+            ShellMesh::cylinder(line, about, number("angle")?, elements)
         }
         "sphere_patch" => {
-            let (centre, radius) = (vector("centre")?, known.number(fields, "radius")?);
-            ShellMesh::sphere(
-                centre,
-                radius,
-                known.numbers(fields, "longitude")?,
-                known.numbers(fields, "latitude")?,
-                elements,
-            )
+            let ranges = (e.numbers("longitude")?, e.numbers("latitude")?);
+            ShellMesh::sphere(vector("centre")?, number("radius")?, ranges.0, ranges.1, elements)
         }
         _ => {
             let edges = [vector("first")?.unit(), vector("second")?.unit()];
-            ShellMesh::sphere_face(vector("centre")?, known.number(fields, "radius")?, edges, elements)
+            ShellMesh::sphere_face(vector("centre")?, number("radius")?, edges, elements)
         }
     })
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let elements = counts(fields, "elements").unwrap_or([1; 2]);
-    let mut mesh = surface(known, fields, elements)?;
-    if flag(fields, "closed", false) {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let (name, elements) = (e.name(), e.counts("elements").unwrap_or([1; 2]));
+    let mut mesh = surface(e, elements)?;
+    if e.flag("closed") {
         mesh = mesh.closed();
     }
-    if fields.get("damping").is_some() {
-        mesh = mesh.damped(known.number(fields, "damping")?);
+    if let Some(damping) = e.given("damping", Entry::number)? {
+        mesh = mesh.damped(damping);
     }
-    for edge in texts(fields, "clamped") {
-        mesh = mesh.clamped(Edge::named(&edge));
+    for edge in e.texts("clamped") {
+        mesh = mesh.clamped(Edge::named(edge));
     }
-    if flag(fields, "coincident", false) {
+    if e.flag("coincident") {
         mesh = mesh.with_coincident_points();
     }
-    mesh = m.joined_to_each(mesh, &shells_named(known, fields, "joined"));
-    for (at, own) in fields.tables("held") {
-        let [i, j] = counts(own, "place").unwrap_or([0; 2]);
+    mesh = m.joined_to_each(mesh, &e.shells("joined"));
+    for own in e.tables("held") {
+        let [i, j] = own.counts("place").unwrap_or([0; 2]);
         let [columns, rows] = elements.map(|count| 2 * count + 1);
         if i >= columns || j >= rows {
-            return Err(Mistake::new(at, format!("the grid of \"{name}\" has {columns} x {rows} nodes, counted from 0")));
+            return own.wrong(format!("the grid of \"{name}\" has {columns} x {rows} nodes, counted from 0"));
         }
-        mesh = mesh.with_node(i, j, known.node(own, "node", m)?);
+        mesh = mesh.with_node(i, j, own.node("node", m)?);
     }
-    if fields.get("laminate").is_some() {
-        let laminate = known.laminate(fields)?.0;
-        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, laminate, known.vector(fields, "direction")?))));
+    if e.has("laminate") {
+        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, e.laminate()?.0, e.vector("direction")?))));
     }
-    let (material, thickness) = (known.material(fields)?, known.strips(fields, "thickness", elements[0])?);
+    let (material, thickness) = (e.material()?, e.strips("thickness", elements[0])?);
     let (strips, along) = (thickness.len(), elements[0]);
     if strips == 0 || along % strips != 0 {
         let text = format!(
             "\"{name}\" has {strips} thicknesses of strips of equal width, but {along} elements along its first direction: give one, or as many as \
              divide these"
         );
-        return Err(Mistake::new(fields.at("thickness"), text));
+        return e.wrong_key("thickness", text);
     }
     let shell = m.tapered_shell(name, mesh, &material, |element, _| thickness[(element % along) * strips / along]);
     Ok(Made::Shell(Box::new(shell)))

@@ -4,9 +4,6 @@ use crate::elements::flexible::MATERIAL;
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    name: "sphere",
-    shape: Shape::Listed,
-    doc: "A closed sphere of shells, of six faces.",
     forms: one_form![
         NAME,
         may("centre", Vector("m"), "centre; the origin"),
@@ -15,10 +12,15 @@ pub(super) const SECTION: Section = Section {
         MATERIAL,
         need("thickness", Number("m", Positive), "thickness"),
     ],
+    nodes: Some(Nodes { edges: &[], own: 3, of_edge: 0, known: OF_BODY }),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed("sphere", "A closed sphere of shells, of six faces.")
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let place = (known.vector_or(fields, "centre", Vector3::zeros())?, known.number(fields, "radius")?);
-    let (material, thickness) = (known.material(fields)?, known.number(fields, "thickness")?);
-    Ok(Made::Sphere(m.sphere_shell(name, place, count(fields, "elements"), &material, thickness)))
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let place = (e.vector_or("centre", Vector3::zeros())?, e.number("radius")?);
+    let (material, thickness) = (e.material()?, e.number("thickness")?);
+    Ok(Made::Sphere(m.sphere_shell(e.name(), place, e.count("elements"), &material, thickness)))
 }

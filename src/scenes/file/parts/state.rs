@@ -2,23 +2,26 @@
 
 use crate::elements::{Element, NodeKind, Output, Parameter, State};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
+use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
 use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
 
-const STATE_KEYS: [Key; 5] = [
+const STATE_KEYS: [Key; 4] = [
     NAME,
     may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
     DEFINITIONS,
     OWN_TABLES,
-    BREAKPOINTS,
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "state",
-    shape: Shape::Listed,
-    doc: "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
-          [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
     forms: Forms { common: &STATE_KEYS, forms: &STATE_FORMS, own: None },
+    nodes: Some(Nodes::one(&[])),
+    has_columns: true,
+    build,
+    ..Section::listed(
+        "state",
+        "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
+          [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
+    )
 };
 
 /// States of first order by formulas of their rates: R = dz/dt - f(z, nodes, t) on the last node, whose rates they are.
@@ -55,35 +58,35 @@ impl Element for FormulaState {
     }
 }
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let named = |key: &str| match fields.get(key) {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let named = |key: &str| match e.get(key) {
         Some((_, Value::Formulas(given))) => given.as_slice(),
         _ => &[],
     };
-    let [initial, rates, outputs] = if fields.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
-    for key in keys_of(fields.form) {
-        if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, fields.get(key.name)) {
-            if formula.uses_from(known.names.len()) {
+    let [initial, rates, outputs] = if e.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
+    for key in keys_of(e.form) {
+        if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, e.get(key.name)) {
+            if formula.uses_from(e.known.numbers.len()) {
                 return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
             }
-            known.number(fields, key.name)?;
+            e.number(key.name)?;
         }
     }
     let mut start = Vec::new();
     for (value, at, formula) in initial {
-        if formula.is_vector || formula.uses_from(known.names.len()) {
+        if formula.is_vector() || formula.uses_from(e.known.numbers.len()) {
             return Err(Mistake::new(*at, format!("the start of {value} must be a number of the design alone")));
         }
-        start.extend(formula.value(&known.names).components());
+        start.extend(formula.value(|place| e.known.numbers[place]).components());
     }
-    let mut reading = Reading::new(known, fields, m)?;
-    let node = m.states(name, &start);
+    let mut reading = Reading::new(e, m)?;
+    let node = m.states(e.name(), &start);
     reading.add("", node, NodeKind::States(start.len()));
     for (value, at, _) in initial {
         let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
             return Err(Mistake::new(*at, format!("{value} has a start, but no rate")));
         };
-        if formula.is_vector {
+        if formula.is_vector() {
             return Err(Mistake::new(*at, format!("the rate of {value} must be a number")));
         }
         reading.take(*at, formula, [true, true])?;
@@ -96,9 +99,9 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Ite
     told.extend(values().map(|value| Output::new(format!("d{value}/dt"), "")));
     for (output, _, formula) in outputs {
         reading.add_formula(formula);
-        told.extend(outputs_of(output, "", formula.is_vector));
+        told.extend(outputs_of(output, "", formula.is_vector()));
     }
     let Reading { nodes, formulas, p, .. } = reading;
-    m.element(name, &nodes, FormulaState { formulas, outputs: told }, &p);
+    m.element(e.name(), &nodes, FormulaState { formulas, outputs: told }, &p);
     Ok(Made::Node(node))
 }

@@ -11,9 +11,6 @@ const WALL: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    name: "thin_walls",
-    shape: Shape::Listed,
-    doc: "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
     forms: forms!([
         NAME,
         may("start", Vector("m"), "where the origin of the profile starts; the origin"),
@@ -38,43 +35,44 @@ pub(super) const SECTION: Section = Section {
         need("corners", Pairs("m"), "places along axes 1 and 2"),
         need("walls", Tables(&WALL), "walls between corners"),
     ]),
+    nodes: Some(Nodes { edges: &["start", "end"], own: 0, of_edge: 1, known: OF_BODY }),
+    has_columns: true,
+    has_mass: true,
+    build,
+    ..Section::listed(
+        "thin_walls",
+        "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
+    )
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (profile, walls) = match fields.form {
-        "profile" => {
-            let corners = list(fields, "corners").map(|given| known.pair(given)).collect::<Found<Vec<[S; 2]>>>()?;
-            let wall = |(_, own): (usize, &Fields)| Some((counts(own, "between")?, count(own, "elements")));
-            let walls: Vec<([usize; 2], usize)> = fields.tables("walls").filter_map(wall).collect();
-            let number = walls.len();
-            (Profile::new(corners, walls), number)
-        }
-        form => {
-            let size = [known.number(fields, "width")?, known.number(fields, "height")?];
-            let across = counts(fields, "across").unwrap_or([1; 2]);
-            match form {
-                "box_tube" => (Profile::box_tube(size, across), 4),
-                _ => (Profile::i_section(size, across), 5),
-            }
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let (name, across) = (e.name(), e.counts("across").unwrap_or([1; 2]));
+    let size = || Found::Ok([e.number("width")?, e.number("height")?]);
+    let (profile, walls) = match e.form {
+        "box_tube" => (Profile::box_tube(size()?, across), 4),
+        "i_section" => (Profile::i_section(size()?, across), 5),
+        _ => {
+            let corners = e.pairs("corners")?;
+            let walls = e.tables("walls").filter_map(|own| Some((own.counts("between")?, own.count("elements"))));
+            let walls: Vec<([usize; 2], usize)> = walls.collect();
+            let count = walls.len();
+            (Profile::new(corners, walls), count)
         }
     };
     let extrusion = Extrusion {
-        start: known.vector_or(fields, "start", Vector3::zeros())?,
-        along: known.vector(fields, "along")?,
-        first_axis: known.vector(fields, "first_axis")?,
-        twist: known.number_or(fields, "twist", 0.0)?,
-        elements: count(fields, "elements"),
+        start: e.vector_or("start", Vector3::zeros())?,
+        along: e.vector("along")?,
+        first_axis: e.vector("first_axis")?,
+        twist: e.number_or("twist", 0.0)?,
+        elements: e.count("elements"),
     };
-    let thickness = known.series(fields, "thickness")?;
+    let thickness = e.series("thickness")?;
     if thickness.len() != 1 && thickness.len() != walls {
         let text = format!("\"{name}\" has {} thicknesses; give one, or {walls}, one for each wall", thickness.len());
-        return Err(Mistake::new(fields.at("thickness"), text));
+        return e.wrong_key("thickness", text);
     }
     let of_wall = |wall: usize, _: f64| thickness[wall % thickness.len()];
-    let walls = m.thin_walls(name, &profile, &extrusion, &known.material(fields)?, of_wall);
-    match walls.start().is_empty() {
-        // why is among the mistakes of the builder
-        true => Ok(Made::Nothing),
-        false => Ok(Made::Walls(walls)),
-    }
+    let walls = m.thin_walls(name, &profile, &extrusion, &e.material()?, of_wall);
+    // why there may be none is among the mistakes of the builder
+    Ok(if walls.start().is_empty() { Made::Nothing } else { Made::Walls(walls) })
 }

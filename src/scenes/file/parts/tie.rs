@@ -1,14 +1,9 @@
 //! Nodes that follow faces of shells.
 
-use super::shell::shells_named;
 use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::SHELLS;
 
 pub(super) const SECTION: Section = Section {
-    name: "tie",
-    shape: Shape::Listed,
-    doc: "Edges of shells, or other nodes, that follow the faces of shells on which they lie, where nodes do not meet: edges in the mean along \
-          them, so that constant stresses pass exactly; other nodes where they stand.",
     forms: one_form![
         NAME,
         need(
@@ -25,10 +20,17 @@ pub(super) const SECTION: Section = Section {
             all of them"
         ),
     ],
+    space: "joint",
+    build,
+    ..Section::listed(
+        "tie",
+        "Edges of shells, or other nodes, that follow the faces of shells on which they lie, where nodes do not meet: edges in the mean along \
+          them, so that constant stresses pass exactly; other nodes where they stand.",
+    )
 };
 
-pub(super) fn build<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
-    let nodes = known.node_sets(fields, m)?;
-    m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
+pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+    let nodes = e.node_sets("nodes", m)?;
+    m.tie_to(e.name(), &nodes, &e.shells("to").concat(), e.fixed("within"));
     Ok(Made::Nothing)
 }

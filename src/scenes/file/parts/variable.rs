@@ -4,9 +4,6 @@ use crate::scenes::file::describing::*;
 use crate::scenes::file::keys::MANY;
 
 pub(super) const SECTION: Section = Section {
-    name: "variable",
-    shape: Shape::Named,
-    doc: "A design variable. NAME is how formulas call it.",
     forms: one_form![
         need("initial", FixedOrMore("unit"), "value of the initial design; with count one for all, or as many"),
         need("bounds", Fixeds(2, "unit"), "least and largest value"),
@@ -26,9 +23,5 @@ pub(super) const SECTION: Section = Section {
         may("per_node", Text, "the same for each node of the faces; one for all"),
         may("name", Text, "how commands and results call it; NAME"),
     ],
+    ..Section::named("variable", "A design variable. NAME is how formulas call it.")
 };
-
-/// Nothing: formulas have its value.
-pub(super) fn build<S: Scalar>(_: &Known<S>, _: &Item, _: &mut Builder<S>) -> Found<Made<S>> {
-    Ok(Made::Nothing)
-}

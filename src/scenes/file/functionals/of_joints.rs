@@ -1,7 +1,6 @@
-//! What a joint does to what it holds.
+//! What joints do to what they hold.
 
-use super::measurand::Measurand;
-use super::over::over;
+use super::Measurand;
 use crate::elements::entries::{Given, ON, PLACE};
 use crate::elements::forces::load_frame::{FRAME, LoadFrame};
 use crate::functionals::LoadKind;
@@ -13,10 +12,10 @@ use crate::scenes::file::keys::WITH_MULTIPLIERS;
 pub(super) const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");
 
 /// Which load, in which frame, along a direction and about a point of the world.
-type Load<S> = ((LoadKind, LoadFrame), [Vector3<S>; 2]);
+type Load = ((LoadKind, LoadFrame), [Vector3<Recorded>; 2]);
 
 /// The load for which keys ask.
-fn load<S: Scalar>(given: &mut Given<S>) -> Load<S> {
+fn load(given: &mut Given<Recorded>) -> Load {
     let norms = [("force_norm", LoadKind::ForceNorm), ("moment_norm", LoadKind::MomentNorm)];
     let norm = norms.into_iter().find(|(word, _)| given.says("load", word));
     let kind = norm.map_or(if given.says("load", "moment") { LoadKind::Moment } else { LoadKind::Force }, |own| own.1);
@@ -35,10 +34,8 @@ fn load<S: Scalar>(given: &mut Given<S>) -> Load<S> {
     ((kind, frame), [direction, point])
 }
 
-pub(super) struct JointLoad;
-
-impl Measurand for JointLoad {
-    const FORM: Form = Form {
+pub(super) const JOINT_LOAD: Measurand = Measurand {
+    form: Form {
         name: "joint_load",
         doc: "force or moment of a joint on one of its nodes [N, N m]",
         keys: &[
@@ -49,30 +46,51 @@ impl Measurand for JointLoad {
             need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
             may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
         ],
-    };
-
-    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
-        let (joint, node) = (known.joint(fields)?, known.node(fields, "on", m)?);
-        let given = m.given(name, &[node], values(known, fields, Self::FORM.keys)?);
-        let (load, [direction, point]) = made_of(fields, given, load)?;
-        m.joint_load_functional(name, over(fields), (joint, node), load, direction, point);
+    },
+    add: |e, over, m| {
+        let (joint, node) = (e.joint()?, e.node("on", m)?);
+        let given = m.given(e.name(), &[node], values(e, JOINT_LOAD.form.keys)?);
+        let (load, [direction, point]) = made_of(e, given, load)?;
+        m.joint_load_functional(e.name(), over, (joint, node), load, direction, point);
         Ok(())
-    }
-}
+    },
+};
 
-pub(super) struct JointPower;
-
-impl Measurand for JointPower {
-    const FORM: Form = Form {
+pub(super) const JOINT_POWER: Measurand = Measurand {
+    form: Form {
         name: "joint_power",
         doc: "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]",
         keys: &[OF_JOINT, may("on", Node, "one of its nodes, to which the joint hands on so much; all")],
-    };
-
-    fn add<S: Scalar>(known: &Known<S>, Item { name, fields, .. }: &Item, m: &mut Builder<S>) -> Found<()> {
-        let joint = known.joint(fields)?;
-        let on = fields.get("on").map(|_| known.node(fields, "on", m)).transpose()?;
-        m.joint_power_functional(name, over(fields), joint, on);
+    },
+    add: |e, over, m| {
+        let joint = e.joint()?;
+        let on = e.get("on").map(|_| e.node("on", m)).transpose()?;
+        m.joint_power_functional(e.name(), over, joint, on);
         Ok(())
-    }
-}
+    },
+};
+
+pub(super) const REACTION: Measurand = Measurand {
+    form: Form {
+        name: "reaction",
+        doc: "weighted sum of a joint's multipliers",
+        keys: &[OF_JOINT, need("weights", Type::Series("-"), "a weight for each of its equations")],
+    },
+    add: |e, over, m| {
+        let joint = e.joint()?;
+        m.reaction_functional(e.name(), over, joint, &e.series("weights")?);
+        Ok(())
+    },
+};
+
+pub(super) const REACTION_NORM: Measurand = Measurand {
+    form: Form {
+        name: "reaction_norm",
+        doc: "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force",
+        keys: &[OF_JOINT],
+    },
+    add: |e, over, m| {
+        m.reaction_norm_functional(e.name(), over, e.joint()?);
+        Ok(())
+    },
+};
