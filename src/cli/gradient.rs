@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{brief, json_number, relative_effect, print, print_json};
+use super::console::{brief, json_number, print, print_json, relative_effect};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::influences::print_influences;

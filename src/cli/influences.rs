@@ -1,6 +1,6 @@
 //! What a number changes by with each design variable, printed.
 
-use super::console::{brief, long_number, relative_effect, print};
+use super::console::{brief, long_number, print, relative_effect};
 use crate::io::{Cell, Table};
 use costate::scenes::Prepared;
 

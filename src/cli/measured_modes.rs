@@ -1,6 +1,6 @@
 //! Numbers of modes that a scene measures beside its functionals, as commands print and show them.
 
-use super::console::{json_number, long_number, relative_effect, print, warn};
+use super::console::{json_number, long_number, print, relative_effect, warn};
 use super::influences::print_influences;
 use super::report::Page;
 use crate::io::Table;

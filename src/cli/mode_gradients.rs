@@ -1,6 +1,6 @@
 //! `costate modes --gradients`: derivatives of frequencies and growth by the design variables.
 
-use super::console::{json_number, relative_effect, print};
+use super::console::{json_number, print, relative_effect};
 use super::failure::Failure;
 use super::report::Page;
 use crate::io::{Cell, Table, number, write_csv};

@@ -395,7 +395,10 @@ impl SceneOptions {
                 return Err(Failure::input(format!("--newton {}: {why}; leave it out here", method.tolerance.name())));
             }
             method.tolerance = NewtonTolerance::RoundOff;
-            print(format_args!("Newton's method goes to round-off instead of \"{}\": {why}", NewtonTolerance::Scaled.name()));
+            print(format_args!(
+                "Newton's method goes to round-off instead of \"{}\": {why}",
+                NewtonTolerance::Scaled.name()
+            ));
         }
         Ok(method)
     }

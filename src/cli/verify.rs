@@ -1,5 +1,5 @@
 use super::CommandLine;
-use super::console::{print_error, count, json_number, print, print_json, seconds};
+use super::console::{count, json_number, print, print_error, print_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::study::{Figure, Form, Report, Study};

@@ -1,5 +1,5 @@
 use super::entries::Range::{Any, Positive};
-use super::entries::Type::{Fixed, Fixeds, Number, OfTime};
+use super::entries::Type::{Count, Fixed, Fixeds, Number, OfTime};
 use super::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Key, VALUES, forms, may, need};
 use super::{Parameter, RecordedFunction, Table, TimeFormula};
 use crate::program::{ArgumentKind, Formula, Reads};
@@ -49,6 +49,10 @@ pub const FUNCTION: Forms = forms!([
 ]
 "formula" "a formula of the time t, exact at all times with all its derivatives" [
     need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
+    may("breakpoints", Fixeds(0, "s"), "from the times when these were not found from the formula: not needed, any"),
+    may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
+    may("end", Fixed("s", Any), "likewise, at least the end of the run"),
+    may("intervals", Count(1, 10_000), "likewise, any"),
 ]);
 
 /// A function of time f(t) for motion drivers and loads; its numbers are parameters of the element that holds it.

@@ -26,7 +26,6 @@ mod native;
 mod operation;
 mod recorded;
 mod refused;
-#[cfg(feature = "files")]
 mod replay;
 mod running;
 mod switch_times;
@@ -44,7 +43,6 @@ pub use listing::Listing;
 pub use operation::Node;
 pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
 pub use refused::refuses_machine_code;
-#[cfg(feature = "files")]
 pub use replay::Replay;
 pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
 pub use switch_times::SwitchTime;

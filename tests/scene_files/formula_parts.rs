@@ -136,7 +136,7 @@ fn names_of_an_entry_hide_those_of_the_file() {
 #[test]
 fn a_choice_that_is_none_of_the_time_has_no_breakpoints() {
     let force = "a = \"k * max(a.position.z - 0.5, 0) * cos(3 * t) * a.x_axis\"";
-    let own = format!("{HEADER}nodes = {{ a = \"body\" }}\nforce = {{ {force} }}");
+    let own = format!("{HEADER}nodes = {{ a = \"body\" }}\nforce = {{ {force} }}\nbreakpoints = []");
     assert!(run(&own).iter().all(|own| own.is_finite()));
 }
 

@@ -38,7 +38,7 @@ name = "motor"
 type = "rotation"
 between = ["base", "arm"]
 axis = [0, 0, 1]
-angle = { type = "formula", value = "0.5 * acceleration * t^2" }
+angle = { type = "formula", value = "0.5 * acceleration * t^2", end = 1.0, intervals = 200 }
 
 [[functional]]
 name = "moment of the weld"
@@ -80,7 +80,9 @@ fn a_formula_of_time_is_exact_with_its_rates() {
 
 #[test]
 fn a_formula_of_time_uses_any_names_and_may_choose() {
-    let stop = |value: &str| MOTOR.replace("\"0.5 * acceleration * t^2\"", value);
+    let stop = |value: &str| {
+        MOTOR.replace("\"0.5 * acceleration * t^2\"", value).replace("end = 1.0, intervals = 200", "breakpoints = [0.5]")
+    };
     let vectors = stop("\"dot(half, [acceleration, 1, 0]) * t^2\"");
     let vectors = vectors.replacen("variable.", "define.half = [0.5, 0, 0]\nvariable.", 1);
     let blend = stop("\"if_less(t, 0.5, 0.5 * acceleration * t^2, 0.125 * acceleration + 0.5 * acceleration * (t - 0.5))\"");
@@ -95,14 +97,17 @@ fn a_formula_of_time_uses_any_names_and_may_choose() {
 }
 
 #[test]
-fn motions_that_jump_are_refused() {
-    let formula = "value = \"0.5 * acceleration * t^2\"";
+fn motions_that_jump_and_formulas_that_end_too_early_are_refused() {
+    let formula = "value = \"0.5 * acceleration * t^2\", end = 1.0, intervals = 200";
     for (by, parts) in [
         ("value = \"abs(t - 0.5) - 0.5\"", ["motor", "0.5 s"]),
-        ("value = \"max(t, 0.5) - 0.5\"", ["motor", "0.5 s"]),
+        ("value = \"max(t, 0.5) - 0.5\", breakpoints = []", ["motor", "0.5 s"]),
         ("value = \"atan(tan(9 * t^2))\"", ["motor", "0.41777"]),
+        ("value = \"t^2\", end = 0.5", ["end lies within the run", "if_less"]),
+        ("value = \"t^2\", start = 0.1", ["start lies within the run", "if_less"]),
         ("value = \"acceleration / t\"", ["at t = 0 s the value is not finite", ""]),
         ("value = \"t\"", ["start violates its constraints", "motor"]),
+        ("value = \"t\", breakpoints = 0.5", ["breakpoints of", "a list of numbers"]),
     ] {
         let message = refused(&MOTOR.replace(formula, by));
         assert!(parts.iter().all(|part| message.contains(part)), "{by}: {message}");

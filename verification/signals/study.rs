@@ -214,13 +214,13 @@ fn drives(report: &mut Report) -> Result<(), String> {
         "{ type = \"sine\", amplitude = \"a\", angular_frequency = 4, smooth_start = 0.2 }",
         "{ type = \"constant_rate\", rate = \"a\", smooth_start = 0.2 }",
         "{ type = \"table\", times = [0, 0.1, 0.5, 1], values = [0, 0, \"a\", \"a\"] }",
-        "{ type = \"formula\", value = \"if_less(t, 0.5, 0, (t - 0.5)^3)\" }",
+        "{ type = \"formula\", value = \"if_less(t, 0.5, 0, (t - 0.5)^3)\", breakpoints = [0.5] }",
     ];
     let refused = [
         ("{ type = \"constant_rate\", rate = \"a\" }", "start"),
         ("{ type = \"formula\", value = \"sin(t)\" }", "start"),
         ("{ type = \"lines\", times = [0, 1], values = [0, 1] }", "jump"),
-        ("{ type = \"formula\", value = \"if_less(t, 0.5, 0, 1)\" }", "jump"),
+        ("{ type = \"formula\", value = \"if_less(t, 0.5, 0, 1)\", breakpoints = [0.5] }", "jump"),
     ];
     let run_of = |function: &str| run(&text(true, function, 100));
     let fine = taken.iter().filter(|function| run_of(function).is_ok_and(|own| own.1 < GRADIENT)).count();

@@ -356,6 +356,7 @@ class Model:
         potential: Scalar | None = None,
         force: Table | None = None,
         moment: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
     ) -> str:
         """A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and a.rate, of a state a.NAME of its values and outputs; and the time t.
 
@@ -367,6 +368,7 @@ class Model:
         * ``potential`` (number or formula, optional): potential energy, of places; none [J]
         * ``force`` (table, optional): forces on its nodes in the world, of anything; of a joint angle its moment; none [N, N m]
         * ``moment`` (table, optional): moments on bodies among them in the world, of anything; none [N m]
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         """
     def force(
         self,
@@ -1050,6 +1052,7 @@ class _State:
         nodes: Table | None = None,
         define: Table | None = None,
         table: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
         initial: Table,
         rate: Table,
         output: Table | None = None,
@@ -1061,6 +1064,7 @@ class _State:
         * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         * ``initial`` (table): values at the start by their names [-]
         * ``rate`` (table): rates of all of them by the same names [1/s]
         * ``output`` (table, optional): numbers or vectors that others know beside the values, by their names; none [-]
@@ -1073,6 +1077,7 @@ class _State:
         nodes: Table | None = None,
         define: Table | None = None,
         table: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
         input: Scalar,
         time_constant: Scalar,
         gain: Scalar | None = None,
@@ -1085,6 +1090,7 @@ class _State:
         * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         * ``input`` (number or formula): u [-]
         * ``time_constant`` (number or formula): T [s]
         * ``gain`` (number or formula, optional): k; 1 [-]
@@ -1098,6 +1104,7 @@ class _State:
         nodes: Table | None = None,
         define: Table | None = None,
         table: Table | None = None,
+        breakpoints: Sequence[Scalar] | None = None,
         measured: Scalar,
         set_point: Scalar,
         proportional: Scalar | None = None,
@@ -1118,6 +1125,7 @@ class _State:
         * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         * ``measured`` (number or formula): what is controlled [-]
         * ``set_point`` (number or formula): what it should be [-]
         * ``proportional`` (number or formula, optional): kp; 0 [-]
@@ -1489,6 +1497,7 @@ class _Joint:
         define: Table | None = None,
         table: Table | None = None,
         equations: Sequence[Scalar],
+        breakpoints: Sequence[Scalar] | None = None,
     ) -> str:
         """Formulas of the places of its nodes, and of the time, that are zero.
         What holds nodes together. Geometry is given in the world at the start.
@@ -1500,6 +1509,7 @@ class _Joint:
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
         * ``equations`` (list of number or formula): what is zero, as in ["norm(b.position - a.position) - 0.5"] [m, rad]
+        * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
         """
     def rolling_sphere(
         self,

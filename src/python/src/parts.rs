@@ -145,8 +145,7 @@ impl Description {
     fn recorded(&self, n: usize) -> Result<HashMap<String, Replay>, String> {
         let (strains, m) =
             (self.strains, self.parameters.iter().map(|own| if own.point_of.is_some() { 3 } else { 1 }).sum::<usize>());
-        if let Some(own) = self.parameters.iter().find(|own| own.point_of.is_some_and(|node| node >= self.nodes.len()))
-        {
+        if let Some(own) = self.parameters.iter().find(|own| own.point_of.is_some_and(|node| node >= self.nodes.len())) {
             return Err(format!("{} of \"{}\" is a point of a node that it has not", own.name, self.name));
         }
         let recorded = |(name, tape): (&String, &Tape)| {

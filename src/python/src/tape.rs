@@ -48,8 +48,7 @@ impl Tape {
             let wrong = || format!("operation {place} of a formula, {operation:?}, is none of numbers before it");
             known.push(operation.value(&known).ok_or_else(wrong)?);
         }
-        let result =
-            |&place: &usize| known.get(place).copied().ok_or_else(|| format!("a formula has no number {place}"));
+        let result = |&place: &usize| known.get(place).copied().ok_or_else(|| format!("a formula has no number {place}"));
         self.results.iter().map(result).collect()
     }
 }

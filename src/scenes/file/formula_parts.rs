@@ -8,7 +8,7 @@ use super::mistake::Mistake;
 use super::section::OfNode;
 use super::tables::TABLE;
 use crate::assembly::NodeId;
-use crate::elements::entries::Type::{Node, Vector};
+use crate::elements::entries::Type::{Fixeds, Node, Vector};
 use crate::elements::entries::{Forms, Key, Type, may, need};
 use crate::elements::{Frame, NodeKind, Output, Parameter};
 use crate::program::Recorded;
@@ -29,6 +29,12 @@ pub(super) const DEFINITIONS: Key = may(
 );
 pub(super) const OWN_TABLES: Key =
     may("table", Type::NamedTables(&TABLE), "tables that the formulas here call by their names, as those of [table]; none");
+pub(super) const BREAKPOINTS: Key = may(
+    "breakpoints",
+    Fixeds(0, "s"),
+    "from the times when jumps and bends of formulas of t were not found from these: not needed, any",
+);
+
 /// What histories tell of a formula: its number, or the components of its vector.
 pub(super) fn outputs_of(name: &str, unit: &'static str, is_vector: bool) -> Vec<Output> {
     match is_vector {
@@ -157,7 +163,7 @@ impl<'f> Reading<'f> {
             _ => &[],
         };
         // these were read with the formulas
-        ["define", "table"].iter().for_each(|key| _ = e.get(key));
+        ["define", "table", "breakpoints"].iter().for_each(|key| _ = e.get(key));
         let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
         let mut own = Reading { known: e.known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {

@@ -532,7 +532,11 @@ impl<'k> Entry<'k> {
         let numbers = numbers.map(|key| own.number_or(key.name, 0.0)).collect::<Found<Vec<Recorded>>>()?;
         let signal = match (own.form, TimeFunction::of_form(own.form, own.fixed("at"))) {
             (_, Some(function)) => Signal::of(function, &numbers),
-            ("formula", _) => own.formula_of_time()?,
+            ("formula", _) => {
+                // files from when formulas were splines may keep them
+                ["breakpoints", "intervals"].iter().for_each(|key| _ = own.get(key));
+                own.formula_of_time()?
+            }
             _ => match own.points_and_values("times")? {
                 (times, TableValues::Fixed(fixed)) => {
                     Signal::of(TimeFunction::curve(&times, &fixed, own.way()).or_else(|why| own.wrong(why))?, &[])

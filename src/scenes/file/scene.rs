@@ -192,6 +192,7 @@ impl FileScene {
             mistakes.push(Mistake::new(fields.place("step"), text));
         }
         check_output(&contents, &mut mistakes);
+        check_spans(&contents, settings.end, &mut mistakes);
         if mistakes.is_empty() {
             for (section, fields) in &contents.single {
                 mistakes.extend(fields.unread().into_iter().map(|(key, at)| {
@@ -241,6 +242,24 @@ impl Variable {
 
 fn single<'c>(contents: &'c Contents, name: &str) -> Option<&'c Fields> {
     contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
+}
+
+/// Formulas of time hold at all times; when they were splines, these went on with constant slope before their start and after their end.
+fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
+    let functions = contents.items.iter().flat_map(|item| &item.fields.values).filter_map(|own| match &own.2 {
+        Value::Fields(fields) if fields.form == "formula" => Some(fields),
+        _ => None,
+    });
+    for function in functions {
+        let is_outside = |key| function.fixed(key).is_some_and(|own| if key == "start" { own > 0.0 } else { own < end });
+        for key in ["start", "end"].into_iter().filter(|key| is_outside(key)) {
+            let text = format!(
+                "{key} lies within the run, but a formula of time holds at all times; leave {key} out, or let if_less choose between what \
+                 holds before it and after it"
+            );
+            mistakes.push(Mistake::new(function.place(key), text));
+        }
+    }
 }
 
 /// What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.

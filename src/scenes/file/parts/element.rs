@@ -3,7 +3,9 @@
 use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scenes::file::describing::*;
 use crate::scenes::file::formula::Quantity;
-use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of};
+use crate::scenes::file::formula_parts::{
+    BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of,
+};
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![
@@ -19,6 +21,7 @@ pub(super) const SECTION: Section = Section {
             "forces on its nodes in the world, of anything; of a joint angle its moment; none"
         ),
         may("moment", Type::NamedFormulas("N m"), "moments on bodies among them in the world, of anything; none"),
+        BREAKPOINTS,
     ],
     space: "force",
     has_columns: true,

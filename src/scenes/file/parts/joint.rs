@@ -6,7 +6,7 @@ use crate::elements::joints::{DRIVERS, JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scenes::file::build_parts::{located, nothing_builds, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 const BY_FORMULA: Form = Form {
     name: "formula",
@@ -16,6 +16,7 @@ const BY_FORMULA: Form = Form {
         DEFINITIONS,
         OWN_TABLES,
         need("equations", SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
+        BREAKPOINTS,
     ],
 };
 const FORMS: [Form; JOINTS.len() + 1 + ROLLING.forms.len()] =

@@ -2,14 +2,15 @@
 
 use crate::elements::{Element, NodeKind, Output, Parameter, State};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
+use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
 use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
 
-const STATE_KEYS: [Key; 4] = [
+const STATE_KEYS: [Key; 5] = [
     NAME,
     may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
     DEFINITIONS,
     OWN_TABLES,
+    BREAKPOINTS,
 ];
 
 pub(super) const SECTION: Section = Section {
