@@ -1,6 +1,9 @@
 use super::Variational;
 use crate::scalar::Scalar;
 
+/// Root of the smallest number that keeps all its digits: the square of a smaller one underflows.
+const AT_REST: f64 = 1.5e-154;
+
 /// A number with its first and second derivative along a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates<S> {
@@ -253,6 +256,10 @@ impl<S: Scalar> VectorsAvq<S> {
         }
         for (q, &y) in self.q.iter_mut().zip(&unknowns.y) {
             *q += y * shift.alpha;
+        }
+        // what comes to rest is at rest where its square underflows: there a speed has no derivative that numbers could hold
+        for v in self.v.iter_mut().filter(|v| v.value().abs() < AT_REST) {
+            *v -= v.value().into();
         }
     }
 
