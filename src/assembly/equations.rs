@@ -1,6 +1,9 @@
 use super::Variational;
 use crate::scalar::Scalar;
 
+/// Root of the smallest number that keeps all its digits: the square of a smaller one underflows.
+const AT_REST: f64 = 1.5e-154;
+
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageCoefficients {
@@ -227,6 +230,10 @@ impl<S: Scalar> VectorsAvq<S> {
                 continue;
             }
             own.iter_mut().zip(base).zip(&unknowns.x).for_each(|((own, &base), &x)| *own = base + x * factor);
+        }
+        // what comes to rest is at rest where its square underflows: there a speed has no derivative that numbers could hold
+        for v in self.v.iter_mut().filter(|v| v.value().abs() < AT_REST) {
+            *v -= v.value().into();
         }
     }
 

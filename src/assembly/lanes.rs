@@ -202,7 +202,7 @@ pub(crate) struct LaneResults<'r, S> {
 }
 
 /// A rounding of a number of order one, up or down by its place in a list: in no pattern that numbers could follow.
-pub(crate) fn last_bit(place: usize) -> f64 {
+pub fn last_bit(place: usize) -> f64 {
     let up = (place as u32).wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15) >> 31 == 0;
     if up { f64::EPSILON } else { -f64::EPSILON }
 }

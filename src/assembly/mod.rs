@@ -47,7 +47,9 @@ pub(crate) use equations::{clone_fields, cloned_in_place, empty_fields};
 pub(crate) use evaluation::{BatchWork, run_lanes};
 pub(crate) use gather_map::Starts;
 pub use jacobian::Jacobian;
-pub(crate) use lanes::{LaneResults, Lanes, Run, last_bit};
+#[doc(hidden)]
+pub use lanes::last_bit;
+pub(crate) use lanes::{LaneResults, Lanes, Run};
 pub(crate) use model::ModelIdentity;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, Spin};
 pub use numbering::{System, SystemOptions};

@@ -3,11 +3,14 @@
 use super::console::json_number;
 use super::measured_moments::ENERGY_ROUNDING;
 use crate::io::number;
-use costate::assembly::{ConstraintId, Model};
+use costate::assembly::{ConstraintId, Model, last_bit};
 use costate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Sample, Values};
 use costate::integrators::{StartRecord, StepRecord};
 use costate::scenes::Prepared;
 use serde_json::{Value, json};
+
+/// What Newton's method leaves of coordinates, as a share of the largest.
+const ROUND_OFF: f64 = 1e-14;
 
 /// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.
 pub struct Ledger {
@@ -25,7 +28,7 @@ pub struct EnergyBalance {
     pub forces: f64,
     /// Work of drivers \[J\].
     pub drivers: f64,
-    /// The largest of all that works put in and took out, of kinetic energies, and of changes of potential energy \[J\].
+    /// What energy there was to lose: the largest kinetic energy, the range of the potential one, and all that works put in and took out \[J\].
     size: f64,
     /// What rounding may leave \[J\].
     round_off: f64,
@@ -37,7 +40,7 @@ impl EnergyBalance {
         self.change - self.forces - self.drivers
     }
 
-    /// As a share of the largest of kinetic energy, change of potential energy, and work; `None` where nothing but rounding is left.
+    /// As a share of the energy that moved: kinetic, potential and exchanged; `None` where nothing but rounding is left.
     pub fn share(&self) -> Option<f64> {
         (self.left().abs() > self.round_off).then(|| self.left().abs() / self.size)
     }
@@ -51,7 +54,7 @@ impl EnergyBalance {
     /// In words.
     pub fn in_words(&self) -> String {
         let drivers = if self.drivers == 0.0 { String::new() } else { format!(", drivers {} J", number(self.drivers)) };
-        let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of the largest energy or work"));
+        let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of all energy that moved"));
         let [change, forces, apart] = [self.change, self.forces, self.left()].map(number);
         format!("energy changes by {change} J, loads and losses work {forces} J{drivers}: {apart} J apart{left}")
     }
@@ -89,7 +92,13 @@ impl Ledger {
             works: vec![0.0; self.functionals.len()],
             exchanged: 0.0,
             held: 0.0,
-            energies: Energies { model: prepared.model(), p: &self.p, measured: Measured::energy(), course: None },
+            energies: Energies {
+                model: prepared.model(),
+                p: &self.p,
+                measured: Measured::energy(),
+                range: None,
+                latest: None,
+            },
         }
     }
 }
@@ -111,40 +120,60 @@ struct Energies<'l> {
     model: &'l Model,
     p: &'l [f64],
     measured: Measured,
-    course: Option<EnergyRange>,
+    range: Option<EnergyRange>,
+    /// The end of the latest step, and its size [s].
+    latest: Option<(Sample<f64>, f64)>,
 }
 
 /// What they were [J].
 #[derive(Clone, Copy)]
 struct EnergyRange {
-    /// At the start: all, and the potential energy.
-    start: [f64; 2],
-    /// At the end.
+    start: f64,
     end: f64,
-    /// The largest kinetic energy or change of potential energy.
-    largest: f64,
+    /// The largest kinetic energy.
+    kinetic: f64,
+    /// The lowest and the highest potential energy.
+    potential: [f64; 2],
 }
 
 impl Energies<'_> {
-    fn note(&mut self, mut sample: Sample<f64>) {
-        let measure = |sample: &Sample<f64>| self.measured.value(self.model, sample, self.p);
-        let end = measure(&sample);
-        sample.at.v.fill(0.0);
-        let potential = measure(&sample);
-        let kinetic = (end - potential).abs();
-        let Some(course) = &mut self.course else {
-            self.course = Some(EnergyRange { start: [end, potential], end: f64::NAN, largest: kinetic });
-            return;
-        };
-        course.end = end;
-        course.largest = course.largest.max(kinetic).max((potential - course.start[1]).abs());
+    fn of(&self, sample: &Sample<f64>) -> f64 {
+        self.measured.value(self.model, sample, self.p)
+    }
+
+    /// Takes note of the start, or of the end of a step of size `h`.
+    fn note(&mut self, mut sample: Sample<f64>, h: f64) {
+        let end = self.of(&sample);
+        let v = std::mem::take(&mut sample.at.v);
+        sample.at.v = vec![0.0; v.len()];
+        let potential = self.of(&sample);
+        sample.at.v = v;
+        let begin = || EnergyRange { start: end, end, kinetic: 0.0, potential: [potential; 2] };
+        let EnergyRange { end: latest, kinetic, potential: [lowest, highest], .. } = self.range.get_or_insert_with(begin);
+        *latest = end;
+        *kinetic = kinetic.max((end - potential).abs());
+        (*lowest, *highest) = (lowest.min(potential), highest.max(potential));
+        self.latest = Some((sample, h));
+    }
+
+    /// By how much the energy of the latest state changes where each coordinate moves by what Newton's method leaves of the largest one, and each
+    /// velocity by as much over a step: what does not move by more than that has no energy.
+    fn round_off(&self) -> f64 {
+        let Some((sample, h)) = &self.latest else { return 0.0 };
+        let moved = ROUND_OFF * sample.at.q.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let mut rounded = sample.clone();
+        // in no pattern that coordinates could follow
+        let sign = |place: usize| last_bit(place).signum();
+        rounded.at.q.iter_mut().enumerate().for_each(|(place, own)| *own += sign(2 * place) * moved);
+        rounded.at.v.iter_mut().enumerate().for_each(|(place, own)| *own += sign(2 * place + 1) * moved / h);
+        (self.of(&rounded) - self.of(sample)).abs()
     }
 }
 
 impl Course<'_> {
     pub fn start(&mut self, start: &StartRecord<f64>) {
         self.values.start(start);
-        self.energies.note(Sample::initial(start));
+        self.energies.note(Sample::initial(start), f64::INFINITY);
     }
 
     pub fn step(&mut self, step: &StepRecord<f64>) {
@@ -156,7 +185,7 @@ impl Course<'_> {
         }
         let mut end = Sample::empty();
         end.set_terminal(step);
-        self.energies.note(end);
+        self.energies.note(end, step.h);
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let reactions = step.stages.last().map_or(0.0, |stage| largest(&stage.solve.unknowns.mu));
         self.held = self.held.max(reactions * largest(&step.q));
@@ -164,11 +193,11 @@ impl Course<'_> {
 
     /// At the end of the last step; `None` of a run without steps.
     pub fn finish(self) -> Option<EnergyBalance> {
-        let EnergyRange { start: [start, _], end, largest } = self.energies.course?;
+        let EnergyRange { start, end, kinetic, potential: [lowest, highest] } = self.energies.range?;
         let (works, ..) = self.values.finish();
         let (change, drivers) = (end - start, works[1..].iter().sum());
-        let round_off = ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs());
-        let size = self.exchanged.max(change.abs()).max(largest);
+        let round_off = self.energies.round_off().max(ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs()));
+        let size = kinetic + (highest - lowest) + self.exchanged;
         change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, size, round_off })
     }
 }

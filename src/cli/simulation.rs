@@ -13,7 +13,7 @@ use super::stability::{self, Statement};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
 use costate::design::shortest;
 use costate::exchange::is_shared;
-use costate::functionals::{Extreme, Extremes};
+use costate::functionals::{Extreme, Extremes, Functional, Times};
 use costate::history::{Observer, Usage};
 use costate::integrators::{
     Counters, Crossing, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
@@ -464,6 +464,36 @@ pub fn warnings(prepared: &Prepared, forward: &Forward) -> Vec<String> {
     }
     if let Some(Statement::Warning(words)) = stability::statement(prepared, forward) {
         warnings.push(words);
+    }
+    warnings.extend(beside_ends(prepared, forward));
+    warnings
+}
+
+/// Warnings of a method whose stages do not lie where steps end.
+fn beside_ends(prepared: &Prepared, forward: &Forward) -> Vec<String> {
+    let (table, mut warnings) = (&prepared.method.table, Vec::new());
+    if table.stiffly_accurate {
+        return warnings;
+    }
+    let reads = |own: &&Functional| own.over.times() == Times::End && own.reads_multipliers();
+    let names: Vec<&str> = prepared.functionals().iter().filter(reads).map(|own| own.name.as_str()).collect();
+    if !names.is_empty() {
+        warnings.push(format!(
+            "{} at the end of the run: reactions are read at the last stage of \"{}\", which does not lie there, and are right to first order of the step \
+             only; take a method whose last stage does, as esdirk4 or sdirk4",
+            quoted(&names),
+            table.name
+        ));
+    }
+    let (inside, grid) = (0.0..=1.0, &forward.grid);
+    let place = grid.breakpoints.keys().find(|&&place| place > 0 && place < grid.steps());
+    if let Some(&place) = place.filter(|_| table.stages.iter().any(|stage| !inside.contains(&stage.c))) {
+        warnings.push(format!(
+            "stages of \"{}\" lie before and behind their steps, and read what jumps or bends at t = {} s from its other side: the motion and gradients \
+             are right to first order of the step only; take a method whose stages do not, as esdirk4 or sdirk4",
+            table.name,
+            shortest(grid.times[place])
+        ));
     }
     warnings
 }

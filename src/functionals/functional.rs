@@ -190,7 +190,8 @@ impl Functional {
     }
 
     /// Whether it reads multipliers.
-    pub(crate) fn reads_multipliers(&self) -> bool {
+    #[doc(hidden)]
+    pub fn reads_multipliers(&self) -> bool {
         match &self.measured {
             Measured::Local { constraints, .. } => !constraints.is_empty(),
             Measured::Load { .. } => true,

@@ -16,13 +16,16 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::amplitudes::{self, Amplitudes, Pencil};
 use super::krylov::{Space, WholeBasis, add, all_pairs, dot, in_order, largest_pairs};
 use super::march::{Method, Problem};
+use super::mode_vectors::{LEFT, improved};
 use super::vibrations::{Mode, Modes, NOISE, Operator};
 use super::whole_basis::Motions;
 use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
+use crate::scalar::Complex64;
 use nalgebra::{DMatrix, SVD};
 
 /// Most shifts that are tried.
@@ -45,8 +48,6 @@ const RIGID: f64 = 1e-3;
 const INFINITE: f64 = 1e-10;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
-/// What the operator may leave of a mode beside theta times itself.
-const LEFT: f64 = 1e-6;
 /// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
 const NO_GROWTH: f64 = 1e-9;
 /// Rigid motions that differ by this share of their size are the same.
@@ -271,17 +272,16 @@ impl Search<'_> {
         }
         let is_rigid = self.is_zero(pair, shift);
         let Search { operator, damping, .. } = self;
-        let [mut growth, frequency] = value(pair, shift);
+        let [mut growth, mut frequency] = value(pair, shift);
         let nodes = operator.nodes;
         let mut damped = Damped { operator, damping, shift };
-        let left = left_over(&pair.vector.each_ref().map(|part| damped.apply(part)), pair);
-        if !(is_rigid || left <= LEFT) {
-            return Err(RunError::Input(format!(
-                "a mode is known to a share of {left:.1e} only: masses, stiffnesses or dampings differ by more than the digits of a number hold; \
-                 ask for fewer modes"
-            )));
+        let applied = pair.vector.each_ref().map(|part| damped.apply(part));
+        let mut vectors = pair.vector.each_ref().map(|part| part[..nodes].to_vec());
+        // beside what is much slower the operator leaves few digits to a mode, which has them by its own equations
+        if !is_rigid && !(left_over(&applied, pair) <= LEFT) {
+            ([growth, frequency], vectors) = self.refined([growth, frequency], &vectors)?;
         }
-        let [shape, ahead] = damped.operator.in_coordinates(pair.vector.each_ref().map(|part| part[..nodes].to_vec()));
+        let [shape, ahead] = self.operator.in_coordinates(vectors);
         if is_rigid {
             return Ok((Mode { frequency: 0.0, growth: 0.0, ahead: vec![0.0; shape.len()], shape }, true));
         }
@@ -291,6 +291,34 @@ impl Search<'_> {
         // of a pair the value with a positive imaginary part, and its vector
         let turned = if frequency < 0.0 { ahead.iter().map(|part| -part).collect() } else { ahead };
         Ok((Mode { frequency: frequency.abs(), growth, shape, ahead: turned }, false))
+    }
+}
+
+impl Search<'_> {
+    /// A value and the vector of its mode by (lambda^2 M + lambda C + K) x + A^T nu = 0, from those that the operator gave.
+    fn refined(
+        &self,
+        [growth, frequency]: [f64; 2],
+        [re, im]: &[Vec<f64>; 2],
+    ) -> Result<([f64; 2], [Vec<f64>; 2]), RunError> {
+        let Search { operator, stiffness, damping, .. } = self;
+        let (system, nodes) = (&operator.newton.system, operator.nodes);
+        let pencil = Pencil::new(system, nodes, [stiffness, &operator.mass], Some(damping));
+        let amplitudes = Amplitudes::new(&pencil, true).map_err(|singular| RunError::of_pattern("modes", singular))?;
+        let mut vector: Vec<Complex64> = re.iter().zip(im).map(|(&re, &im)| Complex64::new(re, im)).collect();
+        vector.resize(pencil.size, Complex64::ZERO);
+        let known = (Complex64::new(growth, frequency), vector);
+        let (value, vector) = improved(&mut amplitudes.beside_modes(), &pencil, known);
+        let nothing = vec![Complex64::ZERO; pencil.size];
+        let left = amplitudes::left_over(&pencil, value, (&vector, &nothing), false);
+        if !(left <= LEFT) {
+            return Err(RunError::Input(format!(
+                "a mode is known to a share of {left:.1e} only: masses, stiffnesses or dampings differ by more than the digits of a number hold; \
+                 ask for fewer modes"
+            )));
+        }
+        let part = |part: fn(&Complex64) -> f64| vector[..nodes].iter().map(part).collect();
+        Ok(([value.re, value.im], [part(|own| own.re), part(|own| own.im)]))
     }
 }
 

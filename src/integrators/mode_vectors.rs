@@ -27,7 +27,7 @@ const BESIDE: [f64; 3] = [1e-10, 1e-8, 1e-6];
 /// Most iterations.
 const MOST_ITERATIONS: usize = 12;
 /// What vectors may leave of their equations, by the largest term, ...
-const LEFT: f64 = 1e-9;
+pub(super) const LEFT: f64 = 1e-9;
 /// ... and what is round-off.
 const ROUND_OFF: f64 = 1e-15;
 /// By how much of itself a known value may be improved.
@@ -126,7 +126,8 @@ pub(crate) fn mode_vectors(
     for (mut lambda, members) in found {
         // the value of a list is as good as the search for many of them at once
         if members.len() == 1 {
-            lambda = improved(&mut amplitudes, &pencil, lambda);
+            let any = (0..pencil.size).map(|i| noise(i, 0).into()).collect();
+            lambda = improved(&mut amplitudes, &pencil, (lambda, any)).0;
         }
         let [right, left] = vectors(&mut amplitudes, &pencil, lambda, members.len())?;
         let slopes: Vec<Vec<Complex64>> = right.iter().map(|own| pencil.slope(lambda, own, false)).collect();
@@ -137,10 +138,14 @@ pub(crate) fn mode_vectors(
     Ok(ModeVectors { q: operator.base.q, reactions: operator.reactions, groups })
 }
 
-/// The value of a single mode near one that is known, by inverse iteration with shift s: P(s)^-1 P' z = z / (s - lambda).
-fn improved(amplitudes: &mut Amplitudes, pencil: &Pencil, lambda: Complex64) -> Complex64 {
+/// The value of a mode near one that is known, with its vector, by inverse iteration from any vector with shift s: P(s)^-1 P' z = z / (s - lambda).
+pub(super) fn improved(
+    amplitudes: &mut Amplitudes,
+    pencil: &Pencil,
+    (lambda, vector): (Complex64, Vec<Complex64>),
+) -> (Complex64, Vec<Complex64>) {
     let mut value = lambda;
-    let mut own = vec![(0..pencil.size).map(|i| noise(i, 0).into()).collect::<Vec<Complex64>>()];
+    let mut own = vec![vector];
     for _ in 0..MOST_ITERATIONS {
         let shift = value * (1.0 + BESIDE[0]);
         if amplitudes.set(shift).is_err() {
@@ -160,7 +165,7 @@ fn improved(amplitudes: &mut Amplitudes, pencil: &Pencil, lambda: Complex64) -> 
         next.im *= f64::from(u8::from(lambda.im != 0.0));
         // another mode is none of this one's
         if !((next - lambda).norm() <= WANDERED * lambda.norm()) {
-            return lambda;
+            break;
         }
         let is_settled = (next - value).norm() <= BESIDE[0] * value.norm();
         value = next;
@@ -168,7 +173,8 @@ fn improved(amplitudes: &mut Amplitudes, pencil: &Pencil, lambda: Complex64) -> 
             break;
         }
     }
-    value
+    orthonormalize(&mut own);
+    (value, own.swap_remove(0))
 }
 
 /// So many vectors z and w of one value.

@@ -103,7 +103,12 @@ impl Still<'_> {
     /// Takes gradients towards the solution of E = 0 to those towards parameters, and to what the coordinates of the start still are.
     fn through_equilibrium(&self, seeds: &mut [SolutionSeed], back: &mut [Backward]) -> Result<(), RunError> {
         let (model, groups) = (self.system.model, &self.vectors.groups);
-        let lowest = groups.iter().map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
+        // what fades without a vibration may be free of stiffness, and much slower than all that has some
+        let lowest_of = |are_vibrating: bool| {
+            let own = groups.iter().filter(|group| !are_vibrating || group.lambda.im != 0.0);
+            own.map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min)
+        };
+        let lowest = if lowest_of(true).is_finite() { lowest_of(true) } else { lowest_of(false) };
         let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
         // states that integrate what moves have a place in C alone; half the lowest value is none of a mode, where the matrix would be singular
         let rate = if model.state_dofs().next().is_some() { 2.0 * shift / lowest.sqrt() } else { 0.0 };

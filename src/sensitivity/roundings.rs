@@ -16,6 +16,8 @@ struct Rounding {
     scales: Vec<f64>,
     sizes: [f64; 4],
     pattern: usize,
+    /// Rate at which steps follow each other \[1/s\].
+    rate: f64,
 }
 
 impl Rounding {
@@ -24,13 +26,17 @@ impl Rounding {
         let scale = |place: usize| if which == MULTIPLIERS { 1.0 } else { self.scales[place] };
         let largest = list.iter().enumerate().fold(0.0, |most: f64, (place, own)| most.max(own.abs() * scale(place)));
         self.sizes[which] = self.sizes[which].max(largest);
+        // a velocity by which no coordinate moves by its last bit within a step is none
+        let unseen = if which == VELOCITIES { self.sizes[COORDINATES] * self.rate } else { 0.0 };
+        let size = self.sizes[which].max(unseen);
         for (place, own) in list.iter_mut().enumerate() {
-            *own += last_bit(4 * (PATTERNS * place + self.pattern) + which) * self.sizes[which] / scale(place);
+            *own += last_bit(4 * (PATTERNS * place + self.pattern) + which) * size / scale(place);
         }
     }
 
     /// Constraints that are kept on coordinates are rounded as these are, and what follows by the size of the step as that.
     fn follow(&mut self, level: ConstraintLevel, h: f64) {
+        self.rate = 1.0 / h;
         let [q, v, a, _] = &mut self.sizes;
         if level == ConstraintLevel::Position {
             (*v, *a) = (v.max(*q / h), a.max(*q / (h * h)));
@@ -71,6 +77,12 @@ impl Analysis<'_> {
         let mut steps = forward.history.forward(&rerun)?;
         for (values, rounding) in &mut all {
             let Some(mut start) = forward.history.start_record().cloned() else { continue };
+            // what is projected away has been rounded as it was given
+            let projections = [&mut start.position_projection, &mut start.velocity_projection];
+            for SolveRecord { base, .. } in projections.into_iter().flatten() {
+                rounding.apply(COORDINATES, &mut base.q);
+                rounding.apply(VELOCITIES, &mut base.v);
+            }
             rounding.apply_to(&mut start.acceleration);
             values.start(&start);
         }

@@ -72,6 +72,8 @@ pub struct Drawn {
     /// Number of steps, and the tolerance by which they are chosen instead.
     pub steps: usize,
     pub tolerance: Option<f64>,
+    /// Order of its method.
+    pub order: usize,
 }
 
 /// The variable that multiplies numbers of a unit.
@@ -100,6 +102,26 @@ struct Place {
     name: String,
     at: Place3,
     has_axes: bool,
+    /// In how many ways joints let it move, its holders with it.
+    freedom: i32,
+}
+
+/// Of what bends: enough for any loop.
+const BENDS: i32 = 100;
+
+/// In how many ways two bodies, or a body and a point, move against each other on a joint.
+fn freedom_on(joint: &str, of_bodies: bool) -> i32 {
+    let turning = if of_bodies { 3 } else { 0 };
+    match joint {
+        "fixed" | "rigid_link" => 0,
+        "revolute" | "prismatic" | "helical" => 1,
+        "cylindrical" | "universal" => 2,
+        "spherical" => turning,
+        "planar" => 3,
+        "point_on_line" => turning + 1,
+        "point_in_plane" | "distance" => turning + 2,
+        _ => 1,
+    }
 }
 
 /// Where a joint stands: its point and two directions at right angles.
@@ -128,11 +150,14 @@ struct Growing {
     jumps: Jumps,
     /// Nothing holds it to the ground.
     is_free: bool,
+    /// It has beams and cables, and begins at rest: velocities of their ends alone would stretch them within a step.
+    is_flexible: bool,
     /// The ground first.
     places: Vec<Place>,
     joints: Vec<Joint>,
     angles: Vec<String>,
     beams: Vec<String>,
+    loops: i32,
     /// Names, what formulas know of them, and units.
     states: Vec<[String; 3]>,
     named: usize,
@@ -211,7 +236,8 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
         Kind::Vibration => 2,
     };
     let is_free = kind == Kind::Vibration && lots.happens(0.5);
-    let places = vec![Place { name: "ground".into(), at: [0.0; 3], has_axes: true }];
+    let is_flexible = kind != Kind::Motion || lots.happens(0.5);
+    let places = vec![Place { name: "ground".into(), at: [0.0; 3], has_axes: true, freedom: 0 }];
     let (joints, angles, beams, states, times) = Default::default();
     let text = String::new();
     let mut growing = Growing {
@@ -223,10 +249,12 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
         x: *x,
         jumps,
         is_free,
+        is_flexible,
         places,
         joints,
         angles,
         beams,
+        loops: 0,
         states,
         named: 0,
         times,
@@ -252,7 +280,7 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
         growing.line("drop_redundant = true");
     }
     growing.grow();
-    Drawn { text: growing.text, units, steps, tolerance }
+    Drawn { text: growing.text, units, steps, tolerance, order: method.order }
 }
 
 /// With as many digits as a file would have.
@@ -346,6 +374,8 @@ impl Growing {
     /// A number that is usual in a unit.
     fn amount(&mut self, unit: &str) -> f64 {
         match variable(unit) {
+            // what stands moves by a tenth of its size under a load: with less it folds up, and nobody builds that
+            "stiffness" if self.kind == Kind::Equilibrium => self.lots.size(20.0, 600.0),
             "stiffness" => self.lots.size(0.1, 30.0),
             // what vibrates is damped little
             "damping" if self.kind == Kind::Vibration => self.lots.size(1e-3, 0.1),
@@ -394,6 +424,10 @@ impl Growing {
         let mut directions = geometry.axes.into_iter();
         for key in form.keys {
             let is_number = matches!(key.takes, Type::Number(..) | Type::Numbers(..));
+            // what vibrates about its start rests there
+            if self.is_free && key.name.starts_with("rest_") {
+                continue;
+            }
             let value = match key.takes {
                 _ if is_number && !key.is_needed && self.lots.happens(0.3) => continue,
                 Type::Nodes(_) => list(nodes.map(|place| format!("\"{}\"", place.name))),
@@ -424,10 +458,12 @@ impl Growing {
         let place = self.lots.below(self.places.len());
         self.places[place].clone()
     }
-    /// One that moves.
+    /// One that moves, if any does.
     fn moving(&mut self) -> Place {
-        let place = 1 + self.lots.below(self.places.len() - 1);
-        self.places[place].clone()
+        let free: Vec<Place> = self.places.iter().skip(1).filter(|place| place.freedom > 0).cloned().collect();
+        let any = if free.is_empty() { &self.places[1..] } else { &free[..] };
+        let place = self.lots.below(any.len());
+        any[place].clone()
     }
     /// What may hold a new part: of what is free the ground is nothing.
     fn holder(&mut self) -> Option<Place> {
@@ -442,6 +478,11 @@ impl Growing {
             return format!("{{ on = \"{}\", point = {} }}", place.name, self.vector(point));
         }
         format!("\"{}\"", place.name)
+    }
+
+    /// Whether a part begins with a velocity.
+    fn moves(&mut self) -> bool {
+        self.kind == Kind::Motion && !self.is_flexible && self.lots.happens(0.5)
     }
 
     fn body(&mut self) {
@@ -463,38 +504,42 @@ impl Growing {
         if kind == "natural body" {
             keys += "coordinates = \"natural\"\n";
         }
-        if self.kind == Kind::Motion && self.lots.happens(0.5) {
+        if self.moves() {
             keys += "velocity = [\"<m/s>\", \"<m/s>\", 0]\nangular_velocity = [0, \"<rad/s>\", \"<rad/s>\"]\n";
         }
-        let own = Place { name: self.add("body", kind, &keys), at, has_axes: true };
+        let mut own = Place { name: self.add("body", kind, &keys), at, has_axes: true, freedom: 6 };
         if let Some(holder) = holder {
-            self.hold([&holder, &own]);
+            own.freedom = self.hold([&holder, &own]);
         }
         self.places.push(own);
     }
 
-    /// Holds a body by another: by a joint of the list, or by a bushing where it must stand.
-    fn hold(&mut self, [a, b]: [&Place; 2]) {
+    /// Holds a body by another: by a joint of the list, or by a bushing where it must stand. Returns in how many ways it moves.
+    fn hold(&mut self, [a, b]: [&Place; 2]) -> i32 {
         let geometry = self.geometry(sum(a.at, sum(b.at, a.at, -1.0), 0.5));
         if self.kind != Kind::Motion {
             self.part("spring", &form_of(SPRINGS, "bushing"), [a, b], &geometry, "");
-            return;
+            return 6;
         }
         let of_bodies = |part: &&costate::elements::entries::JointPart| part.example.0 == [NodeKind::Body; 2];
         let forms: Vec<Form> = JOINTS.iter().filter(of_bodies).map(|part| part.form).collect();
         // half of all are hinges and slides, which springs and drivers go with
         let form = match self.lots.below(20) {
-            0 => return,
+            0 => return 6,
             1..=6 => form_of(JOINTS, "revolute"),
             7..=9 => form_of(JOINTS, "prismatic"),
             _ => self.lots.pick(&forms),
         };
+        // nobody simulates what cannot move
+        let is_locked = a.freedom + freedom_on(form.name, true) == 0;
+        let form = if is_locked { form_of(JOINTS, "revolute") } else { form };
+        let freedom = a.freedom + freedom_on(form.name, true);
         let ends = if self.lots.happens(0.2) { [b, a] } else { [a, b] };
         self.join(&form, ends, &geometry);
         let others = match form.name {
             "revolute" => ["torsion", "torsion_law", "rotation"],
             "prismatic" => ["slide", "slide_law", "translation"],
-            _ => return,
+            _ => return freedom,
         };
         match self.lots.below(6) {
             place @ 0..=1 => drop(self.part("spring", &form_of(SPRINGS, others[place]), ends, &geometry, "")),
@@ -502,10 +547,13 @@ impl Growing {
                 let (form, [a, b]) = (form_of(DRIVERS, others[2]), ends.map(Place::clone));
                 let name = self.part("driver", &form, ends, &geometry, "");
                 self.joints.push(Joint { name, form: form.name, ends: [a, b], geometry });
+                // what is driven moves, and closes no loop
+                return freedom.max(2) - 1;
             }
             3 if form.name == "revolute" => self.angle(ends, geometry.axes[0]),
             _ => {}
         }
+        freedom
     }
 
     fn join(&mut self, form: &Form, ends: [&Place; 2], geometry: &Geometry) {
@@ -535,10 +583,10 @@ impl Growing {
         // what has no mass is carried by a body
         let is_carried = self.kind == Kind::Motion && other.has_axes && self.lots.happens(0.2);
         let mass = if is_carried { "" } else { "mass = \"<kg>\"\n" };
-        let moves = !is_carried && self.kind == Kind::Motion && self.lots.happens(0.5);
+        let moves = !is_carried && self.moves();
         let velocity = if moves { "velocity = [\"<m/s>\", 0, \"<m/s>\"]\n" } else { "" };
         let name = self.add("point", "point", &format!("position = {}\n{mass}{velocity}", self.vector(at)));
-        let (own, geometry) = (Place { name, at, has_axes: false }, self.geometry(at));
+        let (mut own, geometry) = (Place { name, at, has_axes: false, freedom: 3 }, self.geometry(at));
         if self.kind != Kind::Motion {
             for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
                 let along = Geometry { point: at, axes: [axis; 2] };
@@ -548,6 +596,7 @@ impl Growing {
             }
         } else if is_carried {
             self.join(&form_of(JOINTS, "spherical"), [&other, &own], &geometry);
+            own.freedom = other.freedom;
             let far = self.any();
             self.spring([&far, &own]);
         } else if self.lots.happens(0.3) {
@@ -555,6 +604,9 @@ impl Growing {
         } else {
             let of_bodies = ["point_on_line", "point_in_plane", "spherical", "distance"];
             let form = if other.has_axes { self.lots.pick(&of_bodies) } else { "distance" };
+            let is_locked = other.freedom + freedom_on(form, false) == 0;
+            let form = if is_locked { "distance" } else { form };
+            own.freedom = other.freedom + freedom_on(form, false);
             self.join(&form_of(JOINTS, form), [&other, &own], &geometry);
         }
         self.places.push(own);
@@ -571,11 +623,12 @@ impl Growing {
         }
     }
 
-    /// A beam on a body, clamped, or joined; or a cable. Its lowest frequency is of the order of 1/T.
+    /// A beam on a body, clamped, or joined; or a cable. A load at its end bends it by a fifth of its length at most, and its lowest frequency is a
+    /// few times that of what hangs on springs.
     fn flexible(&mut self, kind: &str) {
         let (is_beam, share, free) = (kind == "beam", self.lots.number(0.5, 1.0), self.lots.place());
         let [height, density, frequency] =
-            [(0.03, 0.08), (0.5, 5.0), (5.0, 30.0)].map(|(from, to)| self.lots.size(from, to));
+            [(0.03, 0.08), (2.0, 6.0), (12.0, 30.0)].map(|(from, to)| self.lots.size(from, to));
         let height = height * share;
         let young = density * frequency.powi(2) * share.powi(4) / height.powi(4);
         let [young, density] =
@@ -613,7 +666,7 @@ impl Growing {
             keys += "strains = \"small\"\n";
         }
         let name = self.add(kind, kind, &keys);
-        self.places.push(Place { name: format!("{name}.end"), at: to, has_axes: is_beam });
+        self.places.push(Place { name: format!("{name}.end"), at: to, has_axes: is_beam, freedom: BENDS });
         if is_beam {
             self.beams.push(name);
         }
@@ -626,7 +679,7 @@ impl Growing {
         let (at, mass) = ([x, y, radius], self.formula(mass, "kg"));
         let inertia = list([(); 3].map(|()| moment.clone()));
         let keys = format!("position = {}\nmass = \"{mass}\"\ninertia = {inertia}", self.vector(at));
-        let own = Place { name: self.add("body", "ball", &keys), at, has_axes: true };
+        let own = Place { name: self.add("body", "ball", &keys), at, has_axes: true, freedom: 3 };
         let radius = self.formula(radius, "m");
         let keys = format!("between = [\"ground\", \"{}\"]\nnormal = [0, 0, 1]\nradius = \"{radius}\"", own.name);
         self.add("joint", "rolling", &format!("type = \"rolling_sphere\"\n{keys}"));
@@ -667,6 +720,8 @@ impl Growing {
         let of_time = if is_motion && self.lots.happens(0.6) { self.lots.pick(&OF_TIME) } else { "0" };
         let [rates, places] = ["<m/s>", "<m>"].map(|unit| of_time.replace("<U>", unit));
         let rest = if is_motion { "<m/s>" } else { "0" };
+        // without this gain the integral stays at any value: a mode at rest
+        let integral = if is_motion { "" } else { "integral = \"<N/m> / <size s>\"\n" };
         let (kind, keys, force, value, unit) = match self.lots.below(if self.is_free { 2 } else { 3 }) {
             0 => (
                 "lag",
@@ -689,7 +744,7 @@ impl Growing {
                 "pid",
                 format!(
                     "measured = \"p.position.{axis}\"\nset_point = \"0.3 * <size m> + {places}\"\nproportional = \"<N/m>\"\n\
-                     derivative = \"<N s/m>\"\nfilter_time = {lag:?}"
+                     {integral}derivative = \"<N s/m>\"\nfilter_time = {lag:?}"
                 ),
                 "s.output",
                 "s.output",
@@ -711,7 +766,9 @@ impl Growing {
 
     fn functional(&mut self) {
         let (on, is_motion) = (self.moving(), self.kind == Kind::Motion);
+        // over a load an integral is a sum of as many terms as there are steps, which nobody asks for
         let over = self.lots.pick(&["terminal", "terminal", "integral", "maximum"]);
+        let over = if is_motion { over } else { "terminal" };
         let formula = |own: &mut Self, node: String, [value, unit]: [&str; 2]| {
             let size = own.units.size(unit) * own.lots.size(0.3, 3.0);
             let over = match over {
@@ -770,9 +827,9 @@ impl Growing {
         let is_motion = self.kind == Kind::Motion;
         for _ in 0..1 + self.lots.below(4) {
             match self.lots.below(14) {
-                7 | 8 if !self.is_free || self.places.len() > 1 => self.point(),
-                9..=11 if !self.is_free => self.flexible("beam"),
-                12 if is_motion => self.flexible("cable"),
+                7 if !self.is_free || self.places.len() > 1 => self.point(),
+                8..=11 if self.is_flexible && !self.is_free => self.flexible("beam"),
+                12 if self.is_flexible && is_motion => self.flexible("cable"),
                 13 if is_motion => self.roller(),
                 _ => self.body(),
             }
@@ -781,8 +838,10 @@ impl Growing {
             let (a, b) = (self.any(), self.moving());
             match self.lots.below(3) {
                 _ if a == b || !is_motion => {}
+                0 if a.freedom + b.freedom - self.loops < 2 => {}
                 0 => {
                     // a loop
+                    self.loops += 1;
                     let geometry = self.geometry(a.at);
                     self.join(&form_of(JOINTS, "distance"), [&a, &b], &geometry);
                 }
@@ -795,7 +854,10 @@ impl Growing {
         }
         if self.kind == Kind::Vibration {
             (0..1 + self.lots.below(2)).for_each(|_| self.state());
+            // behind the rigid motions of what is free
+            let rigid = if self.is_free { 6 } else { 0 };
             for (number, measure) in [1, 2, 3].into_iter().flat_map(|number| [(number, "frequency"), (number, "growth")]) {
+                let number = rigid + number;
                 self.add("mode", measure, &format!("number = {number}\ndamped = true\nmeasure = \"{measure}\""));
             }
             self.add("functional", "functional", "type = \"mass\"\nover = \"initial\"");

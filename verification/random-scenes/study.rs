@@ -19,9 +19,9 @@ pub struct RandomScenes;
 
 /// Share of scenes that may end without a result.
 const REFUSED: f64 = 0.1;
-/// Scenes of each kind, in the short form; ten times as many, and a hundred times, in the others.
+/// Scenes of each kind, in the short form; twenty times as many, and two hundred times, in the others.
 const COUNTS: [(Kind, &str, u64); 3] =
-    [(Kind::Motion, "motions", 100), (Kind::Equilibrium, "equilibria", 10), (Kind::Vibration, "modes", 10)];
+    [(Kind::Motion, "motions", 40), (Kind::Equilibrium, "equilibria", 5), (Kind::Vibration, "modes", 5)];
 /// Share of runs whose steps are not told to be coarse that may be off by more than a tenth.
 const UNTOLD: f64 = 0.01;
 /// Cases of one kind of outcome that are printed.
@@ -45,9 +45,9 @@ impl Study for RandomScenes {
                 * if report.is_short() {
                     1
                 } else if report.is_long() {
-                    100
+                    200
                 } else {
-                    10
+                    20
                 };
             let outcomes = outcomes(kind, report.seed() + 1..=report.seed() + count)?;
             tell(report, name, &outcomes);

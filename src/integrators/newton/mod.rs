@@ -239,18 +239,41 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.contractions.age += 1;
         self.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
-            if !self.can_relieve(equations) {
+            // the acceleration of what is light and stiff foretells nothing over a whole step: from none of it, the velocity stays
+            let displaces = equations.residual.alpha != 0.0 && !equations.metric;
+            if !displaces {
                 return Err(failure);
             }
+            self.guess.x.fill(S::zero());
             unknowns.clone_from(&self.guess);
-            self.approach_relieved(stage, unknowns)?;
-            self.solve_balanced(stage, unknowns)?;
+            self.factored = None;
+            let again = self.solve_balanced(stage, unknowns);
+            if again.is_err() {
+                if !self.can_relieve(equations) {
+                    return Err(failure);
+                }
+                self.begin_where_trusted(stage);
+                unknowns.clone_from(&self.guess);
+                self.approach_relieved(stage, unknowns)?;
+                self.solve_balanced(stage, unknowns)?;
+            }
         }
         self.residual.restore(&self.system, stage, unknowns);
         if S::PARTS > 0 {
             self.solve_parts(stage, unknowns)?;
         }
         Ok(())
+    }
+
+    /// Lets the first guess leave coordinates where the step begins, whatever accelerations are known of earlier stages.
+    fn begin_where_trusted(&mut self, StageSystem { equations, base, .. }: StageSystem<S>) {
+        if self.trusted.len() != self.guess.x.len() {
+            return;
+        }
+        let places = self.trusted.iter().zip(&base.q);
+        for (x, (&from, &q)) in self.guess.x.iter_mut().zip(places) {
+            *x = (S::from(from) - q) * (1.0 / equations.residual.alpha);
+        }
     }
 
     /// What a failure is described with.
