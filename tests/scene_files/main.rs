@@ -15,6 +15,7 @@ mod mutations;
 mod own_parts;
 mod periodic_modes;
 mod power;
+mod program_entries;
 mod response;
 mod runge_kutta;
 mod scenarios;
