@@ -1,5 +1,6 @@
 //! Breakpoints: one at which nothing happens does no harm, wherever it lies; reactions stand at the times they are given for.
 
+use super::parsed;
 use costate::integrators::{Table, tables};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
@@ -35,7 +36,7 @@ on = "bar.end"
 direction = [0, 1, 0]
 over = "terminal"
 "#;
-    FileScene::parse("falling_beam.toml", &format!("{text}{more}")).expect("sound")
+    parsed(&format!("{text}{more}"))
 }
 
 /// A force of 0 N that becomes one of 0 N.
@@ -99,7 +100,7 @@ on = "bob"
 direction = [0, 1, 0]
 over = "terminal"
 "#;
-    let scene = FileScene::parse("pendulum.toml", text).expect("sound");
+    let scene = parsed(text);
     for table in tables().into_iter().filter(|table| !table.is_static() && table.order >= 2) {
         // at the other levels multipliers of many tables have errors of order 1 or 0 of their own
         for level in ConstraintLevel::ALL.into_iter().filter(|level| *level == ConstraintLevel::Acceleration) {
@@ -213,7 +214,7 @@ fn scatter(analysis: &Analysis, x: &[f64], functional: usize, variable: usize) -
 
 #[test]
 fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_of_other_designs() {
-    let scene = FileScene::parse("lifted.toml", LIFTED).expect("sound");
+    let scene = parsed(LIFTED);
     let x = [0.43, 0.27, 1.0];
     let mut failures = Vec::new();
     for table in tables().into_iter().filter(|table| !table.is_static()) {
@@ -259,7 +260,7 @@ fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_o
 
 #[test]
 fn breakpoints_that_pass_each_other_lay_steps_anew_and_those_that_coincide_have_no_derivative() {
-    let scene = FileScene::parse("lifted.toml", LIFTED).expect("sound");
+    let scene = parsed(LIFTED);
     let at = |x: &[f64]| {
         Prepared::with(&scene, x, Prepared::default_method(), AnyScene::settings(&scene).without_method()).expect("sound")
     };
@@ -346,7 +347,7 @@ fn a_jump_at_the_start_or_end_of_a_run_that_a_variable_moves_has_no_derivative()
              size = {{ type = \"formula\", value = \"if_less(t, tau, 1, 0)\" }}\n\
              [[functional]]\nname = \"speed\"\ntype = \"velocity\"\non = \"p\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n"
         );
-        let scene = FileScene::parse("push.toml", &text).expect("sound");
+        let scene = parsed(&text);
         let prepared = Prepared::new(&scene).expect("sound");
         let why = prepared.run().expect("runs").gradient().expect_err("no derivative").to_string();
         assert!(why.contains("push") && why.contains(end), "{why}");

@@ -24,3 +24,10 @@ mod support;
 mod switches;
 mod threads;
 mod variational;
+
+use costate::scenes::FileScene;
+
+/// A text as a scene.
+fn parsed(text: &str) -> FileScene {
+    FileScene::parse("scene.toml", text).unwrap_or_else(|why| panic!("{why}"))
+}

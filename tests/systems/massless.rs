@@ -1,5 +1,6 @@
 //! Bodies without inertia that joints and drivers hold, and reactions that a model does not determine.
 
+use super::parsed;
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::FileScene;
@@ -12,10 +13,6 @@ const PULLEYS: &str = include_str!("massless/pulleys.toml");
 const FRAMES: [&str; 2] = [include_str!("massless/h_frame_metres.toml"), include_str!("massless/h_frame_millimetres.toml")];
 /// One-step, multistep and variational methods, with stages inside the step and at its end.
 const METHODS: [&str; 7] = ["esdirk4", "sdirk4", "midpoint", "bdf1", "bdf2", "generalized-alpha", "variational"];
-
-fn scene(text: &str) -> FileScene {
-    FileScene::parse("text", text).unwrap()
-}
 
 /// The functionals with a method at a level, or why there are none.
 fn values(text: &str, method: &str, level: ConstraintLevel) -> Result<Vec<f64>, String> {
@@ -118,7 +115,7 @@ fn gradients_go_through_bodies_without_mass() {
         ("bdf2", ConstraintLevel::Acceleration),
         ("generalized-alpha", ConstraintLevel::Acceleration),
     ] {
-        let scene = scene(HOOK);
+        let scene = parsed(HOOK);
         let settings = scene.settings().with_method(method);
         let own = Method { level, ..Prepared::method_of(&settings).unwrap() };
         let prepared = Prepared::with(&scene, &[2.0, 0.4], own, settings).unwrap();
@@ -191,7 +188,7 @@ fn what_nothing_determines_is_refused_by_name_at_the_start() {
 #[test]
 fn redundant_hinges_share_their_loads_alike_in_all_units() {
     let [metres, millimetres] = FRAMES.map(|text| {
-        let scene = scene(text);
+        let scene = parsed(text);
         let prepared = Prepared::new(&scene).unwrap();
         let values = prepared.analysis().forward(&[]).unwrap().values;
         let names: Vec<String> = prepared.functionals().iter().map(|own| own.name.clone()).collect();

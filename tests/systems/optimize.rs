@@ -1,5 +1,6 @@
 //! Optimizers on problems with published optima, and scenes optimized by their gradients.
 
+use super::parsed;
 use costate::integrators::RunError;
 use costate::internals::RunScalar;
 use costate::optimize::{
@@ -9,7 +10,7 @@ use costate::optimize::{
 use costate::prelude::*;
 use costate::scalar::Tangents;
 use costate::scenes::built_in;
-use costate::scenes::{AnyScene, FileScene, Sense};
+use costate::scenes::{AnyScene, Sense};
 use costate_cli::io::{read_csv, write_csv};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -338,7 +339,7 @@ fn a_least_violation_that_is_not_zero_is_left_for_a_design_that_keeps_the_limits
 /// of another program had these starts.
 #[test]
 fn a_coupler_ends_at_a_thickness_that_keeps_all_stresses() {
-    let scene = FileScene::parse("four-bar.toml", include_str!("four-bar.toml")).expect("sound");
+    let scene = parsed(include_str!("four-bar.toml"));
     let optimization = Optimization::of(&scene).unwrap();
     for thickness in [0.003, 0.005] {
         let optimized = optimization.run(&Sqp, &[thickness], &mut ()).unwrap();

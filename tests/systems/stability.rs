@@ -1,19 +1,16 @@
 //! Equilibria that stand: counts of negative eigenvalues, the branch that load steps find, and modes of which none is missing.
 
+use super::parsed;
 use costate::integrators::{ArcLength, StabilityCourse, StepControl, Verdict};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::{FileScene, Settings, built_in};
 use std::f64::consts::PI;
 
-fn file(text: &str) -> FileScene {
-    FileScene::parse("scene.toml", text).unwrap_or_else(|why| panic!("{why}"))
-}
-
 /// A column along x with EI = L = 1 under P along it and a share of P across it.
 fn column(load: f64, side: f64) -> FileScene {
     let text = include_str!("../../verification/robustness/column.toml");
-    file(&text.replace("LOAD", &format!("{load}")).replace("SIDE", &format!("{}", load * side)))
+    parsed(&text.replace("LOAD", &format!("{load}")).replace("SIDE", &format!("{}", load * side)))
 }
 
 /// The tip, and what is said of its equilibrium.
@@ -88,7 +85,7 @@ fn a_truss_on_joints_has_a_symmetric_stiffness_at_every_number_of_load_steps() {
 /// A bar that stands on a hinge, held by a torsion spring: K = k - m g l.
 fn standing(stiffness: f64, following: bool) -> FileScene {
     let load = if following { 20.0 } else { 0.0 };
-    file(&format!(
+    parsed(&format!(
         r#"
         version = 1
         gravity = [0, -9.81, 0]
@@ -208,7 +205,7 @@ fn caps_welded_to_arms_at_right_angles_are_determined() {
         axis = [0, 0, 1]
         angle = 0
         "#;
-    let scene = file(&(0..4).fold(hub.to_string(), |all, k| all + &text(k)));
+    let scene = parsed(&(0..4).fold(hub.to_string(), |all, k| all + &text(k)));
     // k angle = m g d cos(angle), and the point sinks by 0.1 sin(angle)
     let angle = (0..50).fold(0.0_f64, |angle, _| 3.0 * 9.81 * 0.03 * angle.cos() / 100.0);
     for solver in [costate::linalg::Backend::Dense, costate::linalg::Backend::Multifrontal] {
@@ -225,7 +222,7 @@ fn caps_welded_to_arms_at_right_angles_are_determined() {
 /// A strip of plates beyond its critical load (from a public report: thickness 0.0006 m, length 0.02 m, 1.005 of Euler's load).
 #[test]
 fn an_unstable_mode_does_not_hide_the_vibrations_beside_it() {
-    let scene = file(
+    let scene = parsed(
         r#"
         version = 1
         settings = { method = "static", steps = 4 }
@@ -258,7 +255,7 @@ fn an_unstable_mode_does_not_hide_the_vibrations_beside_it() {
 /// A square column just below its critical load (from a public report, in millimetres and tonnes): each bending mode is there twice.
 #[test]
 fn equal_modes_near_a_critical_load_are_two() {
-    let scene = file(
+    let scene = parsed(
         r#"
         version = 1
         settings = { method = "static", steps = 2 }
