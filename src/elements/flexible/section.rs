@@ -46,7 +46,7 @@ pub(crate) const SECTION: Forms = forms!([
     need("wall", Number("m", Positive), "thickness of the wall"),
 ]
 "beam" "by stiffness and inertia, for beams" [
-    may("axial", Number("N", Positive), "EA; needed but with stiffness, as the next three"),
+    may("axial", Number("N", Positive), "EA; required unless `stiffness` is given, as the next three"),
     may("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
     may("torsion", Number("N m2", Positive), "GJ"),
     may("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),

@@ -161,10 +161,10 @@ class Model:
 
         * ``name`` (text): name; its nodes are NAME.start, NAME.end and NAME[i], counted from 0
         * ``from_`` (vector): where it starts [m]
-        * ``to`` (vector, optional): where it ends; needed but with arc [m]
+        * ``to`` (vector, optional): where it ends; required unless `arc` is given [m]
         * ``elements`` (whole number): equal elements
         * ``section`` (text): name of a section
-        * ``second_axis`` (vector, optional): direction that spans the plane of axes 1 and 2 with the line; needed but with arc, whose axis is taken [-]
+        * ``second_axis`` (vector, optional): direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken [-]
         * ``arc`` (table arc with centre, axis, angle, optional): part of a circle instead of a straight line
         * ``twist`` (number or formula, optional): turn of the section from start to end; 0 [rad]
         * ``start_node`` (text, optional): node that it starts in; its own
@@ -191,7 +191,7 @@ class Model:
 
         * ``name`` (text): name; its nodes are NAME.start, NAME.end and NAME[i], counted from 0
         * ``from_`` (vector): where it starts [m]
-        * ``to`` (vector, optional): where it ends; needed but with arc [m]
+        * ``to`` (vector, optional): where it ends; required unless `arc` is given [m]
         * ``elements`` (whole number): equal elements
         * ``section`` (text): name of a section that is not of type beam
         * ``strains`` ("exact" or "small", optional): strains of its energy; exact
@@ -491,7 +491,7 @@ class Model:
     ) -> str:
         """How a run is made where the command line does not say otherwise.
 
-        * ``end`` (number or formula, optional): duration, or with method static the last load factor; needed but with static, where it is 1 [s]
+        * ``end`` (number or formula, optional): duration, or with method static the last load factor; required but for `static`, where it is 1 [s]
         * ``steps`` (whole number, optional): steps of equal size; needed without tolerance
         * ``method`` (text, optional): integrator: esdirk4, generalized-alpha:0.6, variational, static and others, as for --method; esdirk4
         * ``tolerance`` (number or formula, optional): steps are chosen by their error: relative and absolute; steps of equal size [-]
@@ -648,7 +648,7 @@ class _Section:
 
         * ``damping`` (number or formula, optional): damping proportional to stiffness; none [s]
         * ``offset`` (list of 2 times number or formula, optional): of beams: the section moved away from the line along axes 2 and 3; not [m]
-        * ``axial`` (number or formula, optional): EA; needed but with stiffness, as the next three [N]
+        * ``axial`` (number or formula, optional): EA; required unless `stiffness` is given, as the next three [N]
         * ``shear`` (list of 2 times number or formula, optional): GA along axes 2 and 3, shear factors included [N]
         * ``torsion`` (number or formula, optional): GJ [N m2]
         * ``bending`` (list of 2 times number or formula, optional): EI about axes 2 and 3 [N m2]
@@ -706,7 +706,7 @@ class _Shell:
 
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
-        * ``material`` (text, optional): name of a material; needed but with laminate
+        * ``material`` (text, optional): name of a material; required unless `laminate` is given
         * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
@@ -747,7 +747,7 @@ class _Shell:
 
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
-        * ``material`` (text, optional): name of a material; needed but with laminate
+        * ``material`` (text, optional): name of a material; required unless `laminate` is given
         * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
@@ -789,7 +789,7 @@ class _Shell:
 
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
-        * ``material`` (text, optional): name of a material; needed but with laminate
+        * ``material`` (text, optional): name of a material; required unless `laminate` is given
         * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
@@ -830,7 +830,7 @@ class _Shell:
 
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
-        * ``material`` (text, optional): name of a material; needed but with laminate
+        * ``material`` (text, optional): name of a material; required unless `laminate` is given
         * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
@@ -877,7 +877,7 @@ class _Mesh:
         A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.
 
         * ``name`` (text): name, by which others refer to it
-        * ``material`` (text, optional): name of a material; needed but with laminate or parts
+        * ``material`` (text, optional): name of a material; required unless `laminate` or `parts` are given
         * ``thickness`` (number or formula, optional): thickness of faces that have no part; may use design variables of faces and nodes; needed with material but with parts [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
@@ -925,7 +925,7 @@ class _Mesh:
         A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.
 
         * ``name`` (text): name, by which others refer to it
-        * ``material`` (text, optional): name of a material; needed but with laminate or parts
+        * ``material`` (text, optional): name of a material; required unless `laminate` or `parts` are given
         * ``thickness`` (number or formula, optional): thickness of faces that have no part; may use design variables of faces and nodes; needed with material but with parts [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]

@@ -58,7 +58,7 @@ const OF_ALL: &[Section] = &[
             may(
                 "end",
                 Fixed("s", Positive),
-                "duration, or with method static the last load factor; needed but with static, where it is 1"
+                "duration, or with method static the last load factor; required but for `static`, where it is 1"
             ),
             may("steps", Count(1, MOST_STEPS), "steps of equal size; needed without tolerance"),
             may(

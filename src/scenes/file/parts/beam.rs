@@ -24,7 +24,7 @@ pub(super) const SECTION: Section = Section {
         may(
             "second_axis",
             Vector("-"),
-            "direction that spans the plane of axes 1 and 2 with the line; needed but with arc, whose axis is taken"
+            "direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken"
         ),
         may("arc", Table(&ARC), "part of a circle instead of a straight line"),
         may("twist", Number("rad", Any), "turn of the section from start to end; 0"),

@@ -13,7 +13,7 @@ const MOTION: Forms = one_form![
 pub(super) const LINE: [Key; 8] = [
     need("name", Text, "name; its nodes are NAME.start, NAME.end and NAME[i], counted from 0"),
     need("from", Vector("m"), "where it starts"),
-    may("to", Vector("m"), "where it ends; needed but with arc"),
+    may("to", Vector("m"), "where it ends; required unless `arc` is given"),
     need("elements", Count(1, MOST), "equal elements"),
     may("start_node", Node, "node that it starts in; its own"),
     may("end_node", Node, "node that it ends in; its own"),

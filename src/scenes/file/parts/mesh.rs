@@ -16,7 +16,7 @@ const NODE_OF_MESH: Forms = one_form![
 const PART: Forms = one_form![
     need("of", Texts, "groups of faces"),
     may("material", Type::Item(&["material"]), "name of a material; that of the mesh"),
-    may("thickness", OfMesh("m", Positive), "thickness; needed but with laminate"),
+    may("thickness", OfMesh("m", Positive), "thickness; required unless `laminate` is given"),
     may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
     may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; that of the mesh"),
 ];
@@ -24,7 +24,7 @@ const PART: Forms = one_form![
 pub(super) const SECTION: Section = Section {
     forms: forms!([
         NAME,
-        may("material", Type::Item(&["material"]), "name of a material; needed but with laminate or parts"),
+        may("material", Type::Item(&["material"]), "name of a material; required unless `laminate` or `parts` are given"),
         may("thickness", OfMesh("m", Positive),
             "thickness of faces that have no part; may use design variables of faces and nodes; needed with material but with parts"),
         may("laminate", Type::Item(&["laminate"]), "name of a laminate"),

@@ -17,7 +17,7 @@ pub(super) const SECTION: Section = Section {
     forms: forms!([
         NAME,
         ELEMENTS,
-        may("material", Type::Item(&["material"]), "name of a material; needed but with laminate"),
+        may("material", Type::Item(&["material"]), "name of a material; required unless `laminate` is given"),
         may("thickness", Strips("m", Positive),
             "thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, \
              which is taken at the middle of each element; needed with material"),
