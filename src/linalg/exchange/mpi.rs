@@ -1,7 +1,7 @@
 //! Ranks that `mpirun` started.
 
 use super::{Exchange, MESSAGE, NUMBER, Traffic, new_thread};
-use crate::program::panic_is_caught;
+use costate_program::panic_is_caught;
 use ::mpi::ffi;
 use std::cell::Cell;
 use std::io::Write;
@@ -467,7 +467,7 @@ fn is_done(request: &mut ffi::MPI_Request) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::Formula;
+    use costate_program::Formula;
     use std::process::Command;
 
     /// What a rank does, in its environment.
