@@ -14,7 +14,8 @@ pub struct Replay {
 impl Replay {
     /// Records the numbers that a formula makes of arguments, which it takes by [`Recorded::argument`]; with what it returns beside them.
     pub fn of<T>(formula: impl FnOnce() -> (T, Vec<Recorded>)) -> (T, Self) {
-        let ((beside, results), Recording { mut graph, undefined, .. }) = record(&[], |_| formula());
+        let ((beside, results), Recording { mut graph, undefined, looked, .. }) = record(&[], |_| formula());
+        assert!(!looked, "what is done again for other numbers cannot have looked at their values");
         let mut results: Vec<Node> = results.into_iter().map(|result| result.node(&mut graph)).collect();
         for x in undefined.unseen(&graph, &results) {
             add_nought(&mut graph, x, &mut results);
