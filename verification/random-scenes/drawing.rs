@@ -834,6 +834,10 @@ impl Growing {
                 _ => self.body(),
             }
         }
+        // one body alone has no modes behind its rigid motions
+        while self.is_free && self.places.len() < 3 {
+            self.body();
+        }
         for _ in 0..self.lots.below(3) {
             let (a, b) = (self.any(), self.moving());
             match self.lots.below(3) {

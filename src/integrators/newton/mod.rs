@@ -239,23 +239,15 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.contractions.age += 1;
         self.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
-            // the acceleration of what is light and stiff foretells nothing over a whole step: from none of it, the velocity stays
-            let displaces = equations.residual.alpha != 0.0 && !equations.metric;
-            if !displaces {
+            if !self.can_relieve(equations) {
                 return Err(failure);
             }
-            self.guess.x.fill(S::zero());
             unknowns.clone_from(&self.guess);
-            self.factored = None;
-            let again = self.solve_balanced(stage, unknowns);
-            if again.is_err() {
-                if !self.can_relieve(equations) {
-                    return Err(failure);
-                }
+            if self.solve_relieved(stage, unknowns).is_err() {
+                // the acceleration of what is light and stiff foretells nothing over a whole step
                 self.begin_where_trusted(stage);
                 unknowns.clone_from(&self.guess);
-                self.approach_relieved(stage, unknowns)?;
-                self.solve_balanced(stage, unknowns)?;
+                self.solve_relieved(stage, unknowns)?;
             }
         }
         self.residual.restore(&self.system, stage, unknowns);
@@ -263,6 +255,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.solve_parts(stage, unknowns)?;
         }
         Ok(())
+    }
+
+    /// Comes near to a solution with relieved stresses, and solves from there.
+    fn solve_relieved(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
+        self.approach_relieved(stage, unknowns)?;
+        self.solve_balanced(stage, unknowns)
     }
 
     /// Lets the first guess leave coordinates where the step begins, whatever accelerations are known of earlier stages.
