@@ -109,7 +109,7 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--set", "mass=1", "--set", "mass=2"], &["mass=2", "already set"]),
         (&["gradient", "pendulum", "--history", "disk"], &["--history", "'disk'", "file:PATH", "checkpoints:MEGABYTES"]),
         (&["gradient", "pendulum", "--history", "checkpoints:-1"], &["--history", "'checkpoints:-1'", "above 0"]),
-        (&["modes", "pendulum"], &["scene \"pendulum\"", "equilibrium", "--static"]),
+        (&["modes", "pendulum"], &["pendulum.toml", "equilibrium", "--static"]),
         (&["modes", "von-mises-truss", "--count", "0"], &["--count", "'0'", "whole number from 1 to"]),
         (&["modes", "von-mises-trust"], &["scene \"von-mises-trust\"", "did you mean \"von-mises-truss\"?"]),
         (&["run", "double-pendulum", "--method", "statics"], &["--method \"statics\"", "\"static\"?"]),

@@ -60,7 +60,11 @@ const ROBOT: &str = r#"<?xml version="1.0"?>
 fn a_robot_swings_as_its_links_say() {
     let folder = Folder::new("swing");
     folder.write("arm.urdf", ROBOT);
-    std::fs::copy("tests/scene_files/coverage/wedge.stl", folder.0.join("wedge.stl")).unwrap();
+    std::fs::copy(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/scene_files/coverage/wedge.stl"),
+        folder.0.join("wedge.stl"),
+    )
+    .unwrap();
     let output = folder.run(&["import", "arm.urdf"]);
     let told = said(&output);
     assert!(output.status.success(), "{told}");
@@ -294,7 +298,11 @@ fn histories_of_chosen_parts_are_columns_of_all() {
     let text = include_str!("scene_files/coverage/solids.toml").replace("tests/scene_files/coverage/", "");
     folder.write("solids.toml", &text);
     folder.write("all.toml", &text.replace("histories = [\"hammer\", \"hinge\", \"reach\", \"energy\"]", ""));
-    std::fs::copy("tests/scene_files/coverage/wedge.stl", folder.0.join("wedge.stl")).unwrap();
+    std::fs::copy(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/scene_files/coverage/wedge.stl"),
+        folder.0.join("wedge.stl"),
+    )
+    .unwrap();
     for scene in ["solids", "all"] {
         let output = folder.run(&["run", &format!("{scene}.toml"), "--out", scene, "--no-report"]);
         assert!(output.status.success(), "{}", said(&output));

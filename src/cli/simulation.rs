@@ -16,7 +16,7 @@ use costate::exchange::is_shared;
 use costate::functionals::{Extreme, Extremes, Functional, Times};
 use costate::history::{Observer, Usage};
 use costate::integrators::{
-    Counters, Crossing, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
+    Counters, Crossing, DEFAULT_TABLE, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
 };
 use costate::linalg::SolverPlan;
 use costate::program::{SwitchKind, making_time, refuses_machine_code};
@@ -480,7 +480,7 @@ fn beside_ends(prepared: &Prepared, forward: &Forward) -> Vec<String> {
     if !names.is_empty() {
         warnings.push(format!(
             "{} at the end of the run: reactions are read at the last stage of \"{}\", which does not lie there, and are right to first order of the step \
-             only; take a method whose last stage does, as esdirk4 or sdirk4",
+             only; take a method whose last stage does, as {DEFAULT_TABLE}",
             quoted(&names),
             table.name
         ));
@@ -490,7 +490,7 @@ fn beside_ends(prepared: &Prepared, forward: &Forward) -> Vec<String> {
     if let Some(&place) = place.filter(|_| table.stages.iter().any(|stage| !inside.contains(&stage.c))) {
         warnings.push(format!(
             "stages of \"{}\" lie before and behind their steps, and read what jumps or bends at t = {} s from its other side: the motion and gradients \
-             are right to first order of the step only; take a method whose stages do not, as esdirk4 or sdirk4",
+             are right to first order of the step only; take a method whose stages do not, as {DEFAULT_TABLE}",
             table.name,
             shortest(grid.times[place])
         ));

@@ -13,7 +13,11 @@ pub(super) fn file_bytes(path: &Path, what: &str, largest: u64) -> Result<Cow<'s
         return Ok(Cow::Borrowed(own));
     }
     let cannot = |why: String| format!("cannot be read: {why}");
-    let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
+    let about = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
+    let size = about.len();
+    if !about.is_file() {
+        return Err(cannot("it is no file".into()));
+    }
     if size > largest {
         return Err(cannot(format!("it has {size} bytes, and {what} has at most {largest}")));
     }

@@ -138,6 +138,7 @@ fn every_key_of_the_format_is_used_in_a_file_that_is_tested() {
 
 #[test]
 fn gradients_of_everything_that_a_file_can_say_are_those_of_a_complex_step() {
+    super::from_root();
     for (name, text) in FILES {
         let scene = FileScene::parse(&format!("{name}.toml"), text).unwrap_or_else(|why| panic!("{why}"));
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));

@@ -44,11 +44,19 @@ fn files() -> Vec<PathBuf> {
 
 /// A text as a scene.
 fn parsed(text: &str) -> FileScene {
+    from_root();
     FileScene::parse("scene.toml", text).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// Scenes of these tests name their files from the root of the repository.
+fn from_root() {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    ONCE.call_once(|| std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).unwrap());
 }
 
 /// What is said of a scene that cannot be run.
 fn refused(text: &str) -> String {
+    from_root();
     let scene = match FileScene::parse("scene.toml", text) {
         Ok(scene) => scene,
         Err(why) => return why,

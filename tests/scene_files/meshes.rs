@@ -245,6 +245,7 @@ fn a_drive_that_stops_shakes_a_metal_sheet_with_an_exact_gradient() {
 
 /// A plate under a pressure on its right half, with groups turned round.
 fn pressed(reverse: &str) -> FileScene {
+    super::from_root();
     let text = format!(
         "version = 1\n[settings]\nend = 0.01\nsteps = 4\n[variable]\nh = {{ initial = 0.02, bounds = [0.01, 0.1], unit = \"m\" }}\n\
          [material.steel]\nyoung = 2e11\npoisson = 0.3\ndensity = 7800\n\

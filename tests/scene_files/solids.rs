@@ -68,6 +68,7 @@ fn a_bar_of_its_sizes_moves_as_one_of_its_mass() {
 
 #[test]
 fn what_cannot_be_a_solid_is_told() {
+    super::from_root();
     let cylinder = r#"solids = [{ type = "cylinder", from = [0, 0, 0], to = ["length", 0, 0], diameter = 0.02, "#;
     for (body, words) in [
         (format!("{SOLIDS}\nmass = 2"), "has its mass of its solids"),

@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(object["what"], text);
         assert!(!data.contains(['<', '>', '&', '\u{2028}', '\u{2029}']), "{data}");
         assert_eq!(object["files"], json!(["meshes/a b.vtu"]));
-        assert!(object["command"].as_str().is_some_and(|words| words.starts_with("costate-")), "{}", object["command"]);
+        assert!(object["command"].as_str().is_some_and(|words| words.starts_with("costate_cli-")), "{}", object["command"]);
         assert!(object["notes"][0].as_str().unwrap().contains("one of 3 of 5000 kept points"));
         // 1667 of them, and the last: 5000 - 1 is a third one anyway
         assert_eq!(object["charts"][0]["x"].as_str().unwrap().len(), (4 * 1668_usize).div_ceil(3) * 4);

@@ -247,7 +247,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 // the acceleration of what is light and stiff foretells nothing over a whole step
                 self.begin_where_trusted(stage);
                 unknowns.clone_from(&self.guess);
-                self.solve_relieved(stage, unknowns)?;
+                self.solve_relieved(stage, unknowns).map_err(|_| failure)?;
             }
         }
         self.residual.restore(&self.system, stage, unknowns);

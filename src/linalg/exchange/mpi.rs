@@ -1,8 +1,8 @@
 //! Ranks that `mpirun` started.
 
 use super::{Exchange, MESSAGE, NUMBER, Traffic, new_thread};
-use costate_program::panic_is_caught;
 use ::mpi::ffi;
+use costate_program::panic_is_caught;
 use std::cell::Cell;
 use std::io::Write;
 use std::os::raw::{c_int, c_void};

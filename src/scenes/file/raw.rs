@@ -388,7 +388,10 @@ impl Raw {
                 list.iter()
                     .flat_map(|own| match own.get("for") {
                         Some(_) => told(repeated(own, &[], wholes), mistakes),
-                        None => vec![own.repeated(false, wholes, mistakes)],
+                        None => {
+                            let own = own.repeated(false, wholes, mistakes);
+                            told(replaced(&own, &[], wholes).map(|own| vec![own]), mistakes)
+                        }
                     })
                     .collect(),
             ),
