@@ -53,7 +53,10 @@ impl Tape {
     }
 }
 
-const UNARY: [(&str, fn(Recorded) -> Recorded); 16] = [
+type Unary = fn(Recorded) -> Recorded;
+type Binary = fn(Recorded, Recorded) -> Recorded;
+
+const UNARY: [(&str, Unary); 16] = [
     ("neg", |x| -x),
     ("abs", Scalar::abs),
     ("sign", Scalar::sign),
@@ -71,7 +74,7 @@ const UNARY: [(&str, fn(Recorded) -> Recorded); 16] = [
     ("cosh", Scalar::cosh),
     ("tanh", Scalar::tanh),
 ];
-const BINARY: [(&str, fn(Recorded, Recorded) -> Recorded); 8] = [
+const BINARY: [(&str, Binary); 8] = [
     ("add", |a, b| a + b),
     ("sub", |a, b| a - b),
     ("mul", |a, b| a * b),
