@@ -49,15 +49,14 @@ fn few_files_name_a_part_outside_its_own() {
         (&everywhere[..1], "src/integrators/tables/dirk.rs", &["sdirk4"], 4),
         (
             &everywhere[..1],
-            "src/scenes/file/functionals/cable_section.rs",
+            "src/scenes/file/functionals/of_sections.rs",
             &["\"largest_cable_stress\"", "\"cable_curvature\""],
             0,
         ),
-        (&everywhere[..1], "src/scenes/file/functionals/tsai_wu.rs", &["\"tsai_wu\""], 0),
-        // lists of sections that have nodes, elements or faces, and how their nodes are called
-        (&everywhere[..1], "src/scenes/file/parts/thin_walls.rs", &["\"thin_walls\""], 2),
-        // whose names it shares
-        (&everywhere[..1], "src/scenes/file/parts/rigid_interface.rs", &["\"rigid_interface\""], 1),
+        (&everywhere[..1], "src/scenes/file/functionals/of_elements.rs", &["\"tsai_wu\""], 0),
+        // the list of sections that have elements
+        (&everywhere[..1], "src/scenes/file/parts/thin_walls.rs", &["\"thin_walls\""], 1),
+        (&everywhere[..1], "src/scenes/file/parts/rigid_interface.rs", &["\"rigid_interface\""], 0),
     ] {
         let named = places(folders, own, words);
         assert!(named.len() <= most, "{words:?} stands in {} files beside {own}: {}", named.len(), named.join(", "));
