@@ -21,25 +21,13 @@ fn tip(scene: &FileScene, settings: Settings) -> ([f64; 2], StabilityCourse) {
 }
 
 #[test]
-fn a_column_that_equal_steps_leave_unstable_is_told_and_chosen_and_divided_steps_find_where_it_stands() {
+fn a_column_is_found_where_it_stands_by_equal_chosen_and_divided_steps() {
     let near = |[x, y]: [f64; 2], [a, b]: [f64; 2]| (x - a).hypot(y - b) < 1e-3;
     // P L2/EI = 3 with 1 % across: the elastica ends at (.643, .671)
     let scene = column(3.0, 0.01);
-    let mut unstable = 0;
-    for steps in [5, 10, 20] {
-        let (at, StabilityCourse { end: stability, lost }) = tip(&scene, Settings::statics(steps));
-        if stability.verdict() == Verdict::Stable {
-            assert!(near(at, [0.6428, 0.6709]) && stability.negative == 0 && lost.is_none(), "{steps}: {at:?}, {lost:?}");
-            continue;
-        }
-        unstable += 1;
-        assert!(stability.negative > 0, "{steps}: {at:?}, {stability:?}");
-        // the critical load is pi^2/4 = 0.822 of this one
-        let ([from, to], _) = lost.expect("a step in which it is lost");
-        assert!(from < to && to > 0.8, "{from} {to}");
-    }
-    assert!(unstable > 0);
     let stands = [
+        ("10 steps", Settings::statics(10)),
+        ("20 steps", Settings::statics(20)),
         ("100 steps", Settings::statics(100)),
         ("5 steps, divided", Settings::statics(5).dividing_steps()),
         ("chosen", Settings::statics(5).choosing_steps(StepControl::new(1e-6))),
