@@ -140,7 +140,13 @@ def test_a_bar_is_shown_where_it_is_asked_for_and_wiped_at_the_end(five_bar, cap
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("ask", ["run", "values", "value_and_grad", "gradient", "apply"])
+@pytest.mark.parametrize("ask", ["value_and_grad", "gradient"])
+def test_a_gradient_behind_a_jump_is_refused(ask):
+    with pytest.warns(costate.RunWarning), pytest.raises(costate.errors.InputError, match="jumps in step 2"):
+        getattr(costate.loads(COARSE), ask)()
+
+
+@pytest.mark.parametrize("ask", ["run", "values", "apply"])
 def test_warnings_name_the_line_that_asked(ask):
     coarse = costate.loads(COARSE)
     arguments = [{"k": 2.0}] if ask == "apply" else []
