@@ -28,7 +28,7 @@ impl CommandLine<'_> {
     pub(super) fn examples(&self, command: &str) -> String {
         let first = self.example_scene(|_| true, "pendulum");
         let better = self.example_scene(|scene| scene.optimization_problem().is_some(), "five-bar");
-        let variable = self.own_scene(&first).and_then(|scene| scene.variables().into_iter().next());
+        let variable = self.own_scene(&first).ok().flatten().and_then(|scene| scene.variables().into_iter().next());
         let set = variable.as_ref().map_or_else(String::new, |own| format!(" --set \"{}={}\"", own.name, own.initial));
         let examples: Examples = match command {
             "run" => vec![

@@ -31,7 +31,7 @@ pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> 
             Ok(())
         }
         None => {
-            all(program, options.json);
+            all(&program.all_scenes()?, program, options.json);
             Ok(())
         }
     }
@@ -52,10 +52,9 @@ fn parts(program: &CommandLine, json: bool) {
     print_json(json, &json!({ "parts": list }));
 }
 
-fn all(program: &CommandLine, json: bool) {
-    let scenes = program.all_scenes();
+fn all(scenes: &[&dyn AnyScene], program: &CommandLine, json: bool) {
     let mut table = Table::new(&["scene", "what it is", "variables", "to optimize"]);
-    for scene in &scenes {
+    for scene in scenes {
         let variables = format!("{:>9}", scene.variables().len());
         let wanted = wanted(*scene).unwrap_or_default();
         table.row([scene.name().into(), scene.summary().into(), variables.into(), wanted.into()]);

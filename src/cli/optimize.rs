@@ -281,7 +281,7 @@ fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
 
 impl CommandLine<'_> {
     fn no_problem(&self, scene: &dyn AnyScene) -> Failure {
-        let able = self.all_scenes().into_iter().filter(|scene| scene.optimization_problem().is_some());
+        let able = self.all_scenes().into_iter().flatten().filter(|scene| scene.optimization_problem().is_some());
         let names: Vec<String> = able.map(|scene| scene.name()).collect();
         let others = if names.is_empty() { String::new() } else { format!("; scenes that do: {}", names.join(", ")) };
         Failure::input(format!("the scene \"{}\" states no optimization problem{others}", scene.name()))

@@ -160,21 +160,27 @@ impl<'p> CommandLine<'p> {
     }
 
     /// Its scenes.
-    pub(super) fn all_scenes(&self) -> Vec<&'p dyn AnyScene> {
-        let built_in = self.built_in.iter().filter_map(|name| built_in::named(name).ok());
-        self.scenes.iter().copied().chain(built_in.map(|scene| scene as &dyn AnyScene)).collect()
+    ///
+    /// # Errors
+    /// What is wrong in one that is built in.
+    pub(super) fn all_scenes(&self) -> Result<Vec<&'p dyn AnyScene>, Failure> {
+        self.scenes.iter().map(|&scene| Ok(scene)).chain(self.built_in.iter().map(|name| read_built_in(name))).collect()
     }
 
     /// The scene of this name, unless it is that of a file.
-    pub(super) fn own_scene(&self, name: &str) -> Option<&'p dyn AnyScene> {
-        let own = self.scenes.iter().copied().find(|scene| scene.name() == name);
-        let built_in = || built_in::named(self.built_in.iter().find(|own| **own == name)?).ok();
-        own.or_else(|| built_in().map(|scene| scene as &dyn AnyScene))
+    ///
+    /// # Errors
+    /// What is wrong in one that is built in.
+    pub(super) fn own_scene(&self, name: &str) -> Result<Option<&'p dyn AnyScene>, Failure> {
+        match self.scenes.iter().copied().find(|scene| scene.name() == name) {
+            None if self.built_in.contains(&name) => read_built_in(name).map(Some),
+            own => Ok(own),
+        }
     }
 
     /// The scene with a given name, or in a given file.
     pub(super) fn find_scene(&self, name: &str) -> Result<FoundScene<'p>, Failure> {
-        let found = self.own_scene(name);
+        let found = self.own_scene(name)?;
         if is_path(name) || found.is_none() && Path::new(name).is_file() {
             return Ok(FoundScene::File(Box::new(
                 FileScene::read_with(Path::new(name), &self.parts).map_err(Failure::input)?,
@@ -186,6 +192,10 @@ impl<'p> CommandLine<'p> {
         check_names(scene)?;
         Ok(FoundScene::Own(scene))
     }
+}
+
+fn read_built_in(name: &str) -> Result<&'static dyn AnyScene, Failure> {
+    built_in::named(name).map(|scene| scene as &dyn AnyScene).map_err(Failure::input)
 }
 
 /// Checks that results of a scene and its scenarios have folders of their own; a file has been checked when it was read.

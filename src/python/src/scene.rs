@@ -153,10 +153,13 @@ impl Scene {
         Ok(FileScene::text_of(&entries_of(entries)?))
     }
 
-    /// A scene of the library by its name.
+    /// A scene of the library by its name, if it has one of this name.
     #[staticmethod]
-    fn built_in(name: &str) -> Option<Self> {
-        built_in::named(name).ok().map(|own| Scene::of(Source::BuiltIn(own)))
+    fn built_in(name: &str) -> PyResult<Option<Self>> {
+        if !built_in::names().any(|own| own == name) {
+            return Ok(None);
+        }
+        built_in::named(name).map(|own| Some(Scene::of(Source::BuiltIn(own)))).map_err(scene_error)
     }
 
     /// Names of the scenes of the library.
