@@ -1,6 +1,6 @@
 mod member;
 
-use crate::verification::{Noise, Report, Study};
+use crate::{Noise, Report, Study};
 use costate::prelude::*;
 use costate::scenes::{AnyScene, built_in};
 use member::{GROWING, Member, Rest, TipLoad};

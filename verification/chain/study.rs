@@ -1,7 +1,7 @@
 //! Cost of a step on chains of 10 to 10,000 rigid bodies, one thread.
 
 use crate::allocations;
-use crate::verification::{Clock, Form, PHASES, Report, Study, on_one_thread, with_phases};
+use crate::{Clock, Form, PHASES, Report, Study, on_one_thread, with_phases};
 use costate::history::Keep;
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, table_by_name};
 use costate::scenes::{AnyScene, FileScene, Prepared, Settings, built_in};

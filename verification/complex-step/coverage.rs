@@ -78,7 +78,7 @@ pub fn missing(cases: &[Case]) -> (usize, Vec<&'static str>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verification::complex_step::scenes;
+    use crate::complex_step::scenes;
 
     #[test]
     fn every_element_and_constraint_is_the_subject_of_a_scene() {

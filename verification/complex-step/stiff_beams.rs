@@ -1,8 +1,8 @@
 //! Stiff beams with the default method: what a difference quotient can show, functional by functional.
 
 use super::QUOTIENT;
-use crate::verification::Report;
-use crate::verification::rounding::SCATTER;
+use crate::Report;
+use crate::rounding::SCATTER;
 use costate::integrators::RunError;
 use costate::internals::{DesignMap, ModelNumbers, Recorded};
 use costate::scenes::{AnyScene, Prepared, built_in};

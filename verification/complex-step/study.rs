@@ -13,8 +13,8 @@ mod scenes;
 mod shell;
 mod stiff_beams;
 
-use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
-use crate::verification::{Report, Study};
+use crate::rounding::{NearbyAdjoints, SCATTER, worse};
+use crate::{Report, Study};
 use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name, tables,
 };

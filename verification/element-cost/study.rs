@@ -3,7 +3,7 @@ mod items;
 mod timing;
 mod user;
 
-use crate::verification::{Clock, Figure, Form, Report, Study, median, on_one_thread};
+use crate::{Clock, Figure, Form, Report, Study, median, on_one_thread};
 use costate::internals::{Program, System, SystemOptions, lanes};
 use items::Item;
 use std::sync::Arc;

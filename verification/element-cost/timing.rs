@@ -1,7 +1,7 @@
 //! Times of programs, and of the whole way through the assembly.
 
 use super::items::{Item, Physics};
-use crate::verification::Clock;
+use crate::Clock;
 use costate::elements::NodeKind;
 use costate::internals::{
     Codes, ConstraintPhysics, ElementPhysics, Equations, Formula, Graph, Jacobian, Level, Model, Node, PartPrograms,

@@ -1,7 +1,7 @@
 //! What a step of the flexible pendulum costs.
 
 use super::path::{pendulum, prepare};
-use crate::verification::{Clock, Report};
+use crate::{Clock, Report};
 use costate::integrators::{Counters, DEFAULT_TABLE, NewtonTolerance, RunError};
 use costate::internals::{Nothing, march};
 use costate::scenes::Prepared;

@@ -2,7 +2,7 @@
 
 use super::path::{MOMENTS, pendulum, prepare};
 use super::{END, line};
-use crate::verification::Report;
+use crate::Report;
 use costate::integrators::{DEFAULT_TABLE, RunError};
 use costate::sensitivity::GradientCourse;
 use costate_cli::Chart;

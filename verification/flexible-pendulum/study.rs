@@ -5,7 +5,7 @@ mod path;
 mod scenes;
 mod sensitivities;
 
-use crate::verification::{Clock, Report, Study, on_one_thread};
+use crate::{Clock, Report, Study, on_one_thread};
 use costate::integrators::{DEFAULT_TABLE, RunError};
 use costate_cli::{Chart, Series, Style};
 use path::{MOMENTS, Path, path, pendulum};

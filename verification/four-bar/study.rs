@@ -1,4 +1,4 @@
-use crate::verification::{Clock, Form, Report, Study, on_one_thread, on_threads};
+use crate::{Clock, Form, Report, Study, on_one_thread, on_threads};
 use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};

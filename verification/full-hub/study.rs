@@ -1,9 +1,9 @@
 //! The rotor hub of Boopathy & Kennedy with blades of 48 panels: twelve functionals by all thicknesses and two lengths, and what simulation and
 //! gradients take on the mesh of the source.
 
-use crate::verification::memory::{forget_peak, peak_memory};
-use crate::verification::whole_runs::{compare_with_whole_runs, inside};
-use crate::verification::{Form, PHASES, Report, Study, largest, on_threads, with_phases};
+use crate::memory::{forget_peak, peak_memory};
+use crate::whole_runs::{compare_with_whole_runs, inside};
+use crate::{Form, PHASES, Report, Study, largest, on_threads, with_phases};
 use costate::integrators::{Counters, DEFAULT_TABLE, RunError};
 use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 use costate_cli::{Chart, Series, Style};

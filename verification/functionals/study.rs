@@ -2,9 +2,9 @@
 
 mod scene;
 
-use crate::verification::falling::tube;
-use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
-use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, with_phases};
+use crate::falling::tube;
+use crate::rounding::{NearbyAdjoints, SCATTER, worse};
+use crate::{Clock, Form, Report, Study, median, on_one_thread, with_phases};
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::integrators::{ConstraintLevel, Counters, DEFAULT_TABLE, Method, RunError, table_by_name};
 use costate::scenes::{AnyScene, Prepared};

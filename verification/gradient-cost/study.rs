@@ -1,6 +1,6 @@
 //! What a gradient costs: one sweep by its simulation, a further functional by the sweep, 10,000 design variables by one.
 
-use crate::verification::{Clock, Form, Report, Study, median, on_threads, with_phases};
+use crate::{Clock, Form, Report, Study, median, on_threads, with_phases};
 use costate::integrators::{Counters, RunError};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::time::Instant;

@@ -1,8 +1,8 @@
 //! The lightest blades of a rotor hub whose stress stays below a limit in three flights under air loads.
 
-use crate::verification::optimized::{by_iteration, optimize_from, seconds};
-use crate::verification::rotor_hub::told;
-use crate::verification::{Form, Report, Study};
+use crate::optimized::{by_iteration, optimize_from, seconds};
+use crate::rotor_hub::told;
+use crate::{Form, Report, Study};
 use costate::optimize::{GradientBy, Optimization, Optimized};
 use costate::prelude::DesignVariable;
 use costate::scenes::{AnyScene, FileScene, built_in};

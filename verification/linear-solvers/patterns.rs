@@ -1,6 +1,6 @@
 //! Matrices like those of flexible structures, of any size.
 
-use crate::verification::Noise;
+use crate::Noise;
 use costate::linalg::SparsePattern;
 use std::sync::Arc;
 

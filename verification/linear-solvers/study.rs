@@ -7,8 +7,8 @@ mod faer_sparse;
 mod mumps;
 mod patterns;
 
-use crate::verification::memory::{forget_peak, memory_of_now, peak_memory};
-use crate::verification::{Clock, Noise, Report, Study, on_threads};
+use crate::memory::{forget_peak, memory_of_now, peak_memory};
+use crate::{Clock, Noise, Report, Study, on_threads};
 use costate::internals::{Factorization, Work};
 use costate::linalg::Backend;
 #[cfg(feature = "mumps")]

@@ -2,7 +2,7 @@
 
 mod exact;
 
-use crate::verification::{Report, Study};
+use crate::{Report, Study};
 use costate::functionals::Over;
 use costate::history::{Keep, Watch};
 use costate::integrators::{ConstraintLevel, Method, StepRecord, Table, tables};

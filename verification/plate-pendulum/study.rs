@@ -1,8 +1,8 @@
 //! Time and memory of a plate of shells, phase by phase, on one thread and two.
 
-use crate::verification::falling::{plate, tube};
-use crate::verification::phases::{Phases, USUAL, prepare, timed};
-use crate::verification::{Form, Report, Study, median, on_one_thread, on_threads};
+use crate::falling::{plate, tube};
+use crate::phases::{Phases, USUAL, prepare, timed};
+use crate::{Form, Report, Study, median, on_one_thread, on_threads};
 use costate::elements::flexible::Material;
 use costate::prelude::*;
 use costate::scenes::{AnyScene, Edge, FileScene, ShellMesh, built_in};

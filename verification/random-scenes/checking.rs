@@ -7,8 +7,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::drawing::{DRAWN, Design, Drawn, Jumps, Kind, VARIABLES, draw};
-use crate::verification::Lots;
-use crate::verification::program::{Ended, Place, words};
+use crate::Lots;
+use crate::program::{Ended, Place, words};
 use costate::functionals::Sample;
 use costate::integrators::StepError;
 use costate::internals::{Measured, VectorsAvq};

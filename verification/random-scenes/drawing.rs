@@ -2,7 +2,7 @@
 //! their nodes. Joints, springs, drivers and quantities are drawn by the keys of their entries, methods from the list of tables: a new one is
 //! drawn by being listed. All else is text with marks, such as `<N/m>` for a number of this unit.
 
-use crate::verification::Lots;
+use crate::Lots;
 use costate::elements::NodeKind;
 use costate::elements::entries::{Form, Part, Type};
 use costate::elements::forces::{DAMPERS, SPRINGS};

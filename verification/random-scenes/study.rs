@@ -3,8 +3,8 @@
 mod checking;
 mod drawing;
 
-use crate::verification::program::Place;
-use crate::verification::{Form, Report, Study};
+use crate::program::Place;
+use crate::{Form, Report, Study};
 use checking::{Case, Deviation, Outcome};
 use costate::integrators::StepError;
 use drawing::Kind;

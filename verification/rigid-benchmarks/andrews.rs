@@ -1,8 +1,8 @@
 //! Andrews' squeezer: seven angles after 0.03 s, in planar coordinates and of rigid bodies.
 
 use super::{end_state, place, prepare, watch, worse};
-use crate::verification::Report;
-use crate::verification::andrews::{self as angles, PUBLISHED, START};
+use crate::Report;
+use crate::andrews::{self as angles, PUBLISHED, START};
 use costate::scenes::{Prepared, built_in};
 
 const NAMES: [&str; 7] = ["beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon"];

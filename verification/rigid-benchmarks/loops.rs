@@ -1,7 +1,7 @@
 //! Spatial loops whose equations depend on each other.
 
 use super::{prepare, watch, worse};
-use crate::verification::Report;
+use crate::Report;
 use costate::functionals::Sample;
 use costate::internals::{Measured, VectorsAvq};
 use costate::scenes::{Prepared, Violation, built_in};

@@ -2,7 +2,7 @@
 
 use super::loops::{Conserved, conserved};
 use super::{end_state, place, prepare, watch, worse};
-use crate::verification::Report;
+use crate::Report;
 use costate::history::Watch;
 use costate::integrators::StepRecord;
 use costate::internals::march;

@@ -2,7 +2,7 @@ mod andrews;
 mod loops;
 mod mechanisms;
 
-use crate::verification::{Report, Study};
+use crate::{Report, Study};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, table_by_name};
 use costate::internals::march;

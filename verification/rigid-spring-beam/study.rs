@@ -1,5 +1,5 @@
-use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, optimize_from, over_time, prepare, seconds};
-use crate::verification::{Report, Study, on_one_thread};
+use crate::optimized::{DIFFERENCES, by_iteration, optimize, optimize_from, over_time, prepare, seconds};
+use crate::{Report, Study, on_one_thread};
 use costate::functionals::Over;
 use costate::integrators::RunError;
 use costate::internals::Measured;

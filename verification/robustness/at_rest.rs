@@ -1,6 +1,6 @@
 //! Bodies at rest, and brought to rest: nothing that moves is no size to divide by.
 
-use crate::verification::Report;
+use crate::Report;
 use costate::integrators::{StepError, tables};
 use costate::prelude::*;
 

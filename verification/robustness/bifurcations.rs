@@ -2,8 +2,8 @@
 
 use super::dense_count::{Told, compare};
 use super::equilibria::chain;
-use crate::verification::Lots;
-use crate::verification::Report;
+use crate::Lots;
+use crate::Report;
 use costate::elements::flexible::Section;
 use costate::integrators::{ArcLength, Verdict};
 use costate::prelude::*;

@@ -1,6 +1,6 @@
 //! Equilibria near bifurcations, drawn by lot, and modes of systems with repeated frequencies.
 
-use crate::verification::{Noise, Report};
+use crate::{Noise, Report};
 use costate::integrators::{Stability, StepControl, Verdict};
 use costate::prelude::*;
 use costate::scenes::FileScene;

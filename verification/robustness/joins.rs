@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use crate::verification::{Noise, Report};
+use crate::{Noise, Report};
 use costate::elements::flexible::{FaceKind, Material};
 use costate::prelude::*;
 use costate::scenes::{Edge, FreeMesh, ShellMember};

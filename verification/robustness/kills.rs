@@ -1,7 +1,7 @@
 //! Runs that are killed, or whose disk is full, and go on.
 
-use crate::verification::program::{Place, words};
-use crate::verification::{Noise, Report};
+use crate::program::{Place, words};
+use crate::{Noise, Report};
 use std::fs;
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,6 @@
 //! Pairs of models with the same names and numbers, whose laws differ in one thing or in none: runs of one for the other.
 
-use crate::verification::{Noise, Report};
+use crate::{Noise, Report};
 use costate::history::{Keep, Watch};
 use costate::integrators::{StepRecord, tables};
 use costate::prelude::*;

@@ -3,8 +3,8 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use crate::verification::Lots;
-use crate::verification::Report;
+use crate::Lots;
+use crate::Report;
 use costate::prelude::*;
 
 /// Mechanisms of each family.

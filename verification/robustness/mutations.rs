@@ -1,7 +1,7 @@
 //! Command lines and files that went through many hands.
 
-use crate::verification::program::{Ended, Place, words};
-use crate::verification::{Noise, Report};
+use crate::program::{Ended, Place, words};
+use crate::{Noise, Report};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Optimizations from drawn starts: what is claimed to be an optimum, and what neighbouring designs say to that.
 
-use crate::verification::{Noise, Report};
+use crate::{Noise, Report};
 use costate::optimize::{
     ConstraintKind, DesignPoint, Gradients, NoValue, NonlinearProgram, Optimization, Sqp, Stopping, Values, minimize,
 };

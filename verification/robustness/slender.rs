@@ -3,7 +3,7 @@
 use super::cantilever::{Line, SlenderCantilever};
 use super::dense_count::{Told, compare};
 use super::elastica;
-use crate::verification::Report;
+use crate::Report;
 use costate::integrators::{StepControl, Verdict};
 use costate::prelude::*;
 use costate::scenes::Prepared;

@@ -15,7 +15,7 @@ mod optima;
 mod slender;
 mod tied;
 
-use crate::verification::{Form, Report, Study};
+use crate::{Form, Report, Study};
 use std::time::Duration;
 
 /// The study.

@@ -1,7 +1,7 @@
 //! Shells joined and tied, drawn by lot: sheets of several panels in states of constant stress, whose places, rotations and energies are known.
 
-use crate::verification::Lots;
-use crate::verification::Report;
+use crate::Lots;
+use crate::Report;
 use costate::elements::flexible::{FaceKind, Material};
 use costate::integrators::Verdict;
 use costate::prelude::*;

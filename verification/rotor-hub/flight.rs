@@ -3,7 +3,7 @@
 use super::blade_element::{Blade, Strip, power, strips};
 use super::swash_plate::pitch;
 use super::{FLIGHTS, controls, told};
-use crate::verification::{Report, largest};
+use crate::{Report, largest};
 use costate::scenes::{AnyScene, FileScene, Prepared, built_in};
 use costate_cli::{Chart, Series};
 use std::f64::consts::TAU;

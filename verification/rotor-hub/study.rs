@@ -5,8 +5,8 @@ mod flight;
 mod series;
 mod swash_plate;
 
-use crate::verification::whole_runs::{compare_with_whole_runs, inside};
-use crate::verification::{Form, Report, Study};
+use crate::whole_runs::{compare_with_whole_runs, inside};
+use crate::{Form, Report, Study};
 use costate::functionals::Sample;
 use costate::integrators::RunError;
 use costate::scalar::Quaternion;

@@ -1,8 +1,8 @@
 //! How a falling plate of shells scales over ranks and threads: each phase, steps, gradients, messages and memory.
 
-use crate::verification::falling::plate;
-use crate::verification::phases::{Effort, OfMumps, Phases, Times, USUAL};
-use crate::verification::{Form, Report, Study};
+use crate::falling::plate;
+use crate::phases::{Effort, OfMumps, Phases, Times, USUAL};
+use crate::{Form, Report, Study};
 use costate::internals::{of_all_ranks, traffic};
 use serde_json::Value;
 use std::collections::BTreeMap;

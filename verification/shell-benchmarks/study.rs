@@ -2,7 +2,7 @@ mod patch;
 mod scenes;
 mod solve;
 
-use crate::verification::{Noise, Report, Study};
+use crate::{Noise, Report, Study};
 use costate::elements::flexible::FaceKind;
 use costate::integrators::ArcLength;
 use costate::prelude::*;

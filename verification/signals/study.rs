@@ -1,6 +1,6 @@
 //! Functions of time: exact with their rates, as cheap with many points as with few, never beyond their data, and started from rest.
 
-use crate::verification::{Clock, Noise, Report, Study, median};
+use crate::{Clock, Noise, Report, Study, median};
 use costate::elements::Table;
 use costate::internals::{ArgumentKind, Formula, Recorded};
 use costate::scalar::Interpolant;

@@ -6,7 +6,7 @@
 use super::bent_shafts::BentShafts;
 use super::four_bar::{Drive, FourBar};
 use super::{WRONG, drift, initial, prepare};
-use crate::verification::Report;
+use crate::Report;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, StepControl, StepRecord, table_by_name};
 use costate::internals::{march, march_adaptive};

@@ -6,7 +6,7 @@ mod four_bar;
 mod loops;
 mod scenes;
 
-use crate::verification::{Form, Report, Study};
+use crate::{Form, Report, Study};
 use condition::condition;
 use costate::functionals::Sample;
 use costate::history::Watch;

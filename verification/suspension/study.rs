@@ -1,5 +1,5 @@
-use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, over_time, prepare, seconds, seconds_a_gradient};
-use crate::verification::{Form, Report, Study, on_one_thread};
+use crate::optimized::{DIFFERENCES, by_iteration, optimize, over_time, prepare, seconds, seconds_a_gradient};
+use crate::{Form, Report, Study, on_one_thread};
 use costate::elements::flexible::CableStrain;
 use costate::functionals::{Functional, Over};
 use costate::integrators::RunError;

@@ -2,7 +2,7 @@
 
 mod scenes;
 
-use crate::verification::{Report, Study};
+use crate::{Report, Study};
 use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, discrete_momentum};

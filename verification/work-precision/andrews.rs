@@ -3,9 +3,9 @@
 use super::comparison::{Aim, cheapest};
 use super::runs::{Ladder, Motion, Reference};
 use super::{REFERENCE, chart, report_times, times_table};
-use crate::verification::Report;
-use crate::verification::andrews::{self, PUBLISHED};
-use crate::verification::rigid_benchmarks::{angles_of_turns, body_angles, places_of_bodies};
+use crate::Report;
+use crate::andrews::{self, PUBLISHED};
+use crate::rigid_benchmarks::{angles_of_turns, body_angles, places_of_bodies};
 use costate::integrators::{ConstraintLevel, NewtonTolerance, tables};
 use costate::scenes::{Prepared, built_in};
 use costate_cli::Chart;

@@ -2,7 +2,7 @@
 
 use super::course::{Forces, run};
 use super::runs::{Motion, Reference, Steps, difference};
-use crate::verification::Report;
+use crate::Report;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, tables};
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! What each integrator costs against the cheapest, over all motions.
 
 use super::runs::{Ladder, Run, Steps};
-use crate::verification::Report;
+use crate::Report;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE};
 use std::fmt::Write as _;
 

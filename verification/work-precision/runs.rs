@@ -4,7 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::course::{Forces, Member, run};
-use crate::verification::Clock;
+use crate::Clock;
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, StepControl, Table, tables};
 use costate::scenes::{AnyScene, Prepared, Settings};
 

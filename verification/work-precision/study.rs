@@ -7,7 +7,7 @@ mod course;
 mod runs;
 mod scenes;
 
-use crate::verification::{Clock, Form, Report, Study, on_one_thread};
+use crate::{Clock, Form, Report, Study, on_one_thread};
 use andrews::report_andrews;
 use chain::report_chain;
 use comparison::{AIMS, Aim, Measured, cheapest, report_comparison, report_tolerances};
