@@ -319,7 +319,8 @@ impl Check {
             }
             let apart = nearby.iter().map(|run| (run.values[k] - value).abs());
             check.round_off[k] = apart.fold(rounding, f64::max);
-            let measure = Measure { round_off: check.round_off[k], ..Measure::of(prepared, value) };
+            let (round_off, terms) = (check.round_off[k], rounding / f64::EPSILON);
+            let measure = Measure { round_off, terms, ..Measure::of(prepared, value) };
             check.differences[k] = measure.differences([&adjoint.gradient.rows[k], &check.other.gradient.rows[k]]);
             let rows = nearby.each_ref().map(|run| &run.rows[k][..]);
             let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| [*one, *other]));
@@ -447,11 +448,13 @@ struct Measure<'p> {
     value: f64,
     /// Change of the functional that is round-off.
     round_off: f64,
+    /// Size of the terms whose sum it is, as roundings of the states tell: where they cancel, derivatives are of their size.
+    terms: f64,
 }
 
 impl<'p> Measure<'p> {
     fn of(prepared: &'p Prepared, value: f64) -> Self {
-        Measure { variables: &prepared.variables, x: &prepared.x, value, round_off: 0.0 }
+        Measure { variables: &prepared.variables, x: &prepared.x, value, round_off: 0.0, terms: 0.0 }
     }
 
     /// Each relative to the entry, or to [`SMALL`] of the largest change of the functional by a relative change of any variable: an entry
@@ -459,7 +462,7 @@ impl<'p> Measure<'p> {
     /// functional differently by no more than round-off does.
     fn differences(&self, [adjoint, complex_step]: [&[f64]; 2]) -> Vec<f64> {
         let size = |i: usize| self.variables[i].size(self.x[i]);
-        let least = ZERO * self.value.abs();
+        let least = self.terms.max(ZERO * self.value.abs());
         let largest = complex_step.iter().enumerate().fold(least, |most: f64, (i, g)| most.max((g * size(i)).abs()));
         let difference = |(i, (a, c)): (usize, (&f64, &f64))| {
             let apart = (a - c).abs();

@@ -134,8 +134,9 @@ impl Still<'_> {
                 change = change.max(if own == 0.0 { 0.0 } else { own / *size });
             }
             if !self.is_free {
-                // nothing but round-off is left: the place does not depend on the one from which it was looked for
-                seeds.iter_mut().for_each(|bar| bar.x.fill(0.0));
+                // but for what is fixed where the design puts it, the place does not depend on the one from which it was looked for: what is left is round-off
+                let moving = || model.nodes.iter().filter(|node| !node.fixed).map(|node| node.dofs.clone());
+                seeds.iter_mut().for_each(|bar| moving().for_each(|dofs| bar.x[dofs].fill(0.0)));
                 return Ok(());
             }
             if change <= SETTLED || (change <= UNSETTLED && change > 0.5 * before) {

@@ -1,7 +1,7 @@
 //! What roundings of the states of a run do to functionals.
 
 use super::{Analysis, Forward};
-use crate::assembly::last_bit;
+use crate::assembly::{Residual, StageSystem, last_bit};
 use crate::functionals::Values;
 use crate::history::Rerun;
 use crate::integrators::{ConstraintLevel, RunError, SolveRecord, coordinate_scales};
@@ -75,6 +75,7 @@ impl Analysis<'_> {
         };
         let mut all: Vec<_> = (0..PATTERNS).map(begin).collect();
         let mut steps = forward.history.forward(&rerun)?;
+        let mut residual = Residual::default();
         for (values, rounding) in &mut all {
             let Some(mut start) = forward.history.start_record().cloned() else { continue };
             // what is projected away has been rounded as it was given
@@ -87,8 +88,16 @@ impl Analysis<'_> {
             values.start(&start);
         }
         while let Some(step) = steps.next()? {
+            // multipliers carry what the forces of the other parts are rounded by
+            let mut forces = 0.0_f64;
+            for SolveRecord { t, equations, base, unknowns } in step.stages.iter().map(|stage| &stage.solve) {
+                let stage = StageSystem { equations, base, p: &forward.numbers.p, t: *t };
+                residual.move_to(rerun.system(), stage, &mut unknowns.clone());
+                forces = forces.max(residual.force_floor(rerun.system(), stage, unknowns) / f64::EPSILON);
+            }
             for (values, rounding) in &mut all {
                 let mut step = step.clone();
+                rounding.sizes[MULTIPLIERS] = rounding.sizes[MULTIPLIERS].max(forces);
                 rounding.follow(self.method.constraint_level(), step.h);
                 step.stages.iter_mut().for_each(|stage| rounding.apply_to(&mut stage.solve));
                 rounding.apply(COORDINATES, &mut step.q);

@@ -170,6 +170,41 @@ fn loaded_structures_agree_with_quotients() {
     }
 }
 
+/// A beam whose clamped end the design puts somewhere, its tip tied to the ground and pushed by a controller that integrates: the equilibrium
+/// moves with the clamp, and not all else with it.
+const CLAMPED: &str = r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 0.01, steps = 2, start = "equilibrium" }
+variable.x = { initial = 0.5, bounds = [0, 1], unit = "m" }
+variable.y = { initial = 0.2, bounds = [0, 1], unit = "m" }
+variable.h = { initial = 0.01, bounds = [0.001, 1], unit = "m" }
+material.rubber = { density = 1200, young = 5e7, poisson = 0.4 }
+section.bar = { type = "rectangle", width = 0.03, height = "h", material = "rubber" }
+beam = [{ name = "bar", elements = 2, from = ["x", "y", 0], to = [1.5, 0, 0], section = "bar", second_axis = [0, 0, 1], clamped = ["start"] }]
+spring = [{ name = "tie", type = "line", between = ["ground", "bar.end"], points = [[2, 0.3, 0.1], [1.5, 0, 0]], stiffness = 20, rest_length = 0.3 }]
+functional = [{ name = "z", type = "position", on = "bar.end", direction = [0, 0, 1], over = "terminal" }]
+"#;
+
+#[test]
+fn what_is_clamped_where_the_design_says_agrees_with_quotients() {
+    against_quotients(&parsed(CLAMPED), (3, false, false), 1e-6);
+    let controlled = r#"
+[[state]]
+name = "controller"
+type = "pid"
+nodes = { p = "bar.end" }
+measured = "p.position.z"
+set_point = 0.01
+integral = 2
+[[element]]
+name = "acts"
+nodes = { p = "bar.end", s = "controller" }
+force = { p = "[0, 0, s.output]" }
+"#;
+    against_quotients(&parsed(&format!("{CLAMPED}{controlled}")), (3, true, false), 1e-6);
+}
+
 /// A beam that flies, a pendulum of two bars that hangs in its equilibrium from redundant hinges, and a damped one beside it.
 const FREE: &str = r#"
 version = 1
