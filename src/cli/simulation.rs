@@ -13,10 +13,11 @@ use super::stability::{self, Statement};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
 use costate::design::shortest;
 use costate::exchange::is_shared;
-use costate::functionals::{Extreme, Extremes, Functional, Times};
+use costate::functionals::{Extreme, Extremes, Functional, Over, Times};
 use costate::history::{Observer, Usage};
 use costate::integrators::{
-    Counters, Crossing, DEFAULT_TABLE, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
+    ConstraintLevel, Counters, Crossing, DEFAULT_TABLE, Method, NewtonTolerance, RunError, StartRecord, StepControl,
+    StepError, StepRecord,
 };
 use costate::linalg::SolverPlan;
 use costate::program::{SwitchKind, making_time, refuses_machine_code};
@@ -465,8 +466,28 @@ pub fn warnings(prepared: &Prepared, forward: &Forward) -> Vec<String> {
     if let Some(Statement::Warning(words)) = stability::statement(prepared, forward) {
         warnings.push(words);
     }
+    warnings.extend(undamped_reactions(prepared));
     warnings.extend(beside_ends(prepared, forward));
     warnings
+}
+
+/// The warning of a method that does not damp the reactions of constraints at position level (Cardona & Geradin, Computers & Structures 33 (1989)).
+fn undamped_reactions(prepared: &Prepared) -> Option<String> {
+    let (table, level) = (&prepared.method.table, prepared.method.constraint_level());
+    if level != ConstraintLevel::Position || table.radius_at_infinity < 1.0 {
+        return None;
+    }
+    let reads =
+        |own: &&Functional| own.over != Over::Integral && own.over.times() != Times::Start && own.reads_multipliers();
+    let names: Vec<&str> = prepared.functionals().iter().filter(reads).map(|own| own.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{}: with \"{}\" and constraints at position level reactions swing from each step to the next, undamped, and their derivatives need not \
+             converge; take constraints at acceleration level, or a method that damps them, as {DEFAULT_TABLE}",
+            quoted(&names),
+            table.name
+        )
+    })
 }
 
 /// Warnings of a method whose stages do not lie where steps end.

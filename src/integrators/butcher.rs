@@ -184,6 +184,7 @@ impl Butcher {
             solution(*order, weights, implicit.map(Box::new))
         });
         let stiffly_accurate = self.a[s - 1] == self.b;
+        let radius_at_infinity = self.stability_at_infinity().abs();
         Table {
             name: self.name,
             order: self.order,
@@ -193,6 +194,7 @@ impl Butcher {
             aggregate_weights: positive_weights(&self.b, &c, self.order),
             quadrature: Combination { carried: vec![1.0], stages: self.b },
             stiffly_accurate,
+            radius_at_infinity,
             embedded,
             starter: None,
             variational: None,

@@ -71,6 +71,8 @@ pub struct Table {
     pub aggregate_weights: Vec<f64>,
     /// The last stage lies at the end of the step and is the new state.
     pub stiffly_accurate: bool,
+    /// What a step leaves of what vibrates infinitely fast, as a share: where it is 1, reactions of constraints at position level are not damped.
+    pub radius_at_infinity: f64,
     /// A second solution that measures the error of a step.
     pub embedded: Option<Embedded>,
     /// How a method that needs several steps behind it gets going.

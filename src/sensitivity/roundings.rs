@@ -90,10 +90,13 @@ impl Analysis<'_> {
         while let Some(step) = steps.next()? {
             // multipliers carry what the forces of the other parts are rounded by
             let mut forces = 0.0_f64;
-            for SolveRecord { t, equations, base, unknowns } in step.stages.iter().map(|stage| &stage.solve) {
+            let solved = step.stages.iter().filter(|stage| stage.known.is_none());
+            for SolveRecord { t, equations, base, unknowns } in solved.map(|stage| &stage.solve) {
                 let stage = StageSystem { equations, base, p: &forward.numbers.p, t: *t };
-                residual.move_to(rerun.system(), stage, &mut unknowns.clone());
-                forces = forces.max(residual.force_floor(rerun.system(), stage, unknowns) / f64::EPSILON);
+                let mut unknowns = unknowns.clone();
+                Residual::shape(rerun.system(), &mut unknowns, false);
+                residual.move_to(rerun.system(), stage, &mut unknowns);
+                forces = forces.max(residual.force_floor(rerun.system(), stage, &unknowns) / f64::EPSILON);
             }
             for (values, rounding) in &mut all {
                 let mut step = step.clone();

@@ -59,6 +59,7 @@ pub fn bdf(order: usize) -> Table {
         quadrature: Combination { carried: alpha.to_vec(), stages: vec![beta] },
         aggregate_weights: vec![beta],
         stiffly_accurate: true,
+        radius_at_infinity: 0.0,
         embedded: None,
         starter,
         carried,

@@ -44,6 +44,7 @@ pub fn variational(name: &str, alpha: f64) -> Table {
             quadrature: Combination { carried: vec![1.0], stages: vec![1.0] },
             aggregate_weights: vec![1.0],
             stiffly_accurate: false,
+            radius_at_infinity: 0.0,
             embedded: None,
             starter: None,
             variational: Some(Quadrature { alpha, first }),
