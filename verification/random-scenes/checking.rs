@@ -54,8 +54,8 @@ const FINER: [usize; 2] = [8, 12];
 /// Steps of their difference quotients, as relative changes of the variables: halved each time, for two extrapolations. What vibrates a hundred
 /// times changes its phase by a tenth of a radian.
 const QUOTIENTS: [f64; 3] = [2e-3, 1e-3, 5e-4];
-/// Seconds after which a run is said to hang.
-const LONGEST: Duration = Duration::from_secs(900);
+/// Time after which a run is told to stop, and gave no result; one that does not stop then hangs.
+const LONGEST: Duration = Duration::from_secs(180);
 
 /// What the program prints: values and derivatives along a direction.
 struct Results {
@@ -110,8 +110,11 @@ impl Case {
         fs::write(place.path("scene.toml"), &drawn.text).map_err(|error| error.to_string())?;
         let line = "gradient scene.toml --check --json --no-report --out out";
         let ended = place.run(&words(line), None, LONGEST)?;
-        if ended.is_wrong() || ended.told {
+        if ended.is_wrong() {
             return Ok((Outcome::Broken(ended.err), None));
+        }
+        if ended.told {
+            return Ok((Outcome::Refused(format!("no result within {} s", LONGEST.as_secs())), None));
         }
         let said = ended.out.lines().last().and_then(|line| serde_json::from_str::<Value>(line).ok());
         let error = ended.err.lines().rfind(|line| line.starts_with("error: ")).unwrap_or_default().to_string();
