@@ -4,7 +4,7 @@ use super::schedule::split;
 use super::sliced::{Sliced, most_kept};
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
+use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, Stop, TimeGrid};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
@@ -107,14 +107,12 @@ impl Checkpoints {
         self.checkpoint_bytes = checkpoint_bytes;
         self.slots = budget.saturating_sub(step_bytes) / checkpoint_bytes;
         if self.slots == 0 {
-            return Err(RunError::History {
-                place: format!("step 1 (t = {} s), checkpoints", shortest(t)),
-                cause: format!(
-                    "one step and one checkpoint take {} bytes, {budget} are allowed",
-                    step_bytes + checkpoint_bytes
-                ),
-                hint: "allow more memory or keep the run in a file".into(),
-            });
+            return Err(RunError::stopped(
+                Stop::History,
+                format!("step 1 (t = {} s), checkpoints", shortest(t)),
+                format!("one step and one checkpoint take {} bytes, {budget} are allowed", step_bytes + checkpoint_bytes),
+                "allow more memory or keep the run in a file",
+            ));
         }
         self.wanted = self.planned.map_or(1, |planned| split(planned, self.slots));
         Ok(())
@@ -185,13 +183,10 @@ impl Recorder<f64> for Checkpoints {
     }
 }
 
-fn missing(place: String) -> RunError {
-    RunError::History { place, cause: "the run left no checkpoint".into(), hint: "run it again".into() }
-}
-
 fn resume(stepper: &mut Stepper<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
     let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(packed.bytes.all(&mut Vec::new())));
-    stepper.resume(&checkpoint.ok_or_else(|| missing(place()))?)
+    let missing = || RunError::stopped(Stop::History, place(), "the run left no checkpoint", "run it again");
+    stepper.resume(&checkpoint.ok_or_else(missing)?)
 }
 
 impl History for Checkpoints {

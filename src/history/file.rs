@@ -3,7 +3,7 @@ use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, check_place, 
 use super::packed::unpack;
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, StepRule, Steps, TimeGrid};
+use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, StepRule, Steps, Stop, TimeGrid};
 use std::fmt;
 use std::fs::{self, File, TryLockError};
 use std::hash::{BuildHasher, RandomState};
@@ -93,11 +93,8 @@ fn refuse_others(path: &Path) -> io::Result<()> {
 }
 
 fn failure(place: String, path: &Path, cause: impl fmt::Display, hint: impl Into<String>) -> RunError {
-    RunError::History {
-        place: format!("{place}, history file {}", path.display()),
-        cause: cause.to_string(),
-        hint: hint.into(),
-    }
+    let place = format!("{place}, history file {}", path.display());
+    RunError::stopped(Stop::History, place, cause.to_string(), hint)
 }
 
 /// What to do about a file that can't be written.

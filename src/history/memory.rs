@@ -3,7 +3,7 @@ use super::packed::PackedSteps;
 use super::sliced::most_kept;
 use super::{History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
+use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps, Stop};
 
 /// A run of any number of steps in memory, which ends with an error where it would take more than it may.
 #[derive(Debug)]
@@ -36,11 +36,12 @@ impl Recorder<f64> for Memory {
         }
         let steps = self.steps.len() + 1;
         if steps.saturating_mul(self.step_bytes) > self.most {
-            return Err(RunError::History {
-                place: format!("step {steps} (t = {} s), memory", shortest(step.t)),
-                cause: format!("{steps} steps of {} bytes take more than the {} bytes allowed", self.step_bytes, self.most),
-                hint: "keep the run in a file, or as checkpoints".into(),
-            });
+            return Err(RunError::stopped(
+                Stop::History,
+                format!("step {steps} (t = {} s), memory", shortest(step.t)),
+                format!("{steps} steps of {} bytes take more than the {} bytes allowed", self.step_bytes, self.most),
+                "keep the run in a file, or as checkpoints",
+            ));
         }
         self.steps.push(step);
         Ok(true)

@@ -197,7 +197,7 @@ impl<'c> ByError<'c> {
         if h > SHORTEST * interval.duration() {
             return Ok(());
         }
-        Err(RunError::StepSize { step: interval.grid.steps() + 1, t: interval.t(), h })
+        Err(RunError::step_size(interval.grid.steps() + 1, interval.t(), h))
     }
 }
 

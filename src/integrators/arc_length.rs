@@ -184,11 +184,8 @@ impl Follower<'_> {
         solved.map_err(|failure| newton.describe(&failure, &EQUATIONS, place))?;
         let q = base.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
         let mut point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };
-        let mut tangent = self.towards_load(&point).map_err(|unknown| RunError::Singular {
-            place: place.into(),
-            unknown,
-            hint: NOT_HELD.into(),
-        })?;
+        let tangent = self.towards_load(&point);
+        let mut tangent = tangent.map_err(|unknown| RunError::singular(place, &unknown, NOT_HELD))?;
         point.stability = self.newton.stability();
         self.load_weight = self.dot(&tangent.q, &tangent.q);
         if self.load_weight == 0.0 {

@@ -62,7 +62,7 @@ pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub(crate) use dividing::march_dividing;
-pub use error::RunError;
+pub use error::{RunError, Stop};
 pub(crate) use given::{march, march_along};
 pub use grid::TimeGrid;
 #[doc(hidden)]

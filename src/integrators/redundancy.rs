@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Problem, RunError};
+use super::{Problem, RunError, Stop};
 use crate::assembly::{Equations, Jacobian, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{SparseRow, independent_rows};
@@ -92,5 +92,10 @@ impl<S: RunScalar> Watch<S> {
 
 /// The error of a dropped equation that is violated.
 pub(super) fn violated(model: &Model, place: String, (row, g): (usize, f64)) -> RunError {
-    RunError::Redundant { place, equation: model.equation_name(row), violation: g }
+    let cause = format!(
+        "{} was left out as redundant, but is violated by {g:.1e}: the constraints depend on each other \
+         at the start only, and the mechanism is locked or singular here",
+        model.equation_name(row)
+    );
+    RunError::stopped(Stop::Redundant, place, cause, "check the directions of axes and the closing of loops")
 }

@@ -8,7 +8,7 @@
 use super::initial_guess::{InitialGuess, solve};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::SolveRecord;
-use super::{Counters, InitialState, Method, Problem, RestingPlan, RunError, Stability, StartPlan, Verdict};
+use super::{Counters, InitialState, Method, Problem, RestingPlan, RunError, Stability, StartPlan, Stop, Verdict};
 use crate::assembly::{Attached, Equations, Level, Model, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar, State};
 use crate::scalar::{COMPLEX_STEP, Complex64};
@@ -290,13 +290,13 @@ impl<S: RunScalar> Search<'_, '_, S> {
     /// Steps have come to rest at a state that was not taken.
     fn end(&mut self) -> Result<(), RunError> {
         match self.ended.take() {
-            Some(Ended::Failed(RunError::Singular { place, unknown, .. })) => Err(RunError::Singular {
+            Some(Ended::Failed(RunError::Stopped { reason: Stop::Singular, place, cause, .. })) => Err(RunError::stopped(
+                Stop::Singular,
                 place,
-                unknown,
-                hint: "nothing but inertia holds it, so its equilibrium is not determined: hold it there ([[hold]] of a scene file, \
-                       `MechanismBuilder::hold` in a program), or give it a spring"
-                    .into(),
-            }),
+                cause,
+                "nothing but inertia holds it, so its equilibrium is not determined: hold it there ([[hold]] of a scene file, \
+                 `MechanismBuilder::hold` in a program), or give it a spring",
+            )),
             Some(Ended::Failed(why)) => Err(why),
             // a structure without imperfection on its straight path: that it does not stand is told with the results
             _ => Ok(()),

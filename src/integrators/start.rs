@@ -63,7 +63,7 @@ impl StartPlan {
     /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.
     ///
     /// # Errors
-    /// [`RunError::Input`] or [`RunError::Singular`] with the name and the numbers of what is wrong.
+    /// [`RunError::Input`] or [`RunError::Stopped`] with the name and the numbers of what is wrong.
     pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
         examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
@@ -171,7 +171,7 @@ fn check_finite(problem: &Problem<f64>) -> Result<(), RunError> {
     let InitialState { q, v } = problem.start.clone();
     let at = VectorsAvq { a: vec![0.0; q.len()], v, q };
     let cause = not_finite(problem.model, &problem.p, &at, 0.0, false);
-    cause.map_or(Ok(()), |cause| Err(RunError::NotFinite { place: "start".into(), cause }))
+    cause.map_or(Ok(()), |cause| Err(RunError::not_finite("start", cause)))
 }
 
 /// A variational integrator needs momenta, and constraints that derive from positions.
@@ -342,13 +342,11 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
         return if dependent.is_empty() { Ok(dependent) } else { Err(redundant(model, &dependent)) };
     }
     let system = Arc::new(System::new(model, SystemOptions::default()));
-    let singular = |newton: Option<&Newton<f64>>, unknown: usize| RunError::Singular {
-        place: place.into(),
-        unknown: newton.map_or("an unknown".into(), |n| n.system.unknown_name(unknown, &n.jacobian)),
-        hint: "it has no inertia, or nothing holds it: give it a mass or a constraint".into(),
-    };
     let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic)
-        .map_err(|s| singular(None, s.unknown))?;
+        .map_err(|_| {
+            let hint = "it has no inertia, or nothing holds it: give it a mass or a constraint";
+            RunError::singular(place, "an unknown", hint)
+        })?;
     let mut unknowns = Residual::unknowns(&system);
     // the point of the analysis: the constraints at their own start, whatever its consistency
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };

@@ -127,7 +127,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Workspace for a run.
     ///
     /// # Errors
-    /// [`RunError::Singular`] if no numbers could make the equations regular.
+    /// [`RunError::Stopped`] if no numbers could make the equations regular.
     pub fn new(
         problem: &'m Problem<'m, S>,
         method: &'m Method,
@@ -190,7 +190,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Goes on from a checkpoint: the steps that follow are those of the run that left it, bit by bit.
     ///
     /// # Errors
-    /// [`RunError::Singular`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
+    /// [`RunError::Stopped`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
         self.between.clone_from(&checkpoint.between);
         if self.between.chosen_anew {
@@ -200,10 +200,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.select(&checkpoint.between.dropped)?;
         let newtons = [&mut self.acceleration, &mut self.stage];
         for (newton, kept) in newtons.into_iter().zip(&checkpoint.kept) {
-            newton.resume(kept, &self.problem.p).map_err(|singular| RunError::Singular {
-                place: format!("checkpoint before step {}", checkpoint.between.step + 1),
-                unknown: newton.system.unknown_name(singular.unknown, &newton.jacobian),
-                hint: "the checkpoint belongs to another problem".into(),
+            newton.resume(kept, &self.problem.p).map_err(|singular| {
+                let place = format!("checkpoint before step {}", checkpoint.between.step + 1);
+                let unknown = newton.system.unknown_name(singular.unknown, &newton.jacobian);
+                RunError::singular(place, &unknown, "the checkpoint belongs to another problem")
             })?;
         }
         Ok(())

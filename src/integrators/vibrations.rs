@@ -19,7 +19,7 @@
 use super::krylov::{Space, add, all_pairs, dot, in_order, largest_pairs, magnitude};
 use super::march::{Method, Problem};
 use super::newton::Newton;
-use super::{RunError, Stability, StartPlan};
+use super::{RunError, Stability, StartPlan, Stop};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::linalg::Eigenpair;
 
@@ -111,7 +111,7 @@ const MOST_SEARCHES: usize = 4;
 /// # Errors
 /// [`RunError::Input`]: a start that is no equilibrium, an initial velocity, a constraint on velocities, no modes asked for; modes that are
 /// there by their count, but were not found;
-/// [`RunError::Singular`]: a coordinate with neither inertia nor stiffness.
+/// [`Stop::Singular`]: a coordinate with neither inertia nor stiffness.
 pub(crate) fn vibrations(
     problem: &Problem<f64>,
     method: &Method,
@@ -210,8 +210,7 @@ const PLACE: &str = "vibrations";
 
 /// The error of an unknown that K + s M does not determine.
 fn undetermined(unknown: String) -> RunError {
-    let hint = "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into();
-    RunError::Singular { place: PLACE.into(), unknown, hint }
+    RunError::singular(PLACE, &unknown, "it has neither inertia nor stiffness: give it a mass, a spring or a joint")
 }
 
 /// A shift that suits omega^2 that were found with another one better, and what of them is rigid; half of the least where some are on the side of
@@ -364,7 +363,7 @@ impl<'m> Operator<'m> {
             let heavy = Equations::stage(StageCoefficients::new(gamma / FIRST_SHIFT, beta, 1.0), Level::Position);
             unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
             let is_regular = self.newton.linearize(StageSystem { equations: &heavy, ..stage }, &mut unknowns).is_ok();
-            if matches!(why, RunError::NotFinite { .. }) || !is_regular {
+            if why.is(&[Stop::NotFinite]) || !is_regular {
                 return Err(why);
             }
             let moved = self.newton.correction().x;

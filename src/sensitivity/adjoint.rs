@@ -52,7 +52,7 @@ fn distribute(
 /// parameters derivatives are asked for (others get what functionals themselves make of them).
 ///
 /// # Errors
-/// [`RunError::Singular`] if the motion passes a pose in which a system is singular; what the history says where it can't give
+/// [`RunError::Stopped`] if the motion passes a pose in which a system is singular; what the history says where it can't give
 /// a step; [`RunError::Input`] without a history.
 pub fn adjoint(
     rerun: &Rerun,

@@ -144,7 +144,7 @@ struct Factored {
 impl<'m> TransposedSolver<'m> {
     pub fn new(system: Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let factorization =
-            Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
+            Factorization::new(&system.pattern, method.backend).map_err(|s| RunError::of_pattern("adjoint", s))?;
         let plan = factorization.plan();
         let is_alone = plan.unknowns < APART || is_large(plan) || Jacobian::is_constant_in_stages(&system);
         Ok(Self::of(system, factorization, active, is_alone, Counters::measuring(method.measures_phases)))
@@ -168,7 +168,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// Another one for the same system.
     pub fn clone_analysis(&self) -> Result<Self, RunError> {
-        let factorization = self.factorization.clone_analysis().map_err(|s| singular(s.unknown, "adjoint"))?;
+        let factorization = self.factorization.clone_analysis().map_err(|s| RunError::of_pattern("adjoint", s))?;
         let work = Counters::measuring(self.work.nanoseconds.is_some());
         Ok(Self::of(self.system.clone(), factorization, self.active, self.is_alone, work))
     }
@@ -502,7 +502,7 @@ impl<'m> TransposedSolver<'m> {
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
-        singular_named(self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {} s", shortest(t)))
+        singular(&self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {} s", shortest(t)))
     }
 }
 
@@ -581,13 +581,8 @@ pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     }
 }
 
-fn singular(unknown: usize, place: &str) -> RunError {
-    singular_named(format!("unknown {unknown}"), place)
-}
-
-fn singular_named(unknown: String, place: &str) -> RunError {
-    let hint = "the motion passes a singular pose: its gradient does not exist there".to_string();
-    RunError::Singular { place: place.into(), unknown, hint }
+fn singular(unknown: &str, place: &str) -> RunError {
+    RunError::singular(place, unknown, "the motion passes a singular pose: its gradient does not exist there")
 }
 
 #[cfg(test)]

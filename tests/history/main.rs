@@ -3,7 +3,7 @@
 mod resumed;
 
 use costate::history::{History, Keep};
-use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, table_by_name, tables};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, Stop, table_by_name, tables};
 use costate::internals::{Checkpoints, FileHistory, Rerun, march, march_adaptive, recomputed_steps};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use costate::sensitivity::Forward;
@@ -266,7 +266,7 @@ fn in_file<'s>(scene: &'s dyn AnyScene, path: &Path) -> (Prepared<'s>, Forward) 
 /// What the adjoint says after the file was changed.
 fn complaint(prepared: &Prepared, forward: &Forward) -> String {
     let error = prepared.analysis().adjoint(&prepared.x, forward).expect_err("the file is not what it was");
-    assert!(matches!(error, RunError::History { .. }), "{error:?}");
+    assert!(matches!(error, RunError::Stopped { reason: Stop::History, .. }), "{error:?}");
     error.to_string()
 }
 

@@ -1,7 +1,7 @@
 use super::{Newton, ROUND_OFF};
 use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::RunError;
+use crate::integrators::{RunError, Stop};
 use crate::integrators::not_finite::not_finite;
 use crate::linalg::Singular;
 use crate::scalar::COMPLEX_STEP;
@@ -52,7 +52,7 @@ impl<S: RunScalar> Newton<'_, S> {
             let VectorsAvq { a, v, q } = &self.residual.at;
             let at = VectorsAvq { a: values(a), v: values(v), q: values(q) };
             if let Some(cause) = not_finite(model, &self.p, &at, self.t, true) {
-                return RunError::NotFinite { place: place.into(), cause };
+                return RunError::not_finite(place, cause);
             }
         }
         let how = match failure.how {
@@ -67,7 +67,7 @@ impl<S: RunScalar> Newton<'_, S> {
                 } else {
                     "it has no inertia, or nothing holds it: give it a mass or a constraint"
                 };
-                return RunError::Singular { place: place.into(), unknown, hint: hint.into() };
+                return RunError::singular(place, &unknown, hint);
             }
             FailureKind::Diverged => "diverged",
             FailureKind::Stagnated => "stagnated",
@@ -77,16 +77,12 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         let of_parts = matches!(failure.how, FailureKind::Parts(_));
         let (row, residual) = self.largest_row(of_parts);
-        RunError::NoConvergence {
-            place: place.into(),
-            how,
-            iterations: failure.iterations,
-            correction: failure.correction,
-            limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
-            row,
-            residual,
-            hint: if equations.is_static() { STATIC } else { IN_TIME },
-        }
+        let (Failure { iterations, correction, .. }, limit) = (failure, if of_parts { PARTS_LIMIT } else { ROUND_OFF });
+        let cause = format!(
+            "Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
+             largest row: {row} ({residual:.1e})"
+        );
+        RunError::stopped(Stop::NoConvergence, place, cause, if equations.is_static() { STATIC } else { IN_TIME })
     }
 
     /// The row that is least in balance, and what is left there, or in its derivative parts.
