@@ -1,10 +1,10 @@
-use super::flat::{Flat, Put};
+use super::flat::Flat;
 use super::packed::PackedSteps;
 use super::schedule::split;
 use super::sliced::{Sliced, most_kept};
-use super::{History, Rerun, Usage};
+use super::{Direction, History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, Stop, TimeGrid};
+use crate::integrators::{Checkpoint, Observer, Pause, RunError, StartRecord, StepRecord, Stepper, Steps, Stop, TimeGrid};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
@@ -76,6 +76,11 @@ impl Checkpoints {
         }
     }
 
+    /// All steps of a run of any number, which ends with an error where they would take more than `budget` bytes.
+    pub fn of_all_steps(budget: usize) -> Self {
+        Checkpoints { all: Some(PackedSteps::default()), ..Self::new(budget, None) }
+    }
+
     /// Bytes that so many checkpoints need beside one step; known after the first step.
     pub fn memory_for(&self, checkpoints: usize) -> usize {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
@@ -92,6 +97,8 @@ impl Checkpoints {
         let kept = most_kept(step_bytes);
         if self.planned.is_some_and(|planned| planned.saturating_mul(kept) <= budget) {
             self.all = Some(PackedSteps::default());
+        }
+        if self.all.is_some() {
             *self.kept() = Kept { step_bytes: kept, ..Kept::default() };
             return Ok(());
         }
@@ -145,21 +152,27 @@ impl Checkpoints {
     }
 }
 
-impl Recorder<f64> for Checkpoints {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
-        self.start = Some(start);
+impl Observer for Checkpoints {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.start = Some(start.clone());
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         if self.steps == 0 {
             self.divide(step)?;
         }
-        self.steps += 1;
+        let (steps, budget, step_bytes) = (self.steps + 1, self.budget, self.kept().step_bytes);
         if let Some(all) = &mut self.all {
+            if steps.saturating_mul(step_bytes) > budget {
+                return Err(RunError::stopped(
+                    Stop::History,
+                    format!("step {steps} (t = {} s), memory", shortest(step.t)),
+                    format!("{steps} steps of {step_bytes} bytes take more than the {budget} bytes allowed"),
+                    "keep the run in a file, or as checkpoints",
+                ));
+            }
             all.push(step);
-            let (steps, kept) = (all.len(), self.kept());
-            kept.usage.steps = steps;
-            kept.usage.bytes = steps * kept.step_bytes;
+            self.kept().usage = Usage { steps, bytes: steps * step_bytes, ..Usage::default() };
         } else {
             let kept = self.kept();
             match &mut kept.last {
@@ -168,16 +181,15 @@ impl Recorder<f64> for Checkpoints {
             }
             kept.usage.steps = 1;
         }
+        self.steps = steps;
         Ok(true)
     }
-    fn wants_checkpoint(&self, index: usize) -> bool {
-        self.all.is_none() && index == self.wanted
-    }
-    fn checkpoint(&mut self, Pause { checkpoint, .. }: Pause<f64>) -> Result<(), RunError> {
-        let step = checkpoint.between.step;
-        self.kept().push(&checkpoint);
-        if step > 0 {
-            self.plan(step);
+    fn checkpoint(&mut self, index: usize, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        if self.all.is_none() && index == self.wanted {
+            self.kept().push(&pause().checkpoint);
+            if index > 0 {
+                self.plan(index);
+            }
         }
         Ok(())
     }
@@ -196,37 +208,26 @@ impl History for Checkpoints {
     fn steps(&self) -> usize {
         self.steps
     }
-    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+    fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError> {
         if let Some(all) = &self.all {
-            return Ok(all.forward(rerun));
+            return Ok(all.read(rerun, direction));
         }
-        let kept = self.locked()?;
-        let mut stepper = rerun.stepper()?;
-        resume(&mut stepper, kept.checkpoints.first(), || rerun.grid.place(0))?;
-        Ok(Box::new(Again { grid: rerun.grid, stepper, kept, slots: self.slots, end: self.steps, last: None }))
-    }
-    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        if let Some(all) = &self.all {
-            return Ok(all.backward(rerun));
+        let (kept, mut stepper) = (self.locked()?, rerun.stepper()?);
+        if direction == Direction::Forward {
+            resume(&mut stepper, kept.checkpoints.first(), || rerun.grid.place(0))?;
         }
-        let (kept, stepper) = (self.locked()?, rerun.stepper()?);
-        Ok(Box::new(AgainBackward(Again {
-            grid: rerun.grid,
-            stepper,
-            kept,
-            slots: self.slots,
-            end: self.steps,
-            last: None,
-        })))
+        let (grid, slots, end) = (rerun.grid, self.slots, self.steps);
+        Ok(Box::new(Again { grid, direction, stepper, kept, slots, end, last: None }))
     }
     fn usage(&self) -> Usage {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).usage
     }
 }
 
-/// Steps computed again one after the other.
+/// Steps computed again.
 struct Again<'h> {
     grid: &'h TimeGrid,
+    direction: Direction,
     stepper: Stepper<'h, f64>,
     kept: MutexGuard<'h, Kept>,
     slots: usize,
@@ -241,43 +242,39 @@ impl Again<'_> {
         self.kept.usage.recomputed += 1;
         self.stepper.step(self.grid, None)
     }
+
+    fn backward(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
+        let Some(index) = self.end.checked_sub(1) else { return Ok(None) };
+        self.end = index;
+        // checkpoints behind this step have served; that of the start stays for another way back
+        self.kept.checkpoints.retain(|packed| packed.step <= index);
+        self.last = self.kept.last.take();
+        if self.last.is_some() {
+            return Ok(self.last.as_ref());
+        }
+        let grid = self.grid;
+        resume(&mut self.stepper, self.kept.checkpoints.last(), || grid.place(index))?;
+        loop {
+            let position = self.stepper.next_step();
+            let free = self.slots.saturating_sub(self.kept.checkpoints.len());
+            for _ in 0..split(index + 1 - position, free + 1) {
+                self.advance()?;
+            }
+            if self.stepper.next_step() > index {
+                return Ok(Some(self.stepper.record()));
+            }
+            let checkpoint = self.stepper.checkpoint();
+            self.kept.push(&checkpoint);
+        }
+    }
 }
 
 impl Steps for Again<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        if self.stepper.next_step() < self.end { self.advance().map(Some) } else { Ok(None) }
-    }
-}
-
-/// Steps computed again from the last to the first.
-struct AgainBackward<'h>(Again<'h>);
-
-impl Steps for AgainBackward<'_> {
-    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        let own = &mut self.0;
-        let Some(index) = own.end.checked_sub(1) else { return Ok(None) };
-        own.end = index;
-        // checkpoints behind this step have served; that of the start stays for another way back
-        own.kept.checkpoints.retain(|packed| packed.step <= index);
-        own.last = own.kept.last.take();
-        if own.last.is_some() {
-            return Ok(own.last.as_ref());
-        }
-        let grid = own.grid;
-        resume(&mut own.stepper, own.kept.checkpoints.last(), || grid.place(index))?;
-        loop {
-            let position = own.stepper.next_step();
-            let free = own.slots.saturating_sub(own.kept.checkpoints.len());
-            let ahead = split(index + 1 - position, free + 1);
-            for _ in 1..ahead {
-                own.advance()?;
-            }
-            own.advance()?;
-            if own.stepper.next_step() > index {
-                return Ok(Some(own.stepper.record()));
-            }
-            let checkpoint = own.stepper.checkpoint();
-            own.kept.push(&checkpoint);
+        match self.direction {
+            Direction::Backward => self.backward(),
+            Direction::Forward if self.stepper.next_step() < self.end => self.advance().map(Some),
+            Direction::Forward => Ok(None),
         }
     }
 }

@@ -1,4 +1,4 @@
-use super::{History, Rerun};
+use super::{Direction, History, Rerun};
 use crate::integrators::{RunError, SolveRecord, StartRecord, StepRecord};
 
 /// The state at one time.
@@ -122,7 +122,7 @@ impl Dense {
 /// # Errors
 /// [`RunError::Input`] for other times or a run without steps; what the history says where it can't give a step.
 pub fn moments(history: &dyn History, rerun: &Rerun<'_>, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
-    let mut steps = history.forward(rerun)?;
+    let mut steps = history.read(rerun, Direction::Forward)?;
     let start = history.start_record().ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;
     let mut dense = Dense::new(start);
     let mut moments: Vec<Snapshot> = Vec::with_capacity(times.len());

@@ -1,7 +1,7 @@
 //! Frames in a file: the length of what follows, a number, a record, the CRC-32 of both mixed into the identity of the run, which tells
 //! frames of other runs, and the length again for the way back.
 
-use super::flat::{Flat, Put};
+use super::flat::Flat;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -19,7 +19,7 @@ pub(super) const FRAME: u64 = 24;
 pub(super) const PAUSE: u64 = 1 << 63;
 
 /// Writes a frame over what a buffer holds.
-pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, record: &impl Put) {
+pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, record: &impl Flat) {
     frame.clear();
     0_u64.put(frame);
     number.put(frame);

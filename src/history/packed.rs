@@ -1,12 +1,12 @@
 //! Steps by the numbers from which all others follow: what was carried into them, and their solutions.
 
-use super::Rerun;
-use super::flat::{Flat, Put, retake};
+use super::flat::{Flat, retake};
 use super::sliced::Sliced;
+use super::{Direction, Rerun};
 use crate::assembly::Unknowns;
 use crate::integrators::{RunError, SolveRecord, StageRecord, StepRecord, StepRule, Steps};
 
-impl Put for StepRecord<f64> {
+impl Flat for StepRecord<f64> {
     fn put(&self, bytes: &mut Vec<u8>) {
         let StepRecord {
             t,
@@ -39,6 +39,10 @@ impl Put for StepRecord<f64> {
             projection.is_some().put(bytes);
             projection.iter().for_each(|solve| put_solution(&solve.unknowns, bytes));
         }
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let mut step = StepRecord::empty();
+        take_given(&mut step, bytes).map(|()| step)
     }
 }
 
@@ -131,26 +135,23 @@ impl PackedSteps {
         self.0.push(Sliced::new(bytes));
     }
 
-    pub fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
-        Box::new(Unpacking { steps: self.0.iter(), rule: rerun.rule(), step: StepRecord::empty(), list: Vec::new() })
-    }
-
-    pub fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
-        Box::new(Unpacking { steps: self.0.iter().rev(), rule: rerun.rule(), step: StepRecord::empty(), list: Vec::new() })
+    pub fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Box<dyn Steps + 'h> {
+        let (steps, rule, step, list) = (self.0.iter(), rerun.rule(), StepRecord::empty(), Vec::new());
+        Box::new(Unpacking { steps, direction, rule, step, list })
     }
 }
 
-/// Steps in some order.
-struct Unpacking<'h, I> {
-    steps: I,
+struct Unpacking<'h> {
+    steps: std::slice::Iter<'h, Sliced>,
+    direction: Direction,
     rule: StepRule<'h>,
     step: StepRecord<f64>,
     list: Vec<u8>,
 }
 
-impl<'h, I: Iterator<Item = &'h Sliced>> Steps for Unpacking<'h, I> {
+impl Steps for Unpacking<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        let Some(bytes) = self.steps.next() else { return Ok(None) };
+        let Some(bytes) = self.direction.next_of(&mut self.steps) else { return Ok(None) };
         unpack(&mut self.step, bytes.all(&mut self.list), self.rule).expect("these are the bytes of a step");
         Ok(Some(&self.step))
     }

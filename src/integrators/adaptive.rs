@@ -7,7 +7,7 @@ use super::checkpoint::StepState;
 use super::initial_guess::InitialGuess;
 use super::load_steps::{Loading, first_step_size};
 use super::march::{Method, Problem, Run, embedded_difference};
-use super::record::{Recorder, SolveRecord, StepRecord};
+use super::record::{Observer, SolveRecord, StepRecord};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
@@ -94,7 +94,7 @@ pub fn march_adaptive(
     control: &StepControl,
     stretches: &TimeGrid,
     plan: &StartPlan,
-    recorder: &mut dyn Recorder<f64>,
+    recorder: &mut dyn Observer<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(stretches.times[0], 0);
     let mut interval = RunInterval::new(stretches, &mut grid, FIRST_STEP_SIZE);

@@ -1,7 +1,7 @@
 //! Given steps, divided where Newton's method cannot make them.
 
 use super::march::{Method, Problem, Run};
-use super::record::Recorder;
+use super::record::Observer;
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
@@ -20,7 +20,7 @@ pub fn march_dividing(
     method: &Method,
     steps: &TimeGrid,
     plan: &StartPlan,
-    recorder: &mut dyn Recorder<f64>,
+    recorder: &mut dyn Observer<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
     let interval = RunInterval::new(steps, &mut grid, WHOLE);

@@ -1,7 +1,7 @@
 //! Steps that are given.
 
 use super::march::{Method, Problem, Run};
-use super::record::{Guide, Recorder, Steps};
+use super::record::{Guide, Observer, Steps};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
@@ -17,7 +17,7 @@ pub fn march<S: RunScalar>(
     method: &Method,
     grid: &TimeGrid,
     plan: &StartPlan,
-    recorder: &mut dyn Recorder<S>,
+    recorder: &mut dyn Observer<S>,
 ) -> Result<Run<S>, RunError> {
     march_along(problem, method, (grid, &Vec::new()), plan, None, recorder)
 }
@@ -33,7 +33,7 @@ pub fn march_along<S: RunScalar>(
     (grid, clocks): (&TimeGrid, &Clocks<S>),
     plan: &StartPlan,
     guide: Option<Guide>,
-    recorder: &mut dyn Recorder<S>,
+    recorder: &mut dyn Observer<S>,
 ) -> Result<Run<S>, RunError> {
     let (guided, steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     let mut taken = TimeGrid::begin(grid.times[0], grid.asked);

@@ -140,40 +140,33 @@ pub struct StartRecord<S> {
 /// Sees the steps of an earlier run again; `false` stops it.
 pub type Replay<'r, S> = &'r mut dyn FnMut(&StepRecord<S>) -> Result<bool, RunError>;
 
-/// Receives a run step by step.
-pub trait Recorder<S> {
+/// Sees a run step by step while it goes on.
+pub trait Observer<S = f64> {
     /// The start, after projections.
     ///
     /// # Errors
-    /// What could not be kept.
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError>;
+    /// What the observer could not do.
+    fn start(&mut self, _start: &StartRecord<S>) -> Result<(), RunError> {
+        Ok(())
+    }
     /// A finished step; `false` stops the run.
     ///
     /// # Errors
-    /// What could not be kept.
+    /// What the observer could not do.
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError>;
-    /// True if the state before step `index` is to be handed over.
-    fn wants_checkpoint(&self, _index: usize) -> bool {
-        false
-    }
-    /// Everything from which the run can go on, before the step for which it was asked.
-    ///
-    /// # Errors
-    /// What could not be kept.
-    fn checkpoint(&mut self, _pause: Pause<S>) -> Result<(), RunError> {
+    /// Before step `index`, with everything from which the run can go on there.
+    #[doc(hidden)]
+    fn checkpoint(&mut self, _index: usize, _pause: &dyn Fn() -> Pause<S>) -> Result<(), RunError> {
         Ok(())
     }
-    /// Behind the last step, with what [`Recorder::checkpoint`] would get there.
-    ///
-    /// # Errors
-    /// What could not be kept.
+    /// Behind the last step, with the same.
+    #[doc(hidden)]
     fn end(&mut self, _pause: &dyn Fn() -> Pause<S>) -> Result<(), RunError> {
         Ok(())
     }
-    /// Asked behind the start: where the run was before, if the recorder has steps of it already, which are handed out in their order.
-    ///
-    /// # Errors
-    /// Steps that cannot be found again; [`RunError::Interrupted`] if the function returns `false`.
+    /// Asked behind the start: where the run was before, if steps of it are kept already, which are handed out in their order.
+    /// [`RunError::Interrupted`] if the function returns `false`.
+    #[doc(hidden)]
     fn take_up(&mut self, _rule: StepRule, _steps: Replay<S>) -> Result<Option<Pause<S>>, RunError> {
         Ok(None)
     }

@@ -1,6 +1,6 @@
 //! Runs that end early and are resumed.
 
-use super::record::Recorder;
+use super::record::Observer;
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::{Checkpoint, Counters, RunError, StepErrors};
@@ -45,7 +45,7 @@ pub(super) struct Resumed<S> {
 
 impl<S: RunScalar> Resumed<S> {
     /// Brings a run, whose start has reached the recorder, to where the recorder has its steps from; `None` if it has none.
-    pub fn by(stepper: &mut Stepper<S>, recorder: &mut dyn Recorder<S>) -> Result<Option<Self>, RunError> {
+    pub fn by(stepper: &mut Stepper<S>, recorder: &mut dyn Observer<S>) -> Result<Option<Self>, RunError> {
         let mut begins = Vec::new();
         let pause = recorder.take_up(stepper.rule(), &mut |step| {
             begins.push(step.t);

@@ -342,11 +342,10 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
         return if dependent.is_empty() { Ok(dependent) } else { Err(redundant(model, &dependent)) };
     }
     let system = Arc::new(System::new(model, SystemOptions::default()));
-    let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic)
-        .map_err(|_| {
-            let hint = "it has no inertia, or nothing holds it: give it a mass or a constraint";
-            RunError::singular(place, "an unknown", hint)
-        })?;
+    let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic).map_err(|_| {
+        let hint = "it has no inertia, or nothing holds it: give it a mass or a constraint";
+        RunError::singular(place, "an unknown", hint)
+    })?;
     let mut unknowns = Residual::unknowns(&system);
     // the point of the analysis: the constraints at their own start, whatever its consistency
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };

@@ -1,7 +1,7 @@
 //! The time loop of a run, whatever selects the step sizes.
 
 use super::march::{Method, Problem, Run};
-use super::record::{Recorder, StepRecord};
+use super::record::{Observer, StepRecord};
 use super::restart::Resumed;
 use super::run_interval::RunInterval;
 use super::step::Stepper;
@@ -79,14 +79,14 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     method: &Method,
     RunStart { plan, clocks, guided }: RunStart<S>,
     (mut selection, mut interval): (C, RunInterval),
-    recorder: &mut dyn Recorder<S>,
+    recorder: &mut dyn Observer<S>,
 ) -> Result<Run<S>, RunError> {
     let system = method.system(problem.model, &plan.dropped);
     let mut stepper = Stepper::new(problem, method, &system, plan)?;
     if let Some(clocks) = clocks {
         stepper.clocks.clone_from(clocks);
     }
-    recorder.start(stepper.start(interval.t(), plan, guided)?)?;
+    recorder.start(&stepper.start(interval.t(), plan, guided)?)?;
     let mut before = Checkpoint::default();
     if let Some(resumed) = Resumed::by(&mut stepper, recorder)? {
         resumed.follow(&mut interval);
@@ -97,9 +97,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     }
     while !interval.at_end() {
         let index = stepper.next_step();
-        if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(stepper.pause(interval.t(), interval.step_size))?;
-        }
+        recorder.checkpoint(index, &|| stepper.pause(interval.t(), interval.step_size))?;
         let reached = loop {
             let TrialStep { h, scheme, guided } = selection.next(&mut interval, &stepper)?;
             let (span, reached) = interval.span(h);

@@ -2,8 +2,8 @@ use super::{DifferentiatedModes, Prepared};
 use crate::assembly::{Model, RestingModel, VectorsAvq};
 use crate::functionals::{Functional, Sample};
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Modes, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan,
-    StartRecord, StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
+    ArcLength, InitialState, Mode, Modes, Observer, Path, Problem, Response, RunError, StabilityCourse, StartPlan,
+    StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
     march_adaptive, march_dividing, resting_start, vibrations,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, SpatialVector, Vector3};
@@ -26,10 +26,7 @@ pub struct Equilibrium {
     pub stability: Option<StabilityCourse>,
 }
 
-impl Recorder<f64> for Equilibrium {
-    fn start(&mut self, _start: StartRecord<f64>) -> Result<(), RunError> {
-        Ok(())
-    }
+impl Observer for Equilibrium {
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.load = step.t + step.h;
         self.q.clone_from(&step.q);

@@ -10,7 +10,7 @@ use crate::design::ModelNumbers;
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
-use crate::history::{History, Rerun};
+use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RestingPlan, RunError, SolveRecord, StartRecord, StepRecord, Table,
 };
@@ -190,7 +190,7 @@ impl<'m> Sweep<'m> {
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let mut steps = history.backward(rerun)?;
+        let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
         while let Some(step) = steps.next()? {
@@ -212,7 +212,7 @@ impl<'m> Sweep<'m> {
         mut ahead: StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let p = &self.problem.p;
-        let mut steps = history.backward(rerun)?;
+        let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
         // whether this thread factored the systems of a step; it takes the first of two pieces of work

@@ -7,9 +7,9 @@ use crate::assembly::{Model, StructuralSignature};
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values};
-use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
+use crate::history::{Direction, History, Keep, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
-    Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
+    Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
     StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, SwitchWatch, TimeGrid, march,
     march_adaptive, march_along, march_dividing,
 };
@@ -176,9 +176,8 @@ impl<'m> Analysis<'m> {
                 (steps, run)
             }
         };
-        let Measuring { values, mut history, switches, .. } = recorder;
+        let Measuring { values, history, switches, .. } = recorder;
         let crossings = switches.finish();
-        let run = run.and_then(|run| history.finish().map(|()| run));
         let (values, totals, extremes) = values.finish();
         let (counters, rejected, error, leap, stability, stopped) = match run {
             Ok(run) => (run.counters, run.rejected, run.error, run.leap, run.stability, None),
@@ -252,7 +251,7 @@ impl<'m> Analysis<'m> {
         self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
-        let mut steps = forward.history.forward(&rerun)?;
+        let mut steps = forward.history.read(&rerun, Direction::Forward)?;
         let start = forward.history.start_record();
         let start = start.ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;
         let mut sample = Sample::initial(start);
@@ -531,12 +530,12 @@ impl<'m> Analysis<'m> {
         numbers: &ModelNumbers<S>,
         clocks: &Clocks<S>,
         forward: &Forward,
-        recorder: &mut dyn Recorder<S>,
+        recorder: &mut dyn Observer<S>,
     ) -> Result<Counters, RunError> {
         self.check_exactness()?;
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
-        let mut steps = forward.history.forward(&rerun)?;
+        let mut steps = forward.history.read(&rerun, Direction::Forward)?;
         let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
         let steps = (&forward.grid, clocks);
         Ok(march_along(&self.problem(numbers), self.method, steps, self.plan, guide, recorder)?.counters)
@@ -565,11 +564,11 @@ struct Measuring<'f, 'o> {
     p: &'f [f64],
 }
 
-impl Recorder<f64> for Measuring<'_, '_> {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
-        self.values.start(&start);
-        self.switches.start(&start, self.p);
-        self.observer.start(&start)?;
+impl Observer for Measuring<'_, '_> {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.values.start(start);
+        self.switches.start(start, self.p);
+        self.observer.start(start)?;
         self.history.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
@@ -578,11 +577,8 @@ impl Recorder<f64> for Measuring<'_, '_> {
         let wanted = self.observer.step(step)?;
         Ok(self.history.step(step)? && wanted)
     }
-    fn wants_checkpoint(&self, index: usize) -> bool {
-        self.history.wants_checkpoint(index)
-    }
-    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
-        self.history.checkpoint(pause)
+    fn checkpoint(&mut self, index: usize, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        self.history.checkpoint(index, pause)
     }
     fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
         self.history.end(pause)
@@ -600,9 +596,9 @@ impl Recorder<f64> for Measuring<'_, '_> {
 /// Evaluates functionals and keeps nothing.
 struct Perturbation<'f, S>(Values<'f, S>);
 
-impl<S: RunScalar> Recorder<S> for Perturbation<'_, S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
-        self.0.start(&start);
+impl<S: RunScalar> Observer<S> for Perturbation<'_, S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
+        self.0.start(start);
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {

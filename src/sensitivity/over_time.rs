@@ -5,7 +5,7 @@ use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
 use crate::functionals::{Functional, Sample, StepEnds};
-use crate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord};
+use crate::integrators::{Counters, Observer, RunError, StartRecord, StepRecord};
 use crate::scalar::COMPLEX_STEP;
 
 /// What functionals measure, with its derivatives, at the start and at the end of each step; what they make of it over time is left out.
@@ -122,9 +122,9 @@ impl<S: RunScalar> Reading<'_, S> {
     }
 }
 
-impl<S: RunScalar> Recorder<S> for Reading<'_, S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
-        self.read(Sample::initial(&start));
+impl<S: RunScalar> Observer<S> for Reading<'_, S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
+        self.read(Sample::initial(start));
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {

@@ -4,8 +4,8 @@ use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::design::ModelNumbers;
 use crate::elements::RunScalar;
-use crate::history::{Keep, Observer};
-use crate::integrators::{Crossing, Recorder, RunError, StartPlan, StartRecord, StepRecord};
+use crate::history::Keep;
+use crate::integrators::{Crossing, Observer, RunError, StartPlan, StartRecord, StepRecord};
 use crate::scalar::{TANGENTS, Tangents};
 use nalgebra::DMatrix;
 
@@ -83,7 +83,7 @@ impl<'m> Analysis<'m> {
             let numbers = seeded(&forward.numbers, places, given, first..first + lanes);
             let mut ends = Ends::default();
             let mut first_step = FirstStep(&mut ends);
-            let recorder: &mut dyn Recorder<Tangents> = if whole { first_step.0 } else { &mut first_step };
+            let recorder: &mut dyn Observer<Tangents> = if whole { first_step.0 } else { &mut first_step };
             let clocks = self.clocks(&numbers.p, forward)?;
             match self.perturbed_run(&numbers, &clocks, forward, recorder) {
                 Err(RunError::Interrupted { .. }) if !whole => {}
@@ -134,8 +134,8 @@ struct Ends<S> {
 
 crate::assembly::empty_fields!(Ends { start, end });
 
-impl<S: RunScalar> Recorder<S> for Ends<S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
+impl<S: RunScalar> Observer<S> for Ends<S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
         let point = start.acceleration.point();
         self.start = ModelNumbers { p: Vec::new(), q: point.q, v: point.v };
         Ok(())
@@ -147,33 +147,15 @@ impl<S: RunScalar> Recorder<S> for Ends<S> {
     }
 }
 
-impl Observer for Ends<f64> {
-    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
-        Recorder::start(self, start.clone())
-    }
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        Recorder::step(self, step)
-    }
-}
-
 /// The same of the first step alone, behind which the run stops.
 struct FirstStep<'e, S>(&'e mut Ends<S>);
 
-impl<S: RunScalar> Recorder<S> for FirstStep<'_, S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
+impl<S: RunScalar> Observer<S> for FirstStep<'_, S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
         self.0.start(start)
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
         self.0.step(step)?;
         Ok(false)
-    }
-}
-
-impl Observer for FirstStep<'_, f64> {
-    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
-        Recorder::start(self.0, start.clone())
-    }
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        Recorder::step(self, step)
     }
 }

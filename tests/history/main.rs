@@ -2,7 +2,7 @@
 
 mod resumed;
 
-use costate::history::{History, Keep};
+use costate::history::{Direction, History, Keep};
 use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, Stop, table_by_name, tables};
 use costate::internals::{Checkpoints, FileHistory, Rerun, march, march_adaptive, recomputed_steps};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
@@ -213,7 +213,8 @@ fn an_unknown_number_of_steps_keeps_to_its_memory_and_gives_the_same_steps() {
     let mut online = Checkpoints::new(budget, None);
     march(&problem, &prepared.method, &prepared.grid, &prepared.plan, &mut online).expect("runs");
     let whole = prepared.analysis().forward(&prepared.x).expect("runs");
-    let (mut expected, mut found) = (whole.history.backward(&rerun).expect("kept"), online.backward(&rerun).expect("kept"));
+    let mut expected = whole.history.read(&rerun, Direction::Backward).expect("kept");
+    let mut found = online.read(&rerun, Direction::Backward).expect("kept");
     for index in (0..150).rev() {
         let (a, b) = (expected.next().expect("kept"), found.next().expect("kept"));
         assert!(a.is_some() && a == b, "step {index} differs");

@@ -1,8 +1,8 @@
 use super::{Newton, ROUND_OFF};
 use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::{RunError, Stop};
 use crate::integrators::not_finite::not_finite;
+use crate::integrators::{RunError, Stop};
 use crate::linalg::Singular;
 use crate::scalar::COMPLEX_STEP;
 
