@@ -28,17 +28,17 @@ impl<S> FactoredAt<S> {
 clone_fields!(FactoredAt { t, base, unknowns });
 
 /// What a Newton's method keeps from one system to the next.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct KeptFactorization<S> {
-    /// The equations that were factored, if the factorization is still in use.
+    /// The equations for which the matrix was factored last, if the factorization is still in use.
     pub factored: Option<Equations>,
-    /// Where they were.
+    /// Where it was.
     pub at: FactoredAt<S>,
-    /// Size of corrections at round-off, for each kind of system, where it is known.
+    /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
     pub floors: [Option<Floor>; 3],
-    /// Equations for which these were measured, and factorizations since then.
+    /// Equations for which floors were measured.
     pub measured: Option<Equations>,
-    /// See [`KeptFactorization::measured`].
+    /// Factorizations since then.
     pub measured_for: usize,
     /// Rates of convergence.
     pub contractions: Contractions,
@@ -46,4 +46,4 @@ pub struct KeptFactorization<S> {
     pub renewal: Renewal,
 }
 
-crate::assembly::empty_fields!(KeptFactorization { factored, at, floors, measured, measured_for, contractions, renewal });
+clone_fields!(KeptFactorization { factored, at, floors, measured, measured_for, contractions, renewal });

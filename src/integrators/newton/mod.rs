@@ -85,19 +85,8 @@ pub struct Newton<'m, S> {
     pub(super) t: f64,
     /// Unknowns from which a search with an old matrix started.
     guess: Unknowns<S>,
-    /// Equations for which the matrix was factored last.
-    factored: Option<Equations>,
-    /// Where it was.
-    factored_at: FactoredAt<S>,
-    /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
-    floors: [Option<Floor>; 3],
-    /// Equations for which floors were measured, and factorizations since then.
-    measured: Option<Equations>,
-    measured_for: usize,
-    /// Rates of convergence.
-    contractions: Contractions,
-    /// Whether steps begin with a new matrix.
-    renewal: Renewal,
+    /// What goes from one system to the next.
+    kept: KeptFactorization<S>,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
     /// State and row of a look at redundant equations.
@@ -161,8 +150,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     pub fn release(&mut self) -> Result<(), Singular> {
         if self.factorization.plan().work.is_some_and(|work| work.fill > LARGE_FILL) {
             let emptied = self.clone_analysis()?;
-            let Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, .. } = *self;
-            *self = Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, ..emptied };
+            let kept = KeptFactorization { factored: None, at: FactoredAt::default(), ..std::mem::take(&mut self.kept) };
+            let Newton { counters, parameter_length, .. } = *self;
+            *self = Newton { counters, kept, parameter_length, ..emptied };
         }
         Ok(())
     }
@@ -177,7 +167,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             t: 0.0,
             guess: Unknowns::default(),
             counters: Counters::default(),
-            factored: None,
+            kept: KeptFactorization::default(),
             coordinate_scales: vec![1.0; system.model.dofs],
             turning_length: 1.0,
             run_sizes: RunSizes::default(),
@@ -189,12 +179,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             trusted: Vec::new(),
             length: 1.0,
             parameter_length: None,
-            factored_at: FactoredAt::default(),
-            floors: [None; 3],
-            measured: None,
-            measured_for: 0,
-            contractions: Contractions::default(),
-            renewal: Renewal::default(),
             work: Unknowns::default(),
             state: VectorsAvq::default(),
             row: Vec::new(),
@@ -210,8 +194,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         // a matrix that never changes is new at all times
         let Newton { system, is_constant, .. } = &mut *self;
         let is_constant = *is_constant.get_or_insert_with(|| Jacobian::is_constant(system, equations));
-        if !is_constant && self.renewal.begin_step() {
-            self.factored = None;
+        if !is_constant && self.kept.renewal.begin_step() {
+            self.kept.factored = None;
         }
     }
 
@@ -230,14 +214,14 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.residual.start(&self.system, stage);
         self.set_coordinate_scales(stage.base, stage.p);
         // a matrix for other coefficients converges slowly or not at all
-        if self.factored.is_none_or(|old| !self.resembles(&old, equations)) {
-            self.factored = None;
+        if self.kept.factored.is_none_or(|old| !self.resembles(&old, equations)) {
+            self.kept.factored = None;
         }
         self.guess.clone_from(unknowns);
         let searched =
             if equations.is_static() { self.solve_balanced(stage, unknowns) } else { self.solve_value(stage, unknowns) };
-        self.contractions.age += 1;
-        self.renewal.note(&before, &self.counters);
+        self.kept.contractions.age += 1;
+        self.kept.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
             if !self.can_relieve(equations) {
                 return Err(failure);
@@ -285,10 +269,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.residuals += 1;
         [&mut self.rhs, &mut self.exact].into_iter().for_each(|list| list.resize(self.system.size(), 0.0));
         // a factorization follows
-        if self.factored.is_none() && S::PARTS == 0 {
-            self.factored_at.t = stage.t;
-            self.factored_at.base.clone_from(stage.base);
-            self.factored_at.unknowns.clone_from(unknowns);
+        if self.kept.factored.is_none() && S::PARTS == 0 {
+            self.kept.at.t = stage.t;
+            self.kept.at.base.clone_from(stage.base);
+            self.kept.at.unknowns.clone_from(unknowns);
         }
         let Newton { counters, residual, system, .. } = self;
         counters.timed(Phase::Residual, || residual.evaluate(system, stage, unknowns));
@@ -309,16 +293,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
         counters.blocks += jacobian.evaluated - before;
         counters.timed(Phase::Factorization, || jacobian.factor_in(factorization))?;
-        let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
-        self.measured_for += 1;
-        self.contractions.age = 0;
+        let resembles_last = self.kept.measured.is_some_and(|old| self.resembles(&old, equations));
+        self.kept.measured_for += 1;
+        self.kept.contractions.age = 0;
         if !resembles_last {
-            self.contractions = Contractions::default();
+            self.kept.contractions = Contractions::default();
         }
-        if !resembles_last || self.measured_for > MEASURED_FOR {
-            (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
+        if !resembles_last || self.kept.measured_for > MEASURED_FOR {
+            (self.kept.measured, self.kept.measured_for, self.kept.floors) = (Some(*equations), 0, [None; 3]);
         }
-        self.factored = Some(*equations);
+        self.kept.factored = Some(*equations);
         Ok(())
     }
 
@@ -344,19 +328,15 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     /// What later systems depend on beside their own numbers.
     pub(in crate::integrators) fn keep_in(&self, kept: &mut KeptFactorization<S>) {
-        kept.factored = self.factored;
-        if self.factored.is_some() {
-            kept.at.clone_from(&self.factored_at);
-        } else {
+        kept.clone_from(&self.kept);
+        if kept.factored.is_none() {
             kept.at.clear();
         }
-        (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
-        (kept.contractions, kept.renewal) = (self.contractions, self.renewal);
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
     pub(in crate::integrators) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
-        self.factored = None;
+        self.kept.factored = None;
         let FactoredAt { t, base, unknowns } = &kept.at;
         if let Some(equations) = &kept.factored {
             let stage = StageSystem { equations, base, p, t: *t };
@@ -365,8 +345,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.evaluate(stage, &mut unknowns);
             self.factorize(stage, &unknowns)?;
         }
-        (self.floors, self.measured, self.measured_for) = (kept.floors, kept.measured, kept.measured_for);
-        (self.contractions, self.renewal) = (kept.contractions, kept.renewal);
+        self.kept.clone_from(kept);
         Ok(())
     }
 }

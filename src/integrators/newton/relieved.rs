@@ -38,7 +38,7 @@ impl<S: RunScalar> Newton<'_, S> {
         let mut approach = || {
             for iteration in 1..=MOST_RELIEVED {
                 let fail = |how, correction| Err(Failure { how, iterations: iteration, correction });
-                self.factored = None;
+                self.kept.factored = None;
                 self.evaluate(stage, unknowns);
                 let size = self.residual_size();
                 if !size.is_finite() {
@@ -77,7 +77,7 @@ impl<S: RunScalar> Newton<'_, S> {
         let result = approach();
         self.trusted = trusted;
         self.jacobian.end_relief();
-        self.factored = None;
+        self.kept.factored = None;
         result
     }
 }

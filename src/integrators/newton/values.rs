@@ -21,13 +21,13 @@ impl<S: RunScalar> Newton<'_, S> {
         for iteration in 1..=MOST_ITERATIONS {
             self.evaluate(stage, unknowns);
             // of a residual that is no number the correction is none either
-            let mut verdict = if self.factored.is_none() || by_residual {
+            let mut verdict = if self.kept.factored.is_none() || by_residual {
                 convergence.judge_residual(self.residual_size())
             } else {
                 Verdict::GoOn
             };
             if verdict == Verdict::GoOn {
-                if self.factored.is_none() {
+                if self.kept.factored.is_none() {
                     self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, iteration))?;
                     convergence.begin_matrix();
                 }
@@ -41,10 +41,10 @@ impl<S: RunScalar> Newton<'_, S> {
                     return Ok(());
                 }
                 Verdict::GoOn => {}
-                Verdict::NewMatrix => self.factored = None,
+                Verdict::NewMatrix => self.kept.factored = None,
                 Verdict::Restart => {
                     unknowns.clone_from(&self.guess);
-                    self.factored = None;
+                    self.kept.factored = None;
                 }
                 // by whoever has the first guess
                 Verdict::Relieve(correction) => return fail(FailureKind::Diverged, correction),
@@ -71,12 +71,12 @@ impl<S: RunScalar> Newton<'_, S> {
         match lesson {
             RateEstimate::Nothing => {}
             RateEstimate::Rates { is_aged } => {
-                self.contractions.note(kind, convergence.seen_rate());
+                self.kept.contractions.note(kind, convergence.seen_rate());
                 if is_aged {
-                    self.factored = None;
+                    self.kept.factored = None;
                 }
             }
-            RateEstimate::Floor(floor) => self.floors[kind] = Some(floor),
+            RateEstimate::Floor(floor) => self.kept.floors[kind] = Some(floor),
         }
     }
 
@@ -87,11 +87,11 @@ impl<S: RunScalar> Newton<'_, S> {
         let mut left = f64::NAN;
         for _ in 0..MOST_SEARCHES {
             self.solve_value(stage, unknowns)?;
-            self.factored = None;
+            self.kept.factored = None;
             self.evaluate(stage, unknowns);
             self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, 0))?;
             let floor = self.round_off(stage, unknowns);
-            self.floors[kind(equations)] = Some(floor);
+            self.kept.floors[kind(equations)] = Some(floor);
             self.rhs.copy_from_slice(&self.exact);
             self.factorization.solve(&mut self.rhs);
             self.counters.solves += 1;
@@ -131,7 +131,7 @@ struct Searched<'s, 'm, S> {
 
 impl<S: RunScalar> Sizes for Searched<'_, '_, S> {
     fn expected_rate(&self) -> Option<f64> {
-        self.newton.contractions.expected(kind(self.stage.equations))
+        self.newton.kept.contractions.expected(kind(self.stage.equations))
     }
 
     fn has_stresses(&mut self) -> bool {
@@ -163,14 +163,14 @@ impl<S: RunScalar> Sizes for Searched<'_, '_, S> {
     }
 
     fn floor(&mut self) -> Floor {
-        self.newton.floors[kind(self.stage.equations)].unwrap_or_else(|| self.floor_here())
+        self.newton.kept.floors[kind(self.stage.equations)].unwrap_or_else(|| self.floor_here())
     }
 
     fn floor_here(&mut self) -> Floor {
         let Searched { newton, stage, unknowns } = self;
         newton.evaluate(*stage, unknowns);
         let floor = newton.round_off(*stage, unknowns);
-        *newton.floors[kind(stage.equations)].insert(floor)
+        *newton.kept.floors[kind(stage.equations)].insert(floor)
     }
 
     fn at_round_off(&mut self, step: f64, scale: f64) -> bool {
