@@ -270,16 +270,8 @@ pub(crate) use empty_fields;
 
 /// Empty at first, and copied field by field, into the memory that is there.
 macro_rules! clone_fields {
-    ($record:ident { $($field:ident),* }) => {
-        $crate::assembly::empty_fields!($record { $($field),* });
-        $crate::assembly::cloned_in_place!($record { $($field),* });
-    };
-}
-pub(crate) use clone_fields;
-
-/// Copied field by field, into the memory that is there.
-macro_rules! cloned_in_place {
     ($record:ident { $($field:ident),* $(,)? }) => {
+        $crate::assembly::empty_fields!($record { $($field),* });
         impl<S: Clone> Clone for $record<S> {
             fn clone(&self) -> Self {
                 $record { $($field: self.$field.clone()),* }
@@ -290,7 +282,13 @@ macro_rules! cloned_in_place {
         }
     };
 }
-pub(crate) use cloned_in_place;
+pub(crate) use clone_fields;
+
+impl Default for Equations {
+    fn default() -> Self {
+        Equations::acceleration()
+    }
+}
 
 clone_fields!(VectorsAvq { a, v, q });
 clone_fields!(Unknowns { x, mu, local_mu });

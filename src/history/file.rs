@@ -313,7 +313,7 @@ impl FileHistory {
         if reader.identity().map_err(|cause| refuse(cause.to_string()))? != self.identity {
             return Err(refuse("holds another run now".into()));
         }
-        let (grid, rule, left, step) = (rerun.grid, rerun.rule(), 0..self.steps, StepRecord::empty());
+        let (grid, rule, left, step) = (rerun.grid, rerun.rule(), 0..self.steps, StepRecord::default());
         Ok(FromFile { history: self, direction, grid, rule, reader, position, left, step })
     }
 }
@@ -335,7 +335,7 @@ impl Observer for FileHistory {
         let Some((begin, count)) = found.pause else { return Ok(None) };
         let path = if self.complete { self.path.clone() } else { part_of(&self.path) };
         let damaged = |step: usize, damage| failure(format!("step {step}"), &path, damage, "begin a new file");
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         for number in 1..=count {
             let bytes = found.reader.step_from(&mut found.position, number);
             let read = bytes.and_then(|bytes| read_step(&mut step, bytes, rule));
@@ -468,11 +468,11 @@ mod tests {
     }
 
     fn step(index: usize) -> StepRecord<f64> {
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         (step.t, step.h, step.end) = (index as f64 * 0.1, 0.1, index as f64 * 0.1 + 0.1);
         step.dropped = vec![3];
         step.carried = vec![vec![step.t, -0.0, f64::NAN], vec![1.0 / 3.0, f64::MIN_POSITIVE, 1.0]];
-        let mut stage = StageRecord::empty();
+        let mut stage = StageRecord::default();
         stage.solve.unknowns.x = vec![1.0, 2.0, 3.0];
         step.stages = vec![stage];
         step
@@ -525,7 +525,7 @@ mod tests {
         let method = Method::new(table_by_name("midpoint").unwrap(), ConstraintLevel::Acceleration);
         let rule = StepRule { method: &method, constrained: false };
         let read = |bytes: &[u8]| {
-            let mut step = StepRecord::empty();
+            let mut step = StepRecord::default();
             unpack(&mut step, bytes, rule).map(|()| step)
         };
         let whole = step(3).bytes();

@@ -81,7 +81,7 @@ impl Observer for Handed {
             self.steps = file.steps();
             return Ok(pause);
         }
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         while let Some(bytes) = hear(world, &mut list) {
             unpack(&mut step, bytes, rule).expect(READABLE);
             self.steps += 1;
@@ -103,7 +103,7 @@ impl History for Handed {
     }
     fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError> {
         let file = self.file.as_ref().map(|file| file.read(rerun, direction)).transpose()?;
-        let (world, rule, step, list) = (self.world, rerun.rule(), StepRecord::empty(), Vec::new());
+        let (world, rule, step, list) = (self.world, rerun.rule(), StepRecord::default(), Vec::new());
         Ok(Box::new(Handing { world, file, rule, step, list }))
     }
     fn usage(&self) -> Usage {

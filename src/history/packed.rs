@@ -41,7 +41,7 @@ impl Flat for StepRecord<f64> {
         }
     }
     fn take(bytes: &mut &[u8]) -> Option<Self> {
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         take_given(&mut step, bytes).map(|()| step)
     }
 }
@@ -95,7 +95,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     carried.resize_with(vectors, Vec::new);
     carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
     let count = usize::take(bytes)?;
-    stages.resize_with(count, StageRecord::empty);
+    stages.resize_with(count, StageRecord::default);
     for StageRecord { solve, known } in stages {
         *known = Flat::take(bytes)?;
         if known.is_some() {
@@ -106,7 +106,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     }
     for projection in [position_projection, velocity_projection] {
         if bool::take(bytes)? {
-            take_solution(&mut projection.get_or_insert_with(SolveRecord::empty).unknowns, bytes)?;
+            take_solution(&mut projection.get_or_insert_with(SolveRecord::default).unknowns, bytes)?;
         } else {
             *projection = None;
         }
@@ -136,7 +136,7 @@ impl PackedSteps {
     }
 
     pub fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Box<dyn Steps + 'h> {
-        let (steps, rule, step, list) = (self.0.iter(), rerun.rule(), StepRecord::empty(), Vec::new());
+        let (steps, rule, step, list) = (self.0.iter(), rerun.rule(), StepRecord::default(), Vec::new());
         Box::new(Unpacking { steps, direction, rule, step, list })
     }
 }

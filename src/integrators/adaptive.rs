@@ -223,7 +223,7 @@ impl StepSelection<f64> for ByError<'_> {
         let trial = trial.min(self.control.longest).min(duration);
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
-        let mut later = SolveRecord::empty();
+        let mut later = SolveRecord::default();
         let solved = stepper.solve_acceleration(
             (&moved(q, v), &moved(v, a)),
             interval.t() + trial,

@@ -1,5 +1,5 @@
 use super::{Pause, RunError, Scheme, StepRule};
-use crate::assembly::{Equations, Unknowns, VectorsAvq, cloned_in_place};
+use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
@@ -16,12 +16,6 @@ pub struct SolveRecord<S> {
 }
 
 impl<S: Scalar> SolveRecord<S> {
-    /// Room for a record.
-    pub(crate) fn empty() -> Self {
-        let (base, unknowns) = (VectorsAvq::default(), Unknowns::default());
-        SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns }
-    }
-
     /// Writes the acceleration at a stage that starts from none: that of an equilibrium is zero.
     pub(crate) fn write_acceleration(&self, a: &mut Vec<S>) {
         let gamma = self.equations.residual.gamma;
@@ -42,13 +36,6 @@ pub struct StageRecord<S> {
     pub solve: SolveRecord<S>,
     /// Carried vector that is the acceleration of an explicit first stage, which is not solved for.
     pub known: Option<usize>,
-}
-
-impl<S: Scalar> StageRecord<S> {
-    /// Room for a record.
-    pub(crate) fn empty() -> Self {
-        StageRecord { solve: SolveRecord::empty(), known: None }
-    }
 }
 
 /// One step.
@@ -80,9 +67,9 @@ pub struct StepRecord<S> {
     pub v: Vec<S>,
 }
 
-cloned_in_place!(SolveRecord { t, equations, base, unknowns });
-cloned_in_place!(StageRecord { solve, known });
-cloned_in_place!(StepRecord {
+clone_fields!(SolveRecord { t, equations, base, unknowns });
+clone_fields!(StageRecord { solve, known });
+clone_fields!(StepRecord {
     t,
     h,
     end,
@@ -101,24 +88,6 @@ impl<S: Scalar> StepRecord<S> {
     /// Whether the acceleration at its start does not come from a step before, for the number `index` of steps before.
     pub(super) fn begins_anew(&self, index: usize) -> bool {
         index == 0 || self.restart.is_some()
-    }
-
-    /// Room for a record.
-    pub(crate) fn empty() -> Self {
-        StepRecord {
-            t: 0.0,
-            h: 0.0,
-            end: 0.0,
-            scheme: Scheme::Main,
-            dropped: Vec::new(),
-            restart: None,
-            carried: Vec::new(),
-            stages: Vec::new(),
-            position_projection: None,
-            velocity_projection: None,
-            q: Vec::new(),
-            v: Vec::new(),
-        }
     }
 }
 

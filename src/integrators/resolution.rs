@@ -228,7 +228,7 @@ mod tests {
     fn an_estimate_that_is_no_number_is_no_small_one() {
         let (mut resolution, table) =
             (Resolution::<f64>::default(), crate::integrators::table_by_name("esdirk4").expect("listed"));
-        let (mut step, scales) = (StepRecord::empty(), [1.0; 2]);
+        let (mut step, scales) = (StepRecord::default(), [1.0; 2]);
         (step.h, step.q, step.v) = (0.1, vec![1.0, 0.5], vec![2.0, 0.1]);
         let measures = Measures { scales: &scales, length: 1.0, round_off: 0.0, error_factors: table.error_factors() };
         for errors in [[1e-6, 1e-7], [f64::NAN, 1e-7], [1e-6, f64::INFINITY]] {

@@ -198,7 +198,7 @@ enum Ended {
 impl<S: RunScalar> Search<'_, '_, S> {
     fn run(&mut self) -> Result<(), RunError> {
         self.at.clone_from(&self.record.base.q);
-        let mut step = SolveRecord::empty();
+        let mut step = SolveRecord::default();
         step.base.clone_from(&self.record.base);
         Residual::shape(&self.newton.system, &mut step.unknowns, true);
         for _ in 0..MOST {

@@ -148,7 +148,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             watch: Watch::default(),
             earlier: Counters::default(),
             between: StepState { dropped, ..StepState::default() },
-            record: StepRecord::empty(),
+            record: StepRecord::default(),
             resolution: Resolution::default(),
             error_factors: None,
             drives: None,
@@ -261,7 +261,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if let Some(clock) = self.clock {
             v.iter_mut().for_each(|v| *v *= clock.length());
         }
-        let mut first = SolveRecord::empty();
+        let mut first = SolveRecord::default();
         let mut guessed = Vec::new();
         if is_static {
             first.t = t;
@@ -313,14 +313,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let p = &self.problem.p;
         let mut first = None;
         if !is_closed {
-            let first = first.insert(SolveRecord::empty());
+            let first = first.insert(SolveRecord::default());
             first.equations = Equations::initial_position_projection();
             first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
             let from = InitialGuess::guided(guide.and_then(|start| start.position_projection.as_ref()));
             solve(&mut self.start, first, from, p, &place)?;
             add_scaled(q, &first.unknowns.x, 1.0);
         }
-        let mut second = SolveRecord::empty();
+        let mut second = SolveRecord::default();
         second.equations = Equations::initial_velocity_projection();
         second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
         let from = InitialGuess::guided(guide.and_then(|start| start.velocity_projection.as_ref()));
@@ -562,7 +562,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(), RunError> {
         let method = self.method;
         let mut state = std::mem::take(&mut self.between);
-        let mut record = std::mem::replace(&mut self.record, StepRecord::empty());
+        let mut record = std::mem::replace(&mut self.record, StepRecord::default());
         let index = state.step;
         self.change_clock(&mut state);
         self.stage.residual.clock = self.clock;
@@ -575,7 +575,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             state.expect_in_proportion(t, h, breakpoint);
         } else if solves {
             let first = InitialGuess::guided(guided.and_then(|step| step.restart.as_ref()));
-            let mut solved = SolveRecord::empty();
+            let mut solved = SolveRecord::default();
             self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
             state.set_acceleration(&table.carried, &solved);
             record.restart = Some(solved);
@@ -653,7 +653,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         self.stage.trusted.clear();
         self.stage.trusted.extend(record.carried[0].iter().map(|q| q.value()));
-        record.stages.resize_with(table.stages.len(), StageRecord::empty);
+        record.stages.resize_with(table.stages.len(), StageRecord::default);
         for index in 0..table.stages.len() {
             record.begin_stage(rule, index);
             let StageRecord { solve: own, known } = &mut record.stages[index];

@@ -59,7 +59,7 @@ impl<S: RunScalar> StepRecord<S> {
             0 => (&mut self.position_projection, Equations::position_projection(shift)),
             _ => (&mut self.velocity_projection, Equations::velocity_projection(shift)),
         };
-        let own = own.get_or_insert_with(SolveRecord::empty);
+        let own = own.get_or_insert_with(SolveRecord::default);
         (own.t, own.equations) = (self.end, equations);
         let a = self.stages.last().map_or(&[][..], |last| &last.solve.unknowns.x);
         for (base, values) in [(&mut own.base.a, a), (&mut own.base.v, v), (&mut own.base.q, q)] {
