@@ -202,8 +202,6 @@ impl<'c> ByError<'c> {
 }
 
 impl StepSelection<f64> for ByError<'_> {
-    const GOES_BACK: bool = true;
-
     /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
     ///
     /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.

@@ -37,8 +37,6 @@ impl<'c> Loading<'c> {
 }
 
 impl StepSelection<f64> for Loading<'_> {
-    const GOES_BACK: bool = true;
-
     fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<f64>) -> Result<TrialStep<'_>, RunError> {
         interval.step_size.h = interval.step_size.h.min(self.control.longest);
         self.iterations = stepper.counters().iterations;

@@ -12,7 +12,6 @@ mod checkpoint;
 mod complex_modes;
 mod counters;
 mod crossings;
-pub(crate) mod dividing;
 mod error;
 mod error_terms;
 pub(crate) mod given;
@@ -61,9 +60,8 @@ pub(crate) use counters::Phase;
 pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
-pub(crate) use dividing::march_dividing;
 pub use error::{RunError, Stop};
-pub(crate) use given::{march, march_along};
+pub(crate) use given::{march, march_along, march_dividing};
 pub use grid::TimeGrid;
 #[doc(hidden)]
 pub use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};

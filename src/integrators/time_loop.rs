@@ -30,7 +30,9 @@ pub(super) struct TrialOutcome {
 /// How a run selects its step sizes. What goes from one step to the next stands in the state of the interval, which resumed runs keep.
 pub(super) trait StepSelection<S> {
     /// Whether a step may be tried anew: only then is kept what it takes to go back.
-    const GOES_BACK: bool;
+    fn goes_back(&self) -> bool {
+        true
+    }
 
     /// Looks for the first size, where the run is not taken up; the stepper is then as it was.
     fn begin(
@@ -91,7 +93,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     if let Some(resumed) = Resumed::by(&mut stepper, recorder)? {
         resumed.follow(&mut interval);
         before = resumed.pause.checkpoint;
-    } else if C::GOES_BACK {
+    } else if selection.goes_back() {
         stepper.checkpoint_in(&mut before);
         selection.begin(&mut interval, &mut stepper, &before)?;
     }
@@ -108,7 +110,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             stepper.resume(&before)?;
         };
         interval.advance(reached);
-        if C::GOES_BACK {
+        if selection.goes_back() {
             stepper.checkpoint_in(&mut before);
         }
         if !recorder.step(stepper.record())? {
