@@ -47,7 +47,9 @@ mod variational_momentum;
 mod vibrations;
 mod whole_basis;
 
+use crate::elements::RunScalar;
 pub use crate::program::SwitchKind;
+use crate::scalar::COMPLEX_STEP;
 pub(crate) use adaptive::march_adaptive;
 pub use adaptive::{StepControl, Tolerance};
 pub(crate) use arc_length::follow_path;
@@ -120,4 +122,9 @@ impl ConstraintLevel {
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|level| level.name() == name)
     }
+}
+
+/// Derivative part that stands for a derivative of 1: a complex number carries its derivative times the step.
+pub(crate) fn unit_part<S: RunScalar>() -> f64 {
+    if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 }
 }

@@ -11,10 +11,10 @@ use crate::history::{Direction, History, Keep, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
     StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, SwitchWatch, TimeGrid, march,
-    march_adaptive, march_along, march_dividing,
+    march_adaptive, march_along, march_dividing, unit_part,
 };
 use crate::program::Digest;
-use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
+use crate::scalar::{Complex64, Tangents};
 use std::hash::Hasher;
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
@@ -89,22 +89,13 @@ const MAP_LIMIT: f64 = 1e-9;
 /// Numbers below this are what cancelling terms of order one leave.
 const MAP_FLOOR: f64 = 1e-5;
 
-/// A design with derivatives along eight of its variables at a time, and along how many.
-pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Tangents>, usize)> {
-    (0..x.len()).step_by(TANGENTS).map(|first| {
-        let lanes = TANGENTS.min(x.len() - first);
-        let mut seeded: Vec<Tangents> = x.iter().map(|&x| Tangents::from(x)).collect();
-        (0..lanes).for_each(|lane| seeded[first + lane] = seeded[first + lane].derivative(lane));
+/// A design with derivatives along as many of its variables at a time as a number has parts, and along how many.
+pub(super) fn seeded_designs<S: RunScalar>(x: &[f64]) -> impl Iterator<Item = (Vec<S>, usize)> {
+    (0..x.len()).step_by(S::PARTS).map(|first| {
+        let lanes = S::PARTS.min(x.len() - first);
+        let mut seeded: Vec<S> = x.iter().map(|&x| S::from(x)).collect();
+        (0..lanes).for_each(|lane| seeded[first + lane].add_to_part(lane, unit_part::<S>()));
         (seeded, lanes)
-    })
-}
-
-/// A design with a complex step along one of its variables at a time.
-pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex64>> {
-    (0..x.len()).map(|variable| {
-        let mut perturbed: Vec<Complex64> = x.iter().map(|&x| Complex64::from(x)).collect();
-        perturbed[variable].im = COMPLEX_STEP;
-        perturbed
     })
 }
 
@@ -371,16 +362,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
-        self.check_forward(x, forward)?;
-        let mut gradient = self.empty_gradient();
-        for (seeded, lanes) in seeded_designs(x) {
-            let (values, counters) = self.perturbed_values(&seeded, forward)?;
-            gradient.counters += counters;
-            for (row, value) in gradient.rows.iter_mut().zip(values) {
-                row.extend((0..lanes).map(|lane| value.part(lane)));
-            }
-        }
-        self.checked(gradient)
+        self.by_perturbed_runs::<Tangents>(x, forward)
     }
 
     /// Gradients by complex-step runs of the whole simulation, one for each variable.
@@ -388,16 +370,20 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.by_perturbed_runs::<Complex64>(x, forward)
+    }
+
+    fn by_perturbed_runs<S: RunScalar>(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         self.check_forward(x, forward)?;
-        let mut gradient = self.empty_gradient();
-        for perturbed in complex_designs(x) {
-            let (values, counters) = self.perturbed_values(&perturbed, forward)?;
-            gradient.counters += counters;
-            for (row, value) in gradient.rows.iter_mut().zip(values) {
-                row.push(value.im / COMPLEX_STEP);
+        let (mut rows, mut counters) = (vec![Vec::new(); self.functionals.len()], Counters::default());
+        for (seeded, lanes) in seeded_designs::<S>(x) {
+            let (values, own) = self.perturbed_values(&seeded, forward)?;
+            counters += own;
+            for (row, value) in rows.iter_mut().zip(values) {
+                row.extend((0..lanes).map(|lane| value.part(lane) / unit_part::<S>()));
             }
         }
-        self.checked(gradient)
+        self.checked(Gradient { rows, counters })
     }
 
     /// Derivatives along one direction by central differences of separate real runs, extrapolated once (error of order h^4).
@@ -436,10 +422,6 @@ impl<'m> Analysis<'m> {
             )));
         }
         Ok(gradient)
-    }
-
-    fn empty_gradient(&self) -> Gradient {
-        Gradient { rows: vec![Vec::new(); self.functionals.len()], counters: Counters::default() }
     }
 
     /// (p, q0, v0) of a design with derivative parts: computed with these, and then given the parts that the recorded map has, from which

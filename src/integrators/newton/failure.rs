@@ -2,9 +2,8 @@ use super::{Newton, ROUND_OFF};
 use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::not_finite::not_finite;
-use crate::integrators::{RunError, Stop};
+use crate::integrators::{RunError, Stop, unit_part};
 use crate::linalg::Singular;
-use crate::scalar::COMPLEX_STEP;
 
 /// Relative correction of derivative parts that may be round-off.
 pub(super) const PARTS_LIMIT: f64 = 1e-9;
@@ -89,10 +88,8 @@ impl<S: RunScalar> Newton<'_, S> {
     fn largest_row(&self, of_parts: bool) -> (String, f64) {
         let model = self.system.model;
         let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
-        // a complex number carries its derivative times the step
-        let unit = if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 };
         let seen = |value: &S| {
-            let parts = (0..S::PARTS).map(|part| value.part(part) / unit);
+            let parts = (0..S::PARTS).map(|part| value.part(part) / unit_part::<S>());
             if of_parts {
                 parts.fold(0.0, |most, part| if size(part) > size(most) { part } else { most })
             } else {
