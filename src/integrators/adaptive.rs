@@ -99,7 +99,7 @@ pub fn march_adaptive(
     let mut grid = TimeGrid::begin(stretches.times[0], 0);
     let mut interval = RunInterval::new(stretches, &mut grid, FIRST_STEP_SIZE);
     let run = control.check(&method.table).and_then(|()| {
-        let start = RunStart::of(plan);
+        let start = RunStart { plan, clocks: None, guided: None };
         if method.table.is_static() {
             interval.step_size = first_step_size(interval.duration());
             return time_loop(problem, method, start, (Loading::new(control), interval), recorder);

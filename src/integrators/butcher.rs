@@ -194,8 +194,7 @@ impl Butcher {
             quadrature: Combination { carried: vec![1.0], stages: self.b },
             stiffly_accurate,
             embedded,
-            starter: None,
-            variational: None,
+            ..Table::default()
         }
     }
 }

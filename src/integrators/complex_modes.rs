@@ -292,9 +292,7 @@ impl Search<'_> {
         let turned = if frequency < 0.0 { ahead.iter().map(|part| -part).collect() } else { ahead };
         Ok((Mode { frequency: frequency.abs(), growth, shape, ahead: turned }, false))
     }
-}
 
-impl Search<'_> {
     /// A value and the vector of its mode by (lambda^2 M + lambda C + K) x + A^T nu = 0, from those that the operator gave.
     fn refined(
         &self,

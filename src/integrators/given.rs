@@ -61,7 +61,7 @@ pub fn march_dividing(
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
     let interval = RunInterval::new(steps, &mut grid, WHOLE);
     let selection = Given { steps: None, halvings: MOST_HALVINGS };
-    let run = time_loop(problem, method, RunStart::of(plan), (selection, interval), recorder);
+    let run = time_loop(problem, method, RunStart { plan, clocks: None, guided: None }, (selection, interval), recorder);
     (grid, run)
 }
 

@@ -3,6 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::amplitudes::entries;
 use super::{Problem, RunError, Stop};
 use crate::assembly::{Equations, Jacobian, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
@@ -27,11 +28,9 @@ pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Spars
         }
     }
     let mut rows = vec![SparseRow::new(); places.len()];
-    for column in 0..nodes {
-        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            if let Some(row) = row_of[pattern.rows[place] as usize] {
-                rows[row].push((column, jacobian.values[place]));
-            }
+    for (place, column, value) in entries(pattern, &jacobian.values).filter(|own| own.1 < nodes) {
+        if let Some(row) = row_of[place] {
+            rows[row].push((column, value));
         }
     }
     rows

@@ -64,8 +64,6 @@ pub(super) struct Measures<'m> {
     pub length: f64,
     /// What round-off may do to accelerations [m/s2].
     pub round_off: f64,
-    /// Factors of the leading error terms of coordinates and velocities: [`Table::error_factors`].
-    pub error_factors: [f64; 2],
 }
 
 impl StepErrors {
@@ -111,13 +109,11 @@ pub(super) fn is_smooth<S: RunScalar>(before: [&[S]; 2], after: [&[S]; 2], h: f6
 pub(super) struct Resolution<S> {
     pub errors: StepErrors,
     difference: Vec<S>,
+    /// Factors of the leading error terms of coordinates and velocities, once a step has asked for them.
+    factors: Option<[f64; 2]>,
 }
 
-impl<S> Default for Resolution<S> {
-    fn default() -> Self {
-        Resolution { errors: StepErrors::default(), difference: Vec::new() }
-    }
-}
+crate::assembly::empty_fields!(Resolution { errors, difference, factors });
 
 impl<S: RunScalar> Resolution<S> {
     /// Begins with the acceleration of the start.
@@ -142,7 +138,8 @@ impl<S: RunScalar> Resolution<S> {
             }
         } else {
             self.note_acceleration(table.order, step);
-            let factors = measures.error_factors.map(|factor| factor * step.h.powi(table.order as i32 + 1));
+            let factors = *self.factors.get_or_insert_with(|| table.error_factors());
+            let factors = factors.map(|factor| factor * step.h.powi(table.order as i32 + 1));
             for (in_velocity, factor) in [false, true].into_iter().zip(factors) {
                 let order = if in_velocity { table.order } else { table.order - 1 };
                 if let Some(weights) = self.errors.weights_of_derivative(order) {
@@ -226,11 +223,10 @@ mod tests {
 
     #[test]
     fn an_estimate_that_is_no_number_is_no_small_one() {
-        let (mut resolution, table) =
-            (Resolution::<f64>::default(), crate::integrators::table_by_name("esdirk4").expect("listed"));
+        let mut resolution = Resolution::<f64>::default();
         let (mut step, scales) = (StepRecord::default(), [1.0; 2]);
         (step.h, step.q, step.v) = (0.1, vec![1.0, 0.5], vec![2.0, 0.1]);
-        let measures = Measures { scales: &scales, length: 1.0, round_off: 0.0, error_factors: table.error_factors() };
+        let measures = Measures { scales: &scales, length: 1.0, round_off: 0.0 };
         for errors in [[1e-6, 1e-7], [f64::NAN, 1e-7], [1e-6, f64::INFINITY]] {
             resolution.errors = StepErrors::default();
             resolution.judge(false, 1, &step, &errors, &measures);

@@ -1,10 +1,6 @@
 //! Runs that end early and are resumed.
 
-use super::record::Observer;
-use super::run_interval::RunInterval;
-use super::step::Stepper;
-use super::{Checkpoint, Counters, RunError, StepErrors};
-use crate::elements::RunScalar;
+use super::{Checkpoint, Counters, StepErrors};
 
 /// What the selection of the next step size knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,32 +30,4 @@ pub struct Pause<S> {
     pub errors: StepErrors,
     /// Work done.
     pub counters: Counters,
-}
-
-/// A resumed run.
-pub(super) struct Resumed<S> {
-    pub pause: Pause<S>,
-    /// Starts of the steps before \[s\].
-    begins: Vec<f64>,
-}
-
-impl<S: RunScalar> Resumed<S> {
-    /// Brings a run, whose start has reached the recorder, to where the recorder has its steps from; `None` if it has none.
-    pub fn by(stepper: &mut Stepper<S>, recorder: &mut dyn Observer<S>) -> Result<Option<Self>, RunError> {
-        let mut begins = Vec::new();
-        let pause = recorder.take_up(stepper.rule(), &mut |step| {
-            begins.push(step.t);
-            Ok(true)
-        })?;
-        let Some(pause) = pause else { return Ok(None) };
-        stepper.take_up(&pause)?;
-        Ok(Some(Resumed { pause, begins }))
-    }
-
-    /// Lays the steps before into a interval, which goes on at their step_size.
-    pub fn follow(&self, interval: &mut RunInterval) {
-        let ends = self.begins.iter().skip(1).chain([&self.pause.t]);
-        ends.take(self.begins.len()).for_each(|&end| interval.advance(end));
-        interval.step_size = self.pause.step_size;
-    }
 }

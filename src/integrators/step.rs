@@ -41,7 +41,6 @@ pub struct Stepper<'m, S> {
     pub(super) between: StepState<S>,
     record: StepRecord<S>,
     resolution: Resolution<S>,
-    error_factors: Option<[f64; 2]>,
     /// Of a mechanism whose drives determine the motion.
     drives: Option<RealDrives>,
     /// Estimated error of a step.
@@ -150,7 +149,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             between: StepState { dropped, ..StepState::default() },
             record: StepRecord::default(),
             resolution: Resolution::default(),
-            error_factors: None,
             drives: None,
             difference: Vec::new(),
             clocks: Vec::new(),
@@ -366,11 +364,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Takes note of the estimated error of the step made last.
     pub(super) fn note_error(&mut self) {
-        let (table, Newton { coordinate_scales, length, .. }) = (&self.method.table, &self.stage);
-        let error_factors = *self.error_factors.get_or_insert_with(|| table.error_factors());
-        let (length, round_off) = (*length, self.stage.measured_round_off());
-        let measures = Measures { scales: coordinate_scales, length, round_off, error_factors };
-        self.resolution.note(table, self.between.step, &self.record, &measures);
+        let (stage, round_off) = (&self.stage, self.stage.measured_round_off());
+        let measures = Measures { scales: &stage.coordinate_scales, length: stage.length, round_off };
+        self.resolution.note(&self.method.table, self.between.step, &self.record, &measures);
         self.note_side(self.record.t + self.record.h);
     }
 

@@ -2,7 +2,6 @@
 
 use super::march::{Method, Problem, Run};
 use super::record::{Observer, StepRecord};
-use super::restart::Resumed;
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord};
@@ -68,13 +67,6 @@ pub(super) struct RunStart<'r, S> {
     pub guided: Option<&'r StartRecord<f64>>,
 }
 
-impl<'r, S> RunStart<'r, S> {
-    /// By a plan alone.
-    pub fn of(plan: &'r StartPlan) -> Self {
-        RunStart { plan, clocks: None, guided: None }
-    }
-}
-
 /// Runs a problem to the end of a interval and hands every step that is taken to the recorder.
 pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     problem: &Problem<S>,
@@ -90,9 +82,17 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     }
     recorder.start(&stepper.start(interval.t(), plan, guided)?)?;
     let mut before = Checkpoint::default();
-    if let Some(resumed) = Resumed::by(&mut stepper, recorder)? {
-        resumed.follow(&mut interval);
-        before = resumed.pause.checkpoint;
+    let mut begins = Vec::new();
+    let pause = recorder.take_up(stepper.rule(), &mut |step| {
+        begins.push(step.t);
+        Ok(true)
+    })?;
+    if let Some(pause) = pause {
+        stepper.take_up(&pause)?;
+        let ends = begins.iter().skip(1).chain([&pause.t]);
+        ends.take(begins.len()).for_each(|&end| interval.advance(end));
+        interval.step_size = pause.step_size;
+        before = pause.checkpoint;
     } else if selection.goes_back() {
         stepper.checkpoint_in(&mut before);
         selection.begin(&mut interval, &mut stepper, &before)?;

@@ -16,6 +16,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::amplitudes::entries;
 use super::krylov::{Space, add, all_pairs, dot, in_order, largest_pairs, magnitude};
 use super::march::{Method, Problem};
 use super::newton::Newton;
@@ -155,16 +156,10 @@ pub(crate) fn vibrations(
             let least = f64::EPSILON * own.basis.len() as f64;
             let place = |pair: &Eigenpair, shift: f64| {
                 let [re, im] = square(pair, shift);
-                let is_infinite = magnitude(pair) * shift <= least;
-                match is_infinite {
+                match magnitude(pair) * shift <= least {
                     true => f64::INFINITY,
-                    false => {
-                        if im == 0.0 {
-                            re
-                        } else {
-                            re.hypot(im)
-                        }
-                    }
+                    false if im == 0.0 => re,
+                    false => re.hypot(im),
                 }
             };
             (in_order((ritz, shift), (count, RANGE), &place, &mut |shift| find(&mut operator, shift))?, true)
@@ -446,15 +441,10 @@ impl<'m> Operator<'m> {
     pub fn along(&self, matrix: &Jacobian, vector: &[Vec<f64>; 2]) -> [f64; 2] {
         let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
         let ([re, im], mut sums) = (vector, [0.0; 3]);
-        for column in 0..nodes {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                let (row, value) = (pattern.rows[place] as usize, matrix.values[place]);
-                if row < nodes {
-                    sums[0] += value * (re[row] * re[column] + im[row] * im[column]);
-                    sums[1] += value * (re[row] * im[column] - im[row] * re[column]);
-                    sums[2] += value.abs() * re[row].hypot(im[row]) * re[column].hypot(im[column]);
-                }
-            }
+        for (row, column, value) in entries(pattern, &matrix.values).filter(|own| own.0 < nodes && own.1 < nodes) {
+            sums[0] += value * (re[row] * re[column] + im[row] * im[column]);
+            sums[1] += value * (re[row] * im[column] - im[row] * re[column]);
+            sums[2] += value.abs() * re[row].hypot(im[row]) * re[column].hypot(im[column]);
         }
         [sums[0].hypot(sums[1]), sums[2]]
     }
@@ -472,15 +462,10 @@ impl<'m> Operator<'m> {
 
     /// A matrix of the nodes' unknowns times x.
     pub fn times(&self, matrix: &Jacobian, x: &[f64]) -> Vec<f64> {
-        let pattern = &self.newton.system.pattern;
-        let mut product = vec![0.0; self.nodes];
-        for (column, &x) in x.iter().enumerate() {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if (pattern.rows[place] as usize) < self.nodes {
-                    product[pattern.rows[place] as usize] += matrix.values[place] * x;
-                }
-            }
-        }
+        let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
+        let mut product = vec![0.0; nodes];
+        let among_nodes = entries(pattern, &matrix.values).filter(|own| own.0 < nodes && own.1 < nodes);
+        among_nodes.for_each(|(row, column, value)| product[row] += value * x[column]);
         product
     }
 
@@ -501,11 +486,7 @@ impl<'m> Operator<'m> {
             factorization.solve(&mut left);
             add(&mut x, 1.0, &left);
             left.copy_from_slice(rhs);
-            for (column, &x) in x.iter().enumerate() {
-                for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                    left[pattern.rows[place] as usize] -= jacobian.values[place] * x;
-                }
-            }
+            entries(pattern, &jacobian.values).for_each(|(row, column, value)| left[row] -= value * x[column]);
         }
         x.truncate(self.nodes);
         x
@@ -513,15 +494,10 @@ impl<'m> Operator<'m> {
 
     /// Moves a vector back onto the constraints, A x = 0.
     pub fn obey(&mut self, vector: &mut [f64]) {
-        let pattern = &self.newton.system.pattern;
+        let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
         let mut rhs = vec![0.0; self.newton.system.size()];
-        for (column, &x) in vector.iter().enumerate() {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if (pattern.rows[place] as usize) >= self.nodes {
-                    rhs[pattern.rows[place] as usize] -= self.mass.values[place] * x;
-                }
-            }
-        }
+        let of_constraints = entries(pattern, &self.mass.values).filter(|own| own.0 >= nodes && own.1 < nodes);
+        of_constraints.for_each(|(row, column, value)| rhs[row] -= value * vector[column]);
         add(vector, 1.0, &self.solve(&rhs));
     }
 

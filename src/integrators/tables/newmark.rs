@@ -48,8 +48,6 @@ pub fn generalized_alpha(name: &str, radius: f64) -> Table {
         quadrature: Combination { carried: vec![1.0], stages: vec![0.5, 0.5] },
         aggregate_weights: vec![0.5, 0.5],
         stiffly_accurate: true,
-        embedded: None,
-        starter: None,
-        variational: None,
+        ..Table::default()
     }
 }

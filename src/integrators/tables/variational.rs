@@ -43,10 +43,8 @@ pub fn variational(name: &str, alpha: f64) -> Table {
             update: vec![combine(place(1.0), 1.0), output, combine(velocity(1.0), 1.0)],
             quadrature: Combination { carried: vec![1.0], stages: vec![1.0] },
             aggregate_weights: vec![1.0],
-            stiffly_accurate: false,
-            embedded: None,
-            starter: None,
             variational: Some(Quadrature { alpha, first }),
+            ..Table::default()
         }
     };
     let starter = Starter { table: Box::new(of(true)), steps: 1 };
