@@ -115,19 +115,10 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
 }
 
 /// Steps in memory, one after the other; of large ones each rank keeps a slice.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct PackedSteps(Vec<Sliced>);
 
 impl PackedSteps {
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Bytes of all steps that this rank keeps.
-    pub fn bytes(&self) -> usize {
-        self.0.iter().map(Sliced::kept).sum()
-    }
-
     pub fn push(&mut self, step: &StepRecord<f64>) {
         // all steps are about as long
         let mut bytes = Vec::with_capacity(self.0.last().map_or(0, Sliced::length));

@@ -38,7 +38,8 @@ pub(super) fn entries(pattern: &SparsePattern, values: &[f64]) -> impl Iterator<
 impl Pencil {
     /// From the matrices of a system with so many unknowns of nodes; without damping there is no C.
     pub fn new(system: &System, nodes: usize, [stiffness, mass]: [&Jacobian; 2], damping: Option<&Jacobian>) -> Self {
-        let all = |matrix: &Jacobian| entries(&system.pattern, &matrix.values).filter(|own| own.2 != 0.0).collect::<Entries>();
+        let all =
+            |matrix: &Jacobian| entries(&system.pattern, &matrix.values).filter(|own| own.2 != 0.0).collect::<Entries>();
         let among_nodes = |matrix| {
             let mut own = all(matrix);
             own.retain(|own| own.0 < nodes && own.1 < nodes);

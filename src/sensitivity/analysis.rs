@@ -113,7 +113,11 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map, of the run and of the history.
     pub fn forward(&self, x: &[f64]) -> Result<Forward, RunError> {
-        let (forward, stopped) = self.observed(x, &mut Watch(|_: &StepRecord<f64>| true))?;
+        self.finished(self.observed(x, &mut Watch(|_: &StepRecord<f64>| true))?)
+    }
+
+    /// A run that reached its end, with the values of functionals.
+    fn finished(&self, (forward, stopped): (Forward, Option<RunError>)) -> Result<Forward, RunError> {
         stopped.map_or(Ok(()), Err)?;
         self.check_values(&forward)?;
         Ok(forward)
@@ -210,10 +214,7 @@ impl<'m> Analysis<'m> {
         self.check_exactness()?;
         let own = Analysis { keep: &Keep::Nothing, ..*self };
         let numbers = self.map.nearby(x).map_err(RunError::Input)?;
-        let (forward, stopped) = own.run(x, numbers, &mut Watch(|_: &StepRecord<f64>| true))?;
-        stopped.map_or(Ok(()), Err)?;
-        self.check_values(&forward)?;
-        Ok(forward.values)
+        Ok(own.finished(own.run(x, numbers, &mut Watch(|_: &StepRecord<f64>| true))?)?.values)
     }
 
     /// The same analysis on the steps of a run: what its gradients are the derivative of.
@@ -343,9 +344,9 @@ impl<'m> Analysis<'m> {
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();
         let mut run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
-        let moved = self.by_moving_steps(forward, &chain, &active)?;
+        let (breakpoints, moved) = self.by_moving_steps(forward, &chain, &active)?;
         for (&k, bar) in places.iter().zip(&mut run.gradients) {
-            moved.iter().for_each(|moved| moved.add_to(k, &mut bar.p));
+            moved.get(k).into_iter().for_each(|rates| breakpoints.add_transposed(rates, &mut bar.p));
         }
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
         let mut by_parameters = vec![Vec::new(); self.functionals.len()];
