@@ -105,9 +105,6 @@ impl Dense {
 }
 
 /// The states of a kept run at given times, which increase and lie within it, whatever its steps: see [`Dense`].
-///
-/// # Errors
-/// [`RunError::Input`] for other times or a run without steps; what the history says where it can't give a step.
 pub fn moments(history: &dyn History, rerun: &Rerun<'_>, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
     let mut steps = history.read(rerun, Direction::Forward)?;
     let start = history.start_record().ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;

@@ -113,9 +113,6 @@ const ELSEWHERE: &str = "name a file on a disk with room, or keep the run in mem
 
 impl FileHistory {
     /// A new file for a run, of which a number tells what is simulated; folders above it are created, the file of an older run of this name stays until the run is complete.
-    ///
-    /// # Errors
-    /// A file or folder that cannot be created, another run that is writing this file, and a file of this name that is none of a run.
     pub fn create(path: &Path, run: u64) -> Result<Self, RunError> {
         let refuse = |cause: &dyn fmt::Display| {
             RunError::Input(format!("history file {} cannot be created: {cause}; {ELSEWHERE}", path.display()))
@@ -173,9 +170,6 @@ impl FileHistory {
 
     /// The file of a run that stopped, to go on where it did: with the steps behind its last pause, which are made again and must be the same, and
     /// with new ones. That of a run that reached its end is not written again; without a file, or steps in it, this is a new one.
-    ///
-    /// # Errors
-    /// As for [`FileHistory::create`]; the file of another run, or one that cannot be read.
     pub fn resume(path: &Path, run: u64) -> Result<Self, RunError> {
         let part = part_of(path);
         for there in [path, &part] {
@@ -218,9 +212,6 @@ impl FileHistory {
     }
 
     /// Reads a file back: the steps before the first one that is damaged or cut off, and what is wrong with that one.
-    ///
-    /// # Errors
-    /// A file that can't be read, is none of a run, or whose start is damaged.
     pub fn open(path: &Path) -> Result<(Self, Option<RunError>), RunError> {
         let unread = |cause: &dyn fmt::Display| failure("start".into(), path, cause, "give the file of an earlier run");
         let mut reader = Reader::open(path).map_err(|cause| unread(&format!("cannot be read: {cause}")))?;

@@ -25,9 +25,6 @@ impl fmt::Debug for Handed {
 
 impl Handed {
     /// What ranks keep of a run, of which the first one makes the file.
-    ///
-    /// # Errors
-    /// What it finds there, on the first rank.
     pub fn new(
         world: &'static dyn Exchange,
         file: impl FnOnce() -> Result<FileHistory, RunError>,

@@ -69,9 +69,6 @@ impl Keep {
 
     /// A history for a run of `steps` steps, if their number is known and none will be divided. `run` is a number that tells what is
     /// simulated, and how.
-    ///
-    /// # Errors
-    /// A file that cannot be created, or is that of something else.
     pub(crate) fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),

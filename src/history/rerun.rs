@@ -32,9 +32,6 @@ impl<'r> Rerun<'r> {
     }
 
     /// Workspace to go through it once more.
-    ///
-    /// # Errors
-    /// As for `Stepper::new`.
     pub fn stepper(&self) -> Result<Stepper<'_, f64>, RunError> {
         Stepper::new(self.problem, self.method, self.system(), self.plan)
     }

@@ -127,9 +127,6 @@ impl ArcLength {
 }
 
 /// Follows the equilibria of a problem from its start, at the load factor 0, on.
-///
-/// # Errors
-/// A start or options that are no good, a first equilibrium that is not found, or a path that ends, with its last load.
 pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, arc: &ArcLength) -> Result<Path, RunError> {
     arc.check(problem.model)?;
     super::start::check_stillness(problem)?;

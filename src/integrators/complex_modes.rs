@@ -105,9 +105,6 @@ fn value(pair: &Eigenpair, shift: f64) -> [f64; 2] {
 
 /// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`, with damping and whatever else depends on
 /// velocities: the first `count`, fewer where there are no more. One of each conjugate pair is given.
-///
-/// # Errors
-/// As for [`vibrations`](super::vibrations()); modes that the operator does not keep.
 pub(crate) fn complex_modes(
     problem: &Problem<f64>,
     method: &Method,

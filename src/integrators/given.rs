@@ -12,9 +12,6 @@ use crate::elements::RunScalar;
 const MOST_HALVINGS: usize = 8;
 
 /// Runs a problem over a grid and hands every step to the recorder.
-///
-/// # Errors
-/// [`RunError`] with step and time; steps before it have reached the recorder.
 pub fn march<S: RunScalar>(
     problem: &Problem<S>,
     method: &Method,
@@ -27,9 +24,6 @@ pub fn march<S: RunScalar>(
 
 /// As [`march`], with the values of a finished real run of the same problem where a guide is given: only derivative parts are
 /// solved for, so that they belong to exactly the states of that run. Clocks have the derivative parts of the ends of steps.
-///
-/// # Errors
-/// As for [`march`]; also a guide that does not solve the problem.
 pub fn march_along<S: RunScalar>(
     problem: &Problem<S>,
     method: &Method,

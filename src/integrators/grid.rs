@@ -75,9 +75,6 @@ impl TimeGrid {
 
     /// The same steps where breakpoints lie at other times: those of each stretch keep their relative places. Where breakpoints come in another
     /// order, or others lie within the run, steps are laid anew.
-    ///
-    /// # Errors
-    /// Such an order where steps were chosen.
     pub(crate) fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
         let end = self.times[self.steps()];
         let groups = grouped(breakpoints, end, SAME_TIME * end / self.asked.max(1) as f64);
@@ -120,9 +117,6 @@ impl TimeGrid {
     }
 
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.
-    ///
-    /// # Errors
-    /// Breakpoints that coincide and move apart, in words.
     pub(crate) fn clocks<S: RunScalar>(&self, parts: &[S]) -> Result<Clocks<S>, String> {
         let size = |part: &S| (0..S::PARTS).fold(0.0, |size: f64, i| size.max(part.part(i).abs()));
         let mut moves = vec![S::zero()];

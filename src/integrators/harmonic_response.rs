@@ -34,9 +34,6 @@ pub(crate) struct Vibration {
 
 /// The response of a problem about its start, which must be an equilibrium at time (or load factor) `t`, to a harmonic change of its parameters
 /// at some rates [rad/s]: `varied` has them with a complex step along what changes.
-///
-/// # Errors
-/// As for [`vibrations`](super::vibrations()); a rate at which the response is not determined.
 pub(crate) fn harmonic_response(
     problem: &Problem<f64>,
     varied: &[Complex64],

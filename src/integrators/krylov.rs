@@ -106,9 +106,6 @@ impl Krylov {
 }
 
 /// Eigenvalues of largest size with their vectors, from a few vectors more than values.
-///
-/// # Errors
-/// Numbers that are not finite.
 pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
     let (mut krylov, length, mut examined) = (Krylov::default(), space.size(), 0);
     for k in 0..(count + spare).min(length) {
@@ -178,9 +175,6 @@ pub(super) struct WholeBasis {
 }
 
 /// The operator in a basis, and all its eigenvalues but those that are zero, the largest ones first.
-///
-/// # Errors
-/// Numbers that are not finite.
 pub(super) fn all_pairs(
     space: &mut dyn Space,
     WholeBasis { basis, dual }: &WholeBasis,
@@ -214,9 +208,6 @@ pub(super) type Placed = (Eigenpair, f64);
 
 /// The first `count` of all pairs in the order of a place, which is negative for those that come first of all, each from a shift from which its
 /// size is not farther than by a range, which leaves digits to it: those known at one and, beyond, those found at larger ones.
-///
-/// # Errors
-/// Those of the search.
 pub(super) fn in_order(
     (mut pairs, mut shift): (Vec<Eigenpair>, f64),
     (count, range): (usize, f64),

@@ -97,9 +97,6 @@ pub(crate) fn is_cut(modes: &[Mode], asked: usize) -> bool {
 
 /// Vectors of the first `asked` modes of a problem about its start, an equilibrium at time (or load factor) `t`, whose modes are known, with all
 /// that have the value of one of them: of [`vibrations`](super::vibrations()), or of [`complex_modes`](super::complex_modes()) with damping.
-///
-/// # Errors
-/// As for these; vectors that do not settle.
 pub(crate) fn mode_vectors(
     problem: &Problem<f64>,
     method: &Method,

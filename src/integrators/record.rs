@@ -144,9 +144,6 @@ pub trait Observer<S = f64> {
 /// Hands out the steps of a finished real run one after the other.
 pub trait Steps {
     /// The next one; `None` behind the last.
-    ///
-    /// # Errors
-    /// A step that can't be read or computed again.
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError>;
 }
 

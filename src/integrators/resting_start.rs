@@ -51,9 +51,6 @@ fn at_rest() -> Equations {
 
 impl<S: RunScalar> RestingStart<S> {
     /// Finds the equilibrium near the start, or follows that of a real run.
-    ///
-    /// # Errors
-    /// [`RunError`] with what moves on, or could not be solved.
     pub fn find(
         problem: &Problem<S>,
         method: &Method,
@@ -85,9 +82,6 @@ impl<S: RunScalar> RestingStart<S> {
 
 /// Coordinates and states at which a motion begins: those of the equilibrium near the given ones, if the plan says so; with the velocities that are
 /// given, but for those of a turn.
-///
-/// # Errors
-/// [`RunError`] with what moves on, or could not be solved.
 pub fn resting_start(problem: &Problem<f64>, method: &Method, plan: &StartPlan) -> Result<InitialState<f64>, RunError> {
     let mut start = problem.start.clone();
     if let Some(plan) = &plan.equilibrium {

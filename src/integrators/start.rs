@@ -61,9 +61,6 @@ pub const INCONSISTENT: f64 = 1e-9;
 
 impl StartPlan {
     /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.
-    ///
-    /// # Errors
-    /// [`RunError::Input`] or [`RunError::Stopped`] with the name and the numbers of what is wrong.
     pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
         examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
@@ -78,9 +75,6 @@ impl StartPlan {
     }
 
     /// Examines the start of another design in the same way, but for the rank of its constraints.
-    ///
-    /// # Errors
-    /// As for [`StartPlan::prepare`].
     pub fn check(&self, problem: &Problem<f64>, table: &Table) -> Result<(), RunError> {
         examine(problem, table, self.policy())
     }

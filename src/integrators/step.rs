@@ -124,9 +124,6 @@ pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>
 
 impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Workspace for a run.
-    ///
-    /// # Errors
-    /// [`RunError::Stopped`] if no numbers could make the equations regular.
     pub fn new(
         problem: &'m Problem<'m, S>,
         method: &'m Method,
@@ -186,9 +183,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Goes on from a checkpoint: the steps that follow are those of the run that left it, bit by bit.
-    ///
-    /// # Errors
-    /// [`RunError::Stopped`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
         self.between.clone_from(&checkpoint.between);
         if self.between.chosen_anew {
@@ -219,9 +213,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Goes on from a pause, whose counts go on, too.
-    ///
-    /// # Errors
-    /// As for [`Stepper::resume`].
     pub(super) fn take_up(&mut self, pause: &Pause<S>) -> Result<(), RunError> {
         self.resume(&pause.checkpoint)?;
         self.resolution.errors.clone_from(&pause.errors);
@@ -234,9 +225,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Projects the start if the plan says so and solves for the first acceleration; before equilibria neither is needed: the first
     /// load step closes the joints, and what it starts from has no reactions yet.
-    ///
-    /// # Errors
-    /// [`RunError`] with what could not be solved.
     pub fn start(&mut self, t: f64, plan: &StartPlan, guide: Option<&StartRecord<f64>>) -> Result<StartRecord<S>, RunError> {
         let model = self.problem.model;
         let InitialState { mut q, mut v } = self.problem.start.clone();
@@ -420,9 +408,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Takes the next step of a grid.
-    ///
-    /// # Errors
-    /// [`RunError`] with step and time.
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let scheme = self.method.table.scheme_at(grid, index);

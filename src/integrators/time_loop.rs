@@ -47,9 +47,6 @@ pub(super) trait StepSelection<S> {
     fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<S>) -> Result<TrialStep<'_>, RunError>;
 
     /// Whether a trial step is accepted; otherwise another one is tried from its start.
-    ///
-    /// # Errors
-    /// Why no step could be taken there.
     fn accepts(
         &mut self,
         trial: TrialOutcome,

@@ -108,11 +108,6 @@ const MOST_SEARCHES: usize = 4;
 
 /// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`: the first `count`, fewer where there are no
 /// more.
-///
-/// # Errors
-/// [`RunError::Input`]: a start that is no equilibrium, an initial velocity, a constraint on velocities, no modes asked for; modes that are
-/// there by their count, but were not found;
-/// [`Stop::Singular`]: a coordinate with neither inertia nor stiffness.
 pub(crate) fn vibrations(
     problem: &Problem<f64>,
     method: &Method,
@@ -184,9 +179,6 @@ pub(crate) fn vibrations(
 }
 
 /// The start of a problem as an equilibrium at time (or load factor) `t`, states of first order with it.
-///
-/// # Errors
-/// As for [`vibrations`].
 pub(crate) fn equilibrium_at(
     problem: &Problem<f64>,
     method: &Method,
@@ -266,9 +258,6 @@ impl Space for Operator<'_> {
 
 impl<'m> Operator<'m> {
     /// At the start, where nothing may move, for so many modes.
-    ///
-    /// # Errors
-    /// As for [`vibrations`].
     pub fn new(
         problem: &'m Problem<'m, f64>,
         method: &Method,

@@ -50,10 +50,6 @@ fn distribute(
 
 /// Discrete adjoint of a recorded run for several functionals at once; `totals` are their sums in that run, `active` says of which
 /// parameters derivatives are asked for (others get what functionals themselves make of them).
-///
-/// # Errors
-/// [`RunError::Stopped`] if the motion passes a pose in which a system is singular; what the history says where it can't give
-/// a step; [`RunError::Input`] without a history.
 pub fn adjoint(
     rerun: &Rerun,
     history: &dyn History,

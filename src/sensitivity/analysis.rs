@@ -427,9 +427,6 @@ impl<'m> Analysis<'m> {
 
     /// (p, q0, v0) of a design with derivative parts: computed with these, and then given the parts that the recorded map has, from which
     /// they differ by round-off. A stiff member turns a rounding of its length against that of its ends into a force.
-    ///
-    /// # Errors
-    /// Those of the map; [`RunError::Input`] if the two differ by more than round-off.
     pub(crate) fn numbers_with_parts<S: RunScalar>(&self, x: &[S]) -> Result<ModelNumbers<S>, RunError> {
         let real: Vec<f64> = x.iter().map(|x| x.value()).collect();
         let chain = DesignChain::record(self.map, &real).map_err(RunError::Input)?;
@@ -463,9 +460,6 @@ impl<'m> Analysis<'m> {
     }
 
     /// Whether a run follows from the laws, the method and the functionals of this analysis.
-    ///
-    /// # Errors
-    /// [`RunError::Input`] with what differs.
     pub(super) fn check_signature(&self, forward: &Forward) -> Result<(), RunError> {
         let why = Signature::of(self).difference(&forward.signature, self);
         why.map_or(Ok(()), |why| {

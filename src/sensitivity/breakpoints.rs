@@ -31,9 +31,6 @@ pub(crate) struct Breakpoint {
 
 impl Breakpoints {
     /// Those within a run from 0 to `end`, and at both.
-    ///
-    /// # Errors
-    /// A part with too many of them, with its name.
     pub fn of(model: &Model, functionals: &[Functional], numbers: &ModelNumbers<f64>, end: f64) -> Result<Self, String> {
         let (switches, known) = (HashMap::new(), HashMap::new());
         let mut search = Search { numbers, end, switches, known, found: Vec::new(), failed: None };

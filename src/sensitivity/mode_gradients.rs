@@ -70,9 +70,6 @@ struct AdjointSeeds {
 
 impl Still<'_> {
     /// For each group of modes the gradients of w_i^T B z_j, row by row, through the equilibrium.
-    ///
-    /// # Errors
-    /// An equilibrium that does not follow from its equations.
     pub fn gradients(&self) -> Result<Vec<Vec<ValueSeeds>>, RunError> {
         let groups = &self.vectors.groups;
         let mut products = Products::<Complex64>::new(self.active);

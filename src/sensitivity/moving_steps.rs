@@ -14,18 +14,12 @@ const TOGETHER: f64 = 1e-9;
 
 impl Analysis<'_> {
     /// Times at which steps end for given parameters.
-    ///
-    /// # Errors
-    /// A part with too many of them.
     pub(super) fn breakpoints(&self, numbers: &ModelNumbers<f64>) -> Result<Breakpoints, RunError> {
         let end = self.grid.times[self.grid.steps()];
         Breakpoints::of(self.model, self.functionals, numbers, end).map_err(RunError::Input)
     }
 
     /// How time goes between the breakpoints of a run for parameters with derivative parts.
-    ///
-    /// # Errors
-    /// Breakpoints that coincide and move apart.
     pub(super) fn clocks<S: RunScalar>(&self, p: &[S], forward: &Forward) -> Result<Clocks<S>, RunError> {
         if forward.grid.breakpoints.is_empty() {
             return Ok(Vec::new());
@@ -76,9 +70,6 @@ impl Analysis<'_> {
 }
 
 /// That no variable moves a jump that lies at the start or at the end of a run.
-///
-/// # Errors
-/// Otherwise, in words: to one side the run has the jump, to the other it has not.
 fn refuse_moved_ends(map: &Breakpoints, grid: &TimeGrid, active: &[bool]) -> Result<(), RunError> {
     let within: HashSet<usize> = grid.breakpoints.values().flatten().copied().collect();
     let mut all = (0..).zip(map.all()).filter(|(number, _)| !within.contains(number));

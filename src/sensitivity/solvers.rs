@@ -30,9 +30,6 @@ const SHARED: f64 = 2.5e5;
 
 impl<'m> StepSolvers<'m> {
     /// Solvers for the equations of a run.
-    ///
-    /// # Errors
-    /// A pattern that no numbers could make regular.
     pub fn new(system: &Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(system.clone(), method, active)?;
         let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
@@ -49,9 +46,6 @@ impl<'m> StepSolvers<'m> {
     }
 
     /// The same for another step.
-    ///
-    /// # Errors
-    /// As for [`StepSolvers::new`].
     pub fn clone_analysis(&self) -> Result<Self, RunError> {
         let stages = self.stages.iter().map(TransposedSolver::clone_analysis).collect::<Result<Vec<_>, _>>()?;
         let plain = self.plain.as_ref().map(TransposedSolver::clone_analysis).transpose()?;

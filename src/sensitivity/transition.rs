@@ -31,9 +31,6 @@ const MOST_COORDINATES: usize = 1000;
 
 impl<'m> Analysis<'m> {
     /// Of the run of a problem with these numbers.
-    ///
-    /// # Errors
-    /// Those of the run; a mechanism with too many coordinates.
     pub(crate) fn transition(&self, numbers: &ModelNumbers<f64>) -> Result<Transition, RunError> {
         let places = changing_places(self.model);
         if places[1].len() > MOST_COORDINATES {

@@ -120,18 +120,12 @@ const LARGE_FILL: usize = 1_000_000;
 
 impl<'m, S: RunScalar> Newton<'m, S> {
     /// Workspace for a system.
-    ///
-    /// # Errors
-    /// A pattern that no numbers could make regular.
     pub fn new(system: Arc<System<'m>>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
         let factorization = Factorization::new(&system.pattern, backend)?;
         Ok(Self::of(system, tolerance, factorization))
     }
 
     /// Another one for the same system, whose pattern is analysed already.
-    ///
-    /// # Errors
-    /// As for [`Newton::new`].
     pub fn clone_analysis(&self) -> Result<Self, Singular> {
         let clone = Self::of(self.system.clone(), self.tolerance, self.factorization.clone_analysis()?);
         Ok(Newton { divides: self.divides, ..clone })
@@ -144,9 +138,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     /// Gives all memory of a large system back: the next search finds what it sets itself and takes new memory; counts, measured round-off and
     /// rates stay.
-    ///
-    /// # Errors
-    /// As for [`Newton::new`].
     pub fn release(&mut self) -> Result<(), Singular> {
         if self.factorization.plan().work.is_some_and(|work| work.fill > LARGE_FILL) {
             let emptied = self.clone_analysis()?;
@@ -200,9 +191,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     /// Solves for `unknowns`, starting from what they hold.
-    ///
-    /// # Errors
-    /// A `Failure`, to be described by [`Newton::describe`].
     pub fn solve(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         let solved = self.search(stage, unknowns);
         solved.inspect_err(|_| self.keep_numbers(stage.p, stage.t))
