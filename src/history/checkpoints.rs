@@ -15,17 +15,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 #[derive(Debug)]
 pub struct Checkpoints {
     budget: usize,
-    /// Number of steps of the run, if known.
     planned: Option<usize>,
     start: Option<StartRecord<f64>>,
     steps: usize,
-    /// All steps, while they fit into the memory.
     all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
     /// Most bytes of one checkpoint that this rank keeps; known after the first step.
     checkpoint_bytes: usize,
-    /// Next step before which a checkpoint is wanted.
     wanted: usize,
     /// Distance of checkpoints when the number of steps is unknown.
     distance: usize,
@@ -90,7 +87,6 @@ impl Checkpoints {
         self.kept.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Divides the memory when the first step shows how large steps are.
     fn divide(&mut self, step: &StepRecord<f64>) -> Result<(), RunError> {
         let (step_bytes, budget, t) = (step.bytes().len(), self.budget, step.t);
         let kept = most_kept(step_bytes);
@@ -124,7 +120,6 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// Where the next checkpoint goes.
     fn plan(&mut self, step: usize) {
         let slots = self.slots;
         let Some(planned) = self.planned else {
@@ -223,7 +218,6 @@ impl History for Checkpoints {
     }
 }
 
-/// Steps computed again.
 struct Again<'h> {
     grid: &'h TimeGrid,
     direction: Direction,

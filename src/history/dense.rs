@@ -16,12 +16,10 @@ pub struct Snapshot {
     pub mu: Vec<f64>,
 }
 
-/// One end of a step.
 #[derive(Clone, Debug)]
 struct End {
     /// The state; its acceleration is empty where the method has no stage there, its multipliers are those of the last stage.
     state: Snapshot,
-    /// An equilibrium, not a motion.
     is_static: bool,
 }
 
@@ -59,12 +57,10 @@ pub struct Dense {
 }
 
 impl Dense {
-    /// Before the first step.
     pub fn new(start: &StartRecord<f64>) -> Self {
         Dense { start: End::start(start), end: End::start(start) }
     }
 
-    /// Moves on to the next step.
     pub fn step(&mut self, step: &StepRecord<f64>) {
         self.start = std::mem::replace(&mut self.end, End::of(step));
         if let Some(restart) = &step.restart {

@@ -37,7 +37,6 @@ pub struct FileHistory {
     steps: usize,
     /// Bytes of complete frames, header included.
     bytes: u64,
-    /// Where the steps begin and end.
     ends: [u64; 2],
     frame: Vec<u8>,
     /// What an earlier run left, until this one is as far.
@@ -47,7 +46,6 @@ pub struct FileHistory {
     paused: (u64, u64, Instant),
 }
 
-/// Steps that an earlier run left.
 struct Found {
     steps: usize,
     /// Where the last pause begins, and how many steps there are before.
@@ -73,7 +71,6 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// Opens a file to which no other run has access.
 fn opened_alone(options: &OpenOptions, path: &Path) -> io::Result<File> {
     let file = options.open(path)?;
     file.try_lock().map_err(|cause| match cause {
@@ -83,13 +80,11 @@ fn opened_alone(options: &OpenOptions, path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// Whether a file holds a finished step: its frames behind the first step are not read.
 fn has_steps(path: &Path) -> bool {
     let Ok(mut reader) = Reader::open(path) else { return false };
     reader.identity().is_ok() && reader.frame_at(HEADER, 0).is_ok() && reader.frame_at(HEADER + reader.length, 1).is_ok()
 }
 
-/// Refuses what is there and is no file of a run.
 fn refuse_others(path: &Path) -> io::Result<()> {
     check_place(path)?;
     let mut file = match File::open(path) {
@@ -108,7 +103,6 @@ fn failure(place: String, path: &Path, cause: impl fmt::Display, hint: impl Into
     RunError::stopped(Stop::History, place, cause.to_string(), hint)
 }
 
-/// What to do about a file that can't be written.
 const ELSEWHERE: &str = "name a file on a disk with room, or keep the run in memory or as checkpoints";
 
 impl FileHistory {
@@ -206,7 +200,6 @@ impl FileHistory {
         Ok(own)
     }
 
-    /// The file under the name that it has now.
     pub fn place(&self) -> PathBuf {
         if self.complete { self.path.clone() } else { part_of(&self.path) }
     }
@@ -272,7 +265,6 @@ impl FileHistory {
         Ok(())
     }
 
-    /// Whether an earlier run came further.
     fn is_behind(&self) -> bool {
         self.found.as_ref().is_some_and(|found| found.steps > self.steps)
     }
@@ -404,7 +396,6 @@ fn read_step(step: &mut StepRecord<f64>, bytes: &[u8], rule: StepRule) -> Result
     unpack(step, bytes, rule).ok_or(Damage::Unreadable)
 }
 
-/// Steps read one after the other.
 struct FromFile<'h> {
     history: &'h FileHistory,
     direction: Direction,
@@ -413,7 +404,6 @@ struct FromFile<'h> {
     reader: Reader,
     /// Where the next frame begins, or ends on the way back.
     position: u64,
-    /// Indices of steps to be read.
     left: Range<usize>,
     step: StepRecord<f64>,
 }
@@ -469,7 +459,6 @@ mod tests {
         step
     }
 
-    /// A disk with room for some bytes.
     struct Disk {
         file: File,
         room: usize,

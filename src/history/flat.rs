@@ -19,7 +19,6 @@ pub(super) trait Flat: Sized {
         bytes
     }
 
-    /// Reads so many into the memory of a list.
     fn refill(list: &mut Vec<Self>, count: usize, bytes: &mut &[u8]) -> Option<()> {
         list.clear();
         for _ in 0..count {
@@ -27,7 +26,6 @@ pub(super) trait Flat: Sized {
         }
         Some(())
     }
-    /// From all of the bytes.
     fn from_bytes(mut bytes: &[u8]) -> Option<Self> {
         Self::take(&mut bytes).filter(|_| bytes.is_empty())
     }

@@ -10,7 +10,6 @@ use std::fmt;
 /// A run in a file of the first rank, which hands its steps to the others where all ask for them; these keep none.
 pub struct Handed {
     world: &'static dyn Exchange,
-    /// Of the first rank.
     file: Option<FileHistory>,
     start: Option<StartRecord<f64>>,
     steps: usize,
@@ -109,7 +108,6 @@ impl History for Handed {
     }
 }
 
-/// Steps that the first rank reads.
 struct Handing<'h> {
     world: &'static dyn Exchange,
     file: Option<Box<dyn Steps + 'h>>,

@@ -1,7 +1,6 @@
 use super::{Direction, History, Rerun, Usage};
 use crate::integrators::{Observer, RunError, StartRecord, StepRecord, Steps};
 
-/// Counts steps and keeps none.
 #[derive(Debug, Default)]
 pub struct Nothing {
     steps: usize,

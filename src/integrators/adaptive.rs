@@ -110,19 +110,15 @@ pub fn march_adaptive(
     (grid, run)
 }
 
-/// Before a first size is chosen.
 const FIRST_STEP_SIZE: StepSizeState = StepSizeState { h: 0.0, last_error: 1.0, rejected: 0, halvings: 0, left: 0 };
 
-/// Steps as long as their error allows.
 struct ByError<'c> {
     control: &'c StepControl,
     table: &'c Table,
     embedded: &'c Embedded,
     /// Moving coordinates: those of fixed nodes have no error.
     moving: Vec<usize>,
-    /// The step just tried was too long.
     retried: bool,
-    /// Difference of the embedded solution.
     difference: Vec<f64>,
 }
 
@@ -150,7 +146,6 @@ impl<'c> ByError<'c> {
         if other <= 1.0 || own >= other || own.is_nan() { own } else { other }
     }
 
-    /// Difference of two solutions of a step as a share of what is allowed.
     fn error_of(
         &mut self,
         other: &Embedded,

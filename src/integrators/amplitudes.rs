@@ -15,19 +15,16 @@ use std::sync::Arc;
 /// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 1;
 
-/// Entries of a matrix: row, column, value.
 type Entries = Vec<(usize, usize, f64)>;
 
 /// K with the constraints, and M and C among nodes.
 pub(super) struct Pencil {
-    /// Unknowns: of nodes, then multipliers.
     pub size: usize,
     stiffness: Entries,
     mass: Entries,
     damping: Entries,
 }
 
-/// Entries of a matrix, column by column.
 pub(super) fn entries(pattern: &SparsePattern, values: &[f64]) -> impl Iterator<Item = (usize, usize, f64)> {
     (0..pattern.size).flat_map(move |column| {
         let places = pattern.column_starts[column]..pattern.column_starts[column + 1];
@@ -121,7 +118,6 @@ impl<'p> Amplitudes<'p> {
         Amplitudes { factors: self.factors.unexamined(), ..self }
     }
 
-    /// Factors P(lambda).
     pub fn set(&mut self, lambda: Complex64) -> Result<(), Singular> {
         self.values.fill(0.0);
         let Pencil { stiffness, mass, damping, .. } = self.pencil;

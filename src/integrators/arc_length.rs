@@ -71,7 +71,6 @@ pub struct Path {
 
 /// Corrections that a well chosen arc needs.
 const WANTED: f64 = 5.0;
-/// Most corrections.
 const MOST_CORRECTIONS: usize = 15;
 /// Correction at which a point is as good as round-off allows, relative to the largest coordinate.
 const ROUND_OFF: f64 = 1e-14;
@@ -141,7 +140,6 @@ pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, ar
     Ok(path)
 }
 
-/// A direction along the path.
 struct Direction {
     q: Vec<f64>,
     mu: Vec<f64>,
@@ -151,11 +149,9 @@ struct Direction {
 struct Follower<'m> {
     problem: &'m Problem<'m, f64>,
     newton: Newton<'m, f64>,
-    /// psi^2.
     load_weight: f64,
 }
 
-/// A point that was tried, with its tangent.
 struct Trial {
     point: PathPoint,
     tangent: Direction,
@@ -169,7 +165,6 @@ const EQUATIONS: Equations = {
 };
 
 impl Follower<'_> {
-    /// The first equilibrium, and the tangent towards larger loads.
     fn start(&mut self) -> Result<(PathPoint, Direction), RunError> {
         let Problem { model, p, start } = self.problem;
         let place = "first equilibrium (load factor 0)";
@@ -348,7 +343,6 @@ impl Follower<'_> {
         Ok(self.along_load(&point.mu, point.load))
     }
 
-    /// The same with the matrix that was factored last.
     fn along_load(&mut self, mu: &[f64], load: f64) -> Direction {
         let (force, gaps) = load_rates(self.problem, &self.newton.residual.at.q, mu, load);
         let Unknowns { x, mu, .. } = self.newton.response(&force, &gaps);
@@ -376,10 +370,8 @@ impl Direction {
     }
 }
 
-/// What a path passes.
 #[derive(Clone, Copy)]
 struct Passed {
-    /// A coordinate, or the load factor.
     coordinate: Option<usize>,
     value: f64,
 }

@@ -28,7 +28,6 @@ use crate::linalg::Eigenpair;
 use crate::scalar::Complex64;
 use nalgebra::{DMatrix, SVD};
 
-/// Most shifts that are tried.
 const MOST_SHIFTS: usize = 12;
 /// The first shift, as a share of the root of the largest ratio of stiffness and inertia: below most modes, which one far above would not tell apart.
 const FIRST_SHIFT: f64 = 1e-7;
@@ -46,7 +45,6 @@ const FREE: usize = 12;
 const RIGID: f64 = 1e-3;
 /// theta below this share of the largest one is none.
 const INFINITE: f64 = 1e-10;
-/// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
 const NO_GROWTH: f64 = 1e-9;
@@ -175,14 +173,11 @@ fn with_rates(Motions { inertial, following }: &Motions) -> WholeBasis {
 /// Pairs with the values nearest to zero, the shift, and the operator's matrix in the basis of a small model.
 type NearZero = (Vec<Eigenpair>, f64, Option<DMatrix<f64>>);
 
-/// A search for modes.
 struct Search<'m> {
     operator: Operator<'m>,
     stiffness: Jacobian,
     damping: Jacobian,
-    /// A basis of a small model.
     whole: Option<WholeBasis>,
-    /// Shift of the operator.
     shift: f64,
 }
 
@@ -261,7 +256,6 @@ impl Search<'_> {
         size * size <= ZERO * shift * shift || is_round_off
     }
 
-    /// The mode of a pair, and whether it is a rigid motion.
     fn mode(&mut self, pair: &Eigenpair, shift: f64) -> Result<(Mode, bool), RunError> {
         if shift != self.shift {
             self.operator.set_shift([shift * shift, shift])?;
@@ -323,7 +317,6 @@ fn is_motion(shape: &[f64], is_state: &[bool]) -> bool {
     moving > SAME * SAME * dot(shape, shape)
 }
 
-/// Adds a vector to orthonormal ones unless it depends on them.
 fn is_new(known: &mut Vec<Vec<f64>>, vector: &[f64]) -> bool {
     let (mut left, size) = (vector.to_vec(), dot(vector, vector).sqrt());
     for own in &*known {

@@ -69,7 +69,6 @@ impl Table {
     }
 }
 
-/// The sum for steps of length 1.
 fn combined(combination: &Combination, carried: &[f64], x: &[f64]) -> f64 {
     let terms = |factors: &[f64], values: &[f64]| factors.iter().zip(values).map(|(c, y)| c * y).sum::<f64>();
     terms(&combination.carried, carried) + terms(&combination.stages, x)

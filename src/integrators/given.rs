@@ -64,9 +64,7 @@ const WHOLE: StepSizeState = StepSizeState { h: f64::INFINITY, last_error: 0.0, 
 
 /// Each stretch of the interval is a step.
 struct Given<'g> {
-    /// Those of a finished real run.
     steps: Option<&'g mut dyn Steps>,
-    /// How often it may be halved.
     halvings: usize,
 }
 

@@ -6,13 +6,11 @@ use std::collections::BTreeMap;
 /// How time goes in each stretch between breakpoints, with the index of its first step; empty where these do not move.
 pub type Clocks<S> = Vec<(usize, Clock<S>)>;
 
-/// The clock of a step.
 pub fn clock_at<S: RunScalar>(clocks: &Clocks<S>, step: usize) -> Option<Clock<S>> {
     let place = clocks.partition_point(|(first, _)| *first <= step);
     place.checked_sub(1).map(|place| clocks[place].1)
 }
 
-/// Why there is no derivative where breakpoints coincide.
 pub fn moved_apart(t: f64) -> String {
     format!(
         "at t = {} s breakpoints of several loads or drivers coincide which the design moves apart: to either side steps are laid in another way, \
@@ -68,7 +66,6 @@ impl TimeGrid {
         TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), asked }
     }
 
-    /// Start, breakpoints and end: indices into the times.
     fn boundaries(&self) -> impl Iterator<Item = usize> {
         [0].into_iter().chain(self.breakpoints.keys().copied()).chain([self.steps()])
     }
@@ -108,7 +105,6 @@ impl TimeGrid {
         (self.asked, self.times[self.steps()]) == (other.asked, other.times[other.steps()])
     }
 
-    /// The same steps, each divided into two.
     pub(crate) fn halved(&self) -> Self {
         let mut times = vec![self.times[0]];
         times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));

@@ -9,18 +9,13 @@ use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::scalar::{COMPLEX_STEP, Complex64};
 
-/// Where an error is met.
 const PLACE: &str = "frequency response";
 /// What a solution may leave of its equations, by their largest terms.
 const LEFT: f64 = 1e-10;
 
-/// An equilibrium, and how it vibrates.
 pub(crate) struct Response {
-    /// Coordinates of the equilibrium.
     pub q: Vec<f64>,
-    /// Its multipliers.
     pub mu: Vec<f64>,
-    /// For each rate.
     pub vibrations: Vec<Vibration>,
 }
 
@@ -28,7 +23,6 @@ pub(crate) struct Response {
 pub(crate) struct Vibration {
     /// Parts of the coordinates, for a change of the design variable by 1.
     pub x: [Vec<f64>; 2],
-    /// Parts of the multipliers.
     pub mu: [Vec<f64>; 2],
 }
 
@@ -66,7 +60,6 @@ pub(crate) fn harmonic_response(
     Ok(Response { q: operator.base.q, mu: operator.reactions.mu, vibrations })
 }
 
-/// Both parts at a rate.
 fn solve(amplitudes: &mut Amplitudes, pencil: &Pencil, omega: f64, rhs: &[f64]) -> Result<[Vec<f64>; 2], RunError> {
     let undetermined = || {
         RunError::Input(format!(

@@ -8,12 +8,10 @@ use crate::elements::RunScalar;
 use crate::linalg::{Kernel, dispatch};
 use crate::scalar::larger;
 
-/// Most lists that pass together.
 pub(super) const MOST_LISTS: usize = 8;
 /// Numbers that stay in registers while all lists pass.
 const BLOCK: usize = 8;
 
-/// A block of a list that begins at a place.
 #[inline(always)]
 fn block<S>(list: &[S], place: usize) -> &[S; BLOCK] {
     list[place..].first_chunk().expect("lists of one length")

@@ -16,7 +16,6 @@ use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, S
 use crate::scalar::Complex64;
 use nalgebra::DMatrix;
 
-/// Where an error is met.
 const PLACE: &str = "derivatives of modes";
 /// Shift at which the equilibrium is looked for, as a share of the lowest omega^2.
 const SHIFT: f64 = 1e-4;
@@ -24,7 +23,6 @@ const SHIFT: f64 = 1e-4;
 pub(crate) const SAME: f64 = 1e-8;
 /// Distances from the value at which its vectors are sought, as shares of it: the first at which the matrix has factors.
 const BESIDE: [f64; 3] = [1e-10, 1e-8, 1e-6];
-/// Most iterations.
 const MOST_ITERATIONS: usize = 12;
 /// What vectors may leave of their equations, by the largest term, ...
 pub(super) const LEFT: f64 = 1e-9;
@@ -44,11 +42,8 @@ pub(crate) struct Amplitude {
     pub mu: Vec<Complex64>,
 }
 
-/// Modes of one value.
 pub(crate) struct ModeGroup {
-    /// Which ones of the list.
     pub modes: Vec<usize>,
-    /// growth + i frequency.
     pub lambda: Complex64,
     /// As many vectors z as modes.
     pub right: Vec<Amplitude>,
@@ -60,14 +55,12 @@ pub(crate) struct ModeGroup {
 
 /// Vectors of modes about an equilibrium, in a system in which constraints inside nodes are such as others.
 pub(crate) struct ModeVectors {
-    /// Coordinates of the equilibrium.
     pub q: Vec<f64>,
     /// Its reactions, without displacements.
     pub reactions: Unknowns<f64>,
     pub groups: Vec<ModeGroup>,
 }
 
-/// growth + i frequency.
 pub(crate) fn value_of(mode: &Mode) -> Complex64 {
     Complex64::new(mode.growth, mode.frequency)
 }
@@ -174,7 +167,6 @@ pub(super) fn improved(
     (value, own.swap_remove(0))
 }
 
-/// So many vectors z and w of one value.
 fn vectors(
     amplitudes: &mut Amplitudes,
     pencil: &Pencil,
@@ -234,7 +226,6 @@ fn vectors(
     Ok([of_side(false)?, of_side(true)?])
 }
 
-/// a^T b.
 fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -258,7 +249,6 @@ fn orthonormalize(vectors: &mut [Vec<Complex64>]) {
     }
 }
 
-/// A vector in all coordinates and multipliers.
 fn amplitude(system: &System, matrix: &Jacobian, own: &[Complex64]) -> Amplitude {
     let scales = vec![1.0; system.model.dofs];
     let part = |part: fn(&Complex64) -> f64| {

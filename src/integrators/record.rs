@@ -149,8 +149,6 @@ pub trait Steps {
 
 /// A finished real run that runs with derivative parts follow: their values are its values, number by number.
 pub struct Guide<'r> {
-    /// Its start.
     pub start: &'r StartRecord<f64>,
-    /// Its steps from the first on.
     pub steps: &'r mut dyn Steps,
 }

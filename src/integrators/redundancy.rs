@@ -58,7 +58,6 @@ pub(super) fn dependent_equations<S: RunScalar>(
     (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect()
 }
 
-/// Workspace of the watch over dropped equations.
 pub(super) struct Watch<S> {
     q: Vec<S>,
     work: FormulaWork<S>,
@@ -89,7 +88,6 @@ impl<S: RunScalar> Watch<S> {
     }
 }
 
-/// The error of a dropped equation that is violated.
 pub(super) fn violated(model: &Model, place: String, (row, g): (usize, f64)) -> RunError {
     let cause = format!(
         "{} was left out as redundant, but is violated by {g:.1e}: the constraints depend on each other \

@@ -34,7 +34,6 @@ impl StepError {
     pub const COARSE: f64 = 2e-3;
 }
 
-/// The largest errors of the steps so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepErrors {
     /// In coordinates and in velocities \[m, m/s\].
@@ -49,18 +48,14 @@ pub struct StepErrors {
     pub orientation: f64,
     /// Start of the first step in which it changed, and its number.
     pub leap: Option<(f64, usize)>,
-    /// Of equilibria: whether they stand.
     pub stability: Option<StabilityCourse>,
 }
 
 /// Rounding of coordinates by the model's length, with what the tables make of it at stages: up to 300 times as much.
 const ROUNDINGS: f64 = 1e3 * f64::EPSILON;
 
-/// By what errors are measured.
 pub(super) struct Measures<'m> {
-    /// Scales of coordinates.
     pub scales: &'m [f64],
-    /// The model's length \[m\].
     pub length: f64,
     /// What round-off may do to accelerations [m/s2].
     pub round_off: f64,
@@ -79,7 +74,6 @@ impl StepErrors {
         Some(list.iter().enumerate().map(weight).collect())
     }
 
-    /// Writes a weighted sum of the latest accelerations, times a factor.
     fn combine<S: RunScalar>(&self, weights: &[f64], factor: f64, sum: &mut Vec<S>) {
         let lists = || weights.iter().zip(&self.accelerations);
         let of_dof = |dof: usize| lists().map(|(weight, (_, list))| weight * list[dof]).sum::<f64>() * factor;
@@ -104,7 +98,6 @@ pub(super) fn is_smooth<S: RunScalar>(before: [&[S]; 2], after: [&[S]; 2], h: f6
     open <= SMOOTH * change
 }
 
-/// How well the steps so far resolve the motion.
 #[derive(Debug)]
 pub(super) struct Resolution<S> {
     pub errors: StepErrors,
@@ -116,13 +109,11 @@ pub(super) struct Resolution<S> {
 crate::assembly::empty_fields!(Resolution { errors, difference, factors });
 
 impl<S: RunScalar> Resolution<S> {
-    /// Begins with the acceleration of the start.
     pub fn begin(&mut self, t: f64, acceleration: &[S]) {
         self.errors.accelerations.clear();
         self.errors.accelerations.push((t, acceleration.iter().map(|a| a.value()).collect()));
     }
 
-    /// Takes note of a step: its number, and how things are measured.
     pub fn note(&mut self, table: &Table, number: usize, step: &StepRecord<S>, measures: &Measures) {
         if table.is_static() {
             return;
@@ -208,7 +199,6 @@ impl<S: RunScalar> Resolution<S> {
         self.errors.orientation = 0.0;
     }
 
-    /// The larger one of both.
     pub fn worst(&self) -> Option<StepError> {
         let shares = self.errors.worst.iter().zip(self.errors.sizes).filter_map(|(worst, size)| {
             worst.filter(|_| size > 0.0).map(|worst| StepError { share: worst.share / size, ..worst })

@@ -73,7 +73,6 @@ impl Table {
 mod tests {
     use crate::integrators::{ConstraintLevel, TimeGrid, table_by_name, tables};
 
-    /// Steps of 0.1 s.
     fn tenths(steps: usize) -> TimeGrid {
         TimeGrid::uniform(0.1 * steps as f64, steps, &[]).expect("steps")
     }

@@ -10,12 +10,10 @@ use crate::elements::RunScalar;
 #[derive(Clone, Copy)]
 pub struct StepRule<'r> {
     pub method: &'r Method,
-    /// Whether there is any constraint.
     pub constrained: bool,
 }
 
 impl<'r> StepRule<'r> {
-    /// The table by which a step is made.
     pub fn table<S>(&self, step: &StepRecord<S>) -> &'r Table {
         self.method.table.scheme(step.scheme)
     }
@@ -69,7 +67,6 @@ impl<S: RunScalar> StepRecord<S> {
         own
     }
 
-    /// Adds a projection to what it projects.
     pub(super) fn end_projection(projection: &SolveRecord<S>, order: usize, [q, v]: [&mut [S]; 2]) {
         let shift = projection.equations.constraint;
         let x = &projection.unknowns.x;

@@ -7,22 +7,17 @@ use super::step::Stepper;
 use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord};
 use crate::elements::RunScalar;
 
-/// A trial step.
 pub(super) struct TrialStep<'g> {
     /// About its size \[s\]; it is fitted to the stretch.
     pub h: f64,
     pub scheme: Scheme,
-    /// That of a finished real run.
     pub guided: Option<&'g StepRecord<f64>>,
 }
 
-/// What came of a trial step.
 pub(super) struct TrialOutcome {
     /// Start and end as elements saw them \[s\].
     pub span: (f64, f64),
-    /// Its end \[s\].
     pub reached: f64,
-    /// Whether its systems were solved.
     pub made: Result<(), RunError>,
 }
 
@@ -43,7 +38,6 @@ pub(super) trait StepSelection<S> {
         Ok(())
     }
 
-    /// The next trial step.
     fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<S>) -> Result<TrialStep<'_>, RunError>;
 
     /// Whether a trial step is accepted; otherwise another one is tried from its start.
@@ -56,11 +50,9 @@ pub(super) trait StepSelection<S> {
     ) -> Result<bool, RunError>;
 }
 
-/// The start of a run.
 pub(super) struct RunStart<'r, S> {
     pub plan: &'r StartPlan,
     pub clocks: Option<&'r Clocks<S>>,
-    /// The start of a finished real run.
     pub guided: Option<&'r StartRecord<f64>>,
 }
 

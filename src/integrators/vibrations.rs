@@ -69,7 +69,6 @@ pub(crate) struct Modes {
 }
 
 impl Modes {
-    /// The first ones.
     pub(super) fn first(mut list: Vec<Mode>, count: usize, proved: bool) -> Self {
         list.sort_by(|a, b| a.rank().total_cmp(&b.rank()).then(a.growth.total_cmp(&b.growth)));
         list.truncate(count);
@@ -79,7 +78,6 @@ impl Modes {
 
 /// First shift, as a share of the largest ratio of stiffness and inertia.
 pub(super) const FIRST_SHIFT: f64 = 1e-8;
-/// Most shifts that are tried.
 const MOST_SHIFTS: usize = 6;
 /// A shift this much smaller or larger than the lowest mode that is not rigid is chosen anew.
 const FAR: [f64; 2] = [1e-2, 10.0];
@@ -95,9 +93,7 @@ pub(super) const NOISE: f64 = 1e3 * f64::EPSILON;
 const AWAY: f64 = 1e-7;
 /// Displacement that is round-off, likewise.
 const LAST_DIGITS: f64 = 100.0 * f64::EPSILON;
-/// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 2;
-/// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// Distance of a bound from the last mode below which others are counted, as a share of its omega^2.
 const BESIDE: f64 = 1e-6;
@@ -192,7 +188,6 @@ pub(crate) fn equilibrium_at(
     Ok(operator.base.q)
 }
 
-/// Where an error is met.
 const PLACE: &str = "vibrations";
 
 /// The error of an unknown that K + s M does not determine.
@@ -229,12 +224,9 @@ pub(super) struct Operator<'m> {
     pub mass: Jacobian,
     /// Unknowns of nodes, in front of multipliers.
     pub nodes: usize,
-    /// The equilibrium.
     pub base: VectorsAvq<f64>,
-    /// Its reactions, without displacements.
     pub reactions: Unknowns<f64>,
     t: f64,
-    /// Whether K is.
     is_symmetric: bool,
 }
 
@@ -444,12 +436,10 @@ impl<'m> Operator<'m> {
         own <= NOISE * terms
     }
 
-    /// M x.
     pub fn times_mass(&self, x: &[f64]) -> Vec<f64> {
         self.times(&self.mass, x)
     }
 
-    /// A matrix of the nodes' unknowns times x.
     pub fn times(&self, matrix: &Jacobian, x: &[f64]) -> Vec<f64> {
         let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
         let mut product = vec![0.0; nodes];
@@ -458,7 +448,6 @@ impl<'m> Operator<'m> {
         product
     }
 
-    /// Solves with forces on nodes alone.
     pub fn solve_nodes(&mut self, forces: &[f64]) -> Vec<f64> {
         let mut rhs = vec![0.0; self.newton.system.size()];
         rhs[..self.nodes].copy_from_slice(forces);

@@ -24,7 +24,6 @@ use std::time::{Duration, Instant};
 pub struct AdjointRun {
     /// df/dp, df/dq0, df/dv0 for each functional.
     pub gradients: Vec<ModelNumbers<f64>>,
-    /// Work done.
     pub counters: Counters,
 }
 
@@ -178,7 +177,6 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// Back through all steps, one after the other.
     fn steps(
         &mut self,
         rerun: &Rerun,
@@ -246,7 +244,6 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// Leaves out the redundant equations that a step left out.
     fn select(
         &mut self,
         dropped: &[usize],
@@ -278,7 +275,6 @@ impl<'m> Sweep<'m> {
         }
     }
 
-    /// When functional `k` reads.
     fn times(&self, k: usize) -> Times {
         self.functionals[k].functional.over.times()
     }
@@ -314,7 +310,6 @@ impl<'m> Sweep<'m> {
         seeds
     }
 
-    /// Back through an acceleration that was solved for given (q, v).
     fn acceleration(
         &mut self,
         record: &SolveRecord<f64>,
@@ -505,14 +500,12 @@ fn join_awake<A: Send, B: Send>(first: impl FnOnce() -> A + Send, second: impl F
     )
 }
 
-/// Adjoints of what a functional reads at a sample.
 #[derive(Default)]
 struct Measured {
     at: VectorsAvq<f64>,
     mu: Vec<f64>,
 }
 
-/// Takes over a step, into the memory of the one that was there.
 fn keep(own: &mut Option<StepRecord<f64>>, step: Option<&StepRecord<f64>>) {
     match (own.as_mut(), step) {
         (Some(own), Some(step)) => own.clone_from(step),

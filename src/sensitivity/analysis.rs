@@ -70,7 +70,6 @@ pub struct Forward {
     pub crossings: Vec<Crossing>,
     /// Work done.
     pub counters: Counters,
-    /// What it follows from.
     pub(super) signature: Signature,
 }
 
@@ -410,7 +409,6 @@ impl<'m> Analysis<'m> {
         Ok(chain)
     }
 
-    /// A gradient all of whose entries are numbers.
     fn checked(&self, gradient: Gradient) -> Result<Gradient, RunError> {
         for (functional, row) in self.functionals.iter().zip(&gradient.rows) {
             let Some(variable) = row.iter().position(|entry| !entry.is_finite()) else { continue };
@@ -480,14 +478,12 @@ impl<'m> Analysis<'m> {
         )))
     }
 
-    /// Values of the functionals with derivative parts.
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
         let clocks = self.clocks(&numbers.p, forward)?;
         self.values_along(&numbers, &clocks, forward)
     }
 
-    /// The same for numbers and ends of steps with derivative parts.
     pub(super) fn values_along<S: RunScalar>(
         &self,
         numbers: &ModelNumbers<S>,
@@ -519,7 +515,6 @@ impl<'m> Analysis<'m> {
     }
 }
 
-/// Whether a run is that of a design with these numbers.
 fn check_belonging(x: &[f64], numbers: &ModelNumbers<f64>, forward: &Forward) -> Result<(), RunError> {
     let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
     let why = match differing {
@@ -570,7 +565,6 @@ impl Observer for Measuring<'_, '_> {
     }
 }
 
-/// Evaluates functionals and keeps nothing.
 struct Perturbation<'f, S>(Values<'f, S>);
 
 impl<S: RunScalar> Observer<S> for Perturbation<'_, S> {

@@ -23,9 +23,7 @@ pub(crate) struct Breakpoint {
     pub at: SwitchTime,
     /// What the formula does there, in the state of the start; `None` where it goes on smoothly.
     pub kind: Option<SwitchKind>,
-    /// Name of the element, joint or functional.
     pub part: String,
-    /// Whether that is a joint.
     pub is_constraint: bool,
 }
 
@@ -41,12 +39,10 @@ impl Breakpoints {
         search.failed.map_or(Ok(Breakpoints(search.found)), Err)
     }
 
-    /// All of them.
     pub fn all(&self) -> &[Breakpoint] {
         &self.0
     }
 
-    /// Their times \[s\].
     pub fn times(&self) -> Vec<f64> {
         self.0.iter().map(|own| own.at.t).collect()
     }

@@ -37,16 +37,13 @@ const SETTLED: f64 = 1e-15;
 /// ... or at least this one.
 const UNSETTLED: f64 = 1e-10;
 
-/// An equilibrium with its modes.
 pub(crate) struct Still<'a> {
     pub vectors: &'a ModeVectors,
     /// The equations of the equilibrium: states of first order are among its unknowns, whether modes move them or not.
     pub system: Arc<System<'a>>,
     pub p: &'a [f64],
-    /// Parameters whose derivatives are asked for.
     pub active: &'a [bool],
     pub method: &'a Method,
-    /// Time, or the load factor.
     pub t: f64,
     /// With whatever depends on velocities.
     pub is_damped: bool,
@@ -61,7 +58,6 @@ pub(crate) struct ValueSeeds {
     pub q: [Vec<f64>; 2],
 }
 
-/// The gradient of w^T B z.
 struct AdjointSeeds {
     q: Vec<Complex64>,
     mu: Vec<Complex64>,

@@ -13,7 +13,6 @@ use std::collections::HashSet;
 const TOGETHER: f64 = 1e-9;
 
 impl Analysis<'_> {
-    /// Times at which steps end for given parameters.
     pub(super) fn breakpoints(&self, numbers: &ModelNumbers<f64>) -> Result<Breakpoints, RunError> {
         let end = self.grid.times[self.grid.steps()];
         Breakpoints::of(self.model, self.functionals, numbers, end).map_err(RunError::Input)

@@ -89,7 +89,6 @@ impl Analysis<'_> {
     }
 }
 
-/// Reads what functionals measure while a run goes on.
 struct Reading<'f, S> {
     functionals: &'f [Functional],
     model: &'f Model,

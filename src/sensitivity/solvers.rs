@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// employ all threads themselves and take most of the memory, share one, also with what has the same pattern beside them; so do the tiny
 /// ones, and those of a linear system, whose matrix is factored once.
 pub(super) struct StepSolvers<'m> {
-    /// Whether each stage has a solver of its own.
     pub are_apart: bool,
     /// Of projections and accelerations, where they do not share that of the stages: both projections of a step mostly have the same matrix.
     plain: Option<TransposedSolver<'m>>,
@@ -29,7 +28,6 @@ pub(super) struct StepSolvers<'m> {
 const SHARED: f64 = 2.5e5;
 
 impl<'m> StepSolvers<'m> {
-    /// Solvers for the equations of a run.
     pub fn new(system: &Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(system.clone(), method, active)?;
         let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
@@ -45,7 +43,6 @@ impl<'m> StepSolvers<'m> {
         Ok(solvers)
     }
 
-    /// The same for another step.
     pub fn clone_analysis(&self) -> Result<Self, RunError> {
         let stages = self.stages.iter().map(TransposedSolver::clone_analysis).collect::<Result<Vec<_>, _>>()?;
         let plain = self.plain.as_ref().map(TransposedSolver::clone_analysis).transpose()?;
@@ -76,12 +73,10 @@ impl<'m> StepSolvers<'m> {
         }
     }
 
-    /// The solver of a stage.
     pub fn stage(&mut self, stage: usize) -> &mut TransposedSolver<'m> {
         &mut self.stages[if self.are_apart { stage } else { 0 }]
     }
 
-    /// The solver of projections and accelerations.
     pub fn plain(&mut self) -> &mut TransposedSolver<'m> {
         match &mut self.plain {
             Some(plain) => plain,

@@ -13,7 +13,6 @@ use nalgebra::DMatrix;
 pub(crate) struct Transition {
     /// Places of the coordinates, and of the velocities, that may change.
     pub places: [Vec<usize>; 2],
-    /// Coordinates and velocities at the start and at the end.
     pub ends: [ModelNumbers<f64>; 2],
     /// Changes of the start that keep all constraints, orthogonal and of length one.
     pub basis: DMatrix<f64>,
@@ -123,7 +122,6 @@ fn changing_places(model: &Model) -> [Vec<usize>; 2] {
     [moving.flat_map(|node| node.dofs.clone()).collect(), free().flat_map(|node| node.dofs.clone()).collect()]
 }
 
-/// Keeps the states at the start and at the end of a run.
 struct Ends<S> {
     start: ModelNumbers<S>,
     end: ModelNumbers<S>,

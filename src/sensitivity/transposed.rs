@@ -44,12 +44,10 @@ const OF_USE: f64 = 1e-13;
 const NEGLIGIBLE: f64 = 1e-250;
 
 impl Backward {
-    /// Of parameters alone.
     pub fn of_parameters(parameters: usize) -> Self {
         Backward { p: vec![0.0; parameters], ..Backward::default() }
     }
 
-    /// Sets what is negligible to zero.
     pub fn drop_negligible(&mut self) {
         let carried = self.carried.iter_mut().flatten();
         for bar in carried.chain(&mut self.mu).filter(|bar| bar.abs() < NEGLIGIBLE) {
@@ -64,22 +62,18 @@ impl Backward {
 pub(super) struct Trial {
     /// Systems to go by.
     left: usize,
-    /// How many went by last.
     waited: usize,
 }
 
-/// Most systems that go by.
 const LONGEST_WAIT: usize = 64;
 
 impl Trial {
-    /// Whether it is tried now.
     fn is_due(&mut self) -> bool {
         let due = self.left == 0;
         self.left = self.left.saturating_sub(1);
         due
     }
 
-    /// Takes note of whether it was of use.
     fn learn(&mut self, was_of_use: bool) {
         self.waited = if was_of_use { 0 } else { (2 * self.waited + 1).min(LONGEST_WAIT) };
         self.left = self.waited;
@@ -94,7 +88,6 @@ pub(super) struct TransposedSolver<'m> {
     factorization: Factorization,
     /// The solution, with the multipliers inside nodes that follow from it.
     unknowns: Unknowns<f64>,
-    /// Parameters whose derivatives are asked for.
     active: &'m [bool],
     products: Products,
     /// The system that was factored, until its adjoint is asked for.
@@ -103,20 +96,16 @@ pub(super) struct TransposedSolver<'m> {
     constant: Option<(Equations, bool)>,
     /// Of the factors of an earlier matrix: for stages, and for projections of coordinates and of velocities.
     trials: [Trial; 3],
-    /// See [`TransposedSolver::is_alone`].
     is_alone: bool,
     /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::refined_scaling`].
     refined_scaling: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
     has_projection: Option<(bool, f64)>,
-    /// Whether an adjoint of the last system was not zero.
     needed: bool,
-    /// Work that is not counted yet.
     work: Counters,
     /// Right-hand sides, then solutions, in the unknowns of the matrix.
     reduced: Vec<f64>,
     sweep: Sweep,
-    /// Adjoints of the base point.
     bases: Vec<VectorsAvq<f64>>,
 }
 
@@ -132,7 +121,6 @@ struct Sweep {
     moved: VectorsAvq<f64>,
 }
 
-/// A system that was factored.
 struct Factored {
     t: f64,
     equations: Equations,
@@ -166,7 +154,6 @@ impl<'m> TransposedSolver<'m> {
         self.factorization.plan().work.map_or(0.0, |work| work.multiplications)
     }
 
-    /// Another one for the same system.
     pub fn clone_analysis(&self) -> Result<Self, RunError> {
         let factorization = self.factorization.clone_analysis().map_err(|s| RunError::of_pattern("adjoint", s))?;
         let work = Counters::measuring(self.work.nanoseconds.is_some());
@@ -258,12 +245,10 @@ impl<'m> TransposedSolver<'m> {
         self.has_projection.map(|_| self.factorization.refined_scaling())
     }
 
-    /// From now on matrices are scaled with such care.
     pub fn take_care(&mut self, refined_scaling: bool) {
         self.refined_scaling = refined_scaling;
     }
 
-    /// Whether an adjoint of the last system was not zero.
     pub fn was_needed(&self) -> bool {
         self.needed
     }
@@ -445,7 +430,6 @@ impl<'m> TransposedSolver<'m> {
         }
     }
 
-    /// Adds the products with what is inside nodes.
     fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], seeds: &[SolutionSeed]) {
         let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
         let all = 3 * system.model.dofs;
@@ -574,7 +558,6 @@ pub(super) fn set_zero_vectors(VectorsAvq { a, v, q }: &mut VectorsAvq<f64>, dof
     [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
 }
 
-/// target += factor values.
 pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     if factor != 0.0 {
         target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);

@@ -8,11 +8,9 @@ use crate::linalg::Singular;
 /// Relative correction of derivative parts that may be round-off.
 pub(super) const PARTS_LIMIT: f64 = 1e-9;
 
-/// What to try where a step has no solution.
 const IN_TIME: &str = "try a smaller step, steps chosen by their error, or for stiff forces the method sdirk4";
 const STATIC: &str = "try a smaller step; what only its own tension holds, as a straight cable, finds its equilibrium by start = \"equilibrium\" \
                       with a method of motion";
-/// What an unknown without stiffness means.
 pub const NOT_HELD: &str = "nothing holds it in equilibrium: give it a support, a joint or a spring; what only its own tension holds, as a straight \
                             cable or chain, finds its equilibrium by start = \"equilibrium\" with a method of motion; at a limit of the load take smaller \
                             steps, or follow the path by its arc length";
@@ -30,7 +28,6 @@ pub(super) enum FailureKind {
     Diverged,
     Stagnated,
     NotFinite,
-    /// What was found is no solution.
     Unbalanced,
     /// Of the derivative parts alone, the value being a solution: what happened.
     Parts(&'static str),
@@ -43,7 +40,6 @@ impl Failure {
 }
 
 impl<S: RunScalar> Newton<'_, S> {
-    /// The failure in words.
     pub fn describe(&self, failure: &Failure, equations: &Equations, place: &str) -> RunError {
         let model = self.system.model;
         if let FailureKind::NotFinite | FailureKind::Singular(_) = failure.how {

@@ -8,7 +8,6 @@ use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 /// Where a matrix was assembled: the factorization is made again from it, bit by bit.
 #[derive(Debug, PartialEq)]
 pub struct FactoredAt<S> {
-    /// Time \[s\].
     pub t: f64,
     /// Point from which the unknowns move.
     pub base: VectorsAvq<S>,
@@ -32,17 +31,13 @@ clone_fields!(FactoredAt { t, base, unknowns });
 pub struct KeptFactorization<S> {
     /// The equations for which the matrix was factored last, if the factorization is still in use.
     pub factored: Option<Equations>,
-    /// Where it was.
     pub at: FactoredAt<S>,
     /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
     pub floors: [Option<Floor>; 3],
     /// Equations for which floors were measured.
     pub measured: Option<Equations>,
-    /// Factorizations since then.
     pub measured_for: usize,
-    /// Rates of convergence.
     pub contractions: Contractions,
-    /// Whether steps begin with a new matrix.
     pub renewal: Renewal,
 }
 

@@ -56,7 +56,6 @@ impl NewtonTolerance {
     }
 }
 
-/// Most iterations for one system.
 const MOST_ITERATIONS: usize = 25;
 /// Relative correction at which the unknowns are as good as round-off allows.
 const ROUND_OFF: f64 = 1e-14;
@@ -65,13 +64,9 @@ const MEASURED_FOR: usize = 10;
 
 /// Newton's method for the systems of one run, keeping its factorization while it converges fast.
 pub struct Newton<'m, S> {
-    /// The numbered equations.
     pub system: Arc<System<'m>>,
-    /// Evaluations, with their workspace.
     pub residual: Residual<S>,
-    /// The matrix.
     pub jacobian: Jacobian,
-    /// Work done.
     pub counters: Counters,
     pub(super) factorization: Factorization,
     tolerance: NewtonTolerance,
@@ -85,9 +80,7 @@ pub struct Newton<'m, S> {
     pub(super) t: f64,
     /// Unknowns from which a search with an old matrix started.
     guess: Unknowns<S>,
-    /// What goes from one system to the next.
     kept: KeptFactorization<S>,
-    /// Solution at the start of an estimate.
     work: Unknowns<S>,
     /// State and row of a look at redundant equations.
     state: VectorsAvq<S>,
@@ -95,7 +88,6 @@ pub struct Newton<'m, S> {
     formula_work: FormulaWork<f64>,
     /// Whether the matrix of stages is the same in all states; looked up when a step begins with one.
     is_constant: Option<bool>,
-    /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Whether elements have stresses that a search can relieve; looked up when a search first fails.
     relievable: Option<bool>,
@@ -119,7 +111,6 @@ pub struct Newton<'m, S> {
 const LARGE_FILL: usize = 1_000_000;
 
 impl<'m, S: RunScalar> Newton<'m, S> {
-    /// Workspace for a system.
     pub fn new(system: Arc<System<'m>>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
         let factorization = Factorization::new(&system.pattern, backend)?;
         Ok(Self::of(system, tolerance, factorization))
@@ -229,7 +220,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Ok(())
     }
 
-    /// Comes near to a solution with relieved stresses, and solves from there.
     fn solve_relieved(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         self.approach_relieved(stage, unknowns)?;
         self.solve_balanced(stage, unknowns)
@@ -246,7 +236,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
     }
 
-    /// What a failure is described with.
     fn keep_numbers(&mut self, p: &[S], t: f64) {
         self.p.clear();
         self.p.extend(p.iter().map(|p| p.value()));

@@ -11,7 +11,6 @@ const LOST: f64 = 1e6;
 /// Displacement in one correction, by the model's length, beyond which it is shortened: what is linear at its start turns by no more than a fifth
 /// of a radian.
 const FARTHEST: f64 = 0.1;
-/// Corrections with relieved stresses for one system.
 const MOST_RELIEVED: usize = 60;
 
 impl<S: RunScalar> Newton<'_, S> {

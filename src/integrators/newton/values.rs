@@ -14,7 +14,6 @@ const BALANCED: f64 = 1e-11;
 const MOST_SEARCHES: usize = 3;
 
 impl<S: RunScalar> Newton<'_, S> {
-    /// Corrects the unknowns until they are accepted.
     pub(super) fn solve_value(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         let by_residual = self.tolerance == NewtonTolerance::Residual;
         let mut convergence = Convergence::new(by_residual);
@@ -55,7 +54,6 @@ impl<S: RunScalar> Newton<'_, S> {
         Err(Failure { how: FailureKind::Stagnated, iterations: MOST_ITERATIONS, correction })
     }
 
-    /// Makes a correction with the matrix that is there.
     fn correct(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Correction {
         self.counters.iterations += 1;
         self.counters.projecting.get_mut(kind(stage.equations)).into_iter().for_each(|count| *count += 1);
@@ -122,7 +120,6 @@ impl<S: RunScalar> Newton<'_, S> {
     }
 }
 
-/// A search amid its corrections.
 struct Searched<'s, 'm, S> {
     newton: &'s mut Newton<'m, S>,
     stage: StageSystem<'s, S>,
