@@ -294,26 +294,20 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_closed: bool,
         guide: Option<&StartRecord<f64>>,
     ) -> Result<[Option<SolveRecord<S>>; 2], RunError> {
-        let place = || "projection of the start (t = 0 s)".to_string();
-        let zeros = || vec![S::zero(); self.problem.model.dofs];
-        let p = &self.problem.p;
-        let mut first = None;
-        if !is_closed {
-            let first = first.insert(SolveRecord::default());
-            first.equations = Equations::initial_position_projection();
-            first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-            let from = InitialGuess::guided(guide.and_then(|start| start.position_projection.as_ref()));
-            solve(&mut self.start, first, from, p, &place)?;
-            add_scaled(q, &first.unknowns.x, 1.0);
+        let (zeros, mut made) = (vec![S::zero(); self.problem.model.dofs], [None, None]);
+        let kinds = [Equations::initial_position_projection(), Equations::initial_velocity_projection()];
+        for (order, equations) in kinds.into_iter().enumerate().skip(usize::from(is_closed)) {
+            let velocities = if order == 0 { &zeros } else { &*v };
+            let own = made[order].insert(SolveRecord::default());
+            own.equations = equations;
+            own.base = VectorsAvq { a: zeros.clone(), v: velocities.clone(), q: q.clone() };
+            let guides = guide.map(|start| [&start.position_projection, &start.velocity_projection]);
+            let from = InitialGuess::guided(guides.and_then(|guides| guides[order].as_ref()));
+            solve(&mut self.start, own, from, &self.problem.p, &|| "projection of the start (t = 0 s)".into())?;
+            add_scaled(if order == 0 { &mut *q } else { &mut *v }, &own.unknowns.x, 1.0);
         }
-        let mut second = SolveRecord::default();
-        second.equations = Equations::initial_velocity_projection();
-        second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
-        let from = InitialGuess::guided(guide.and_then(|start| start.velocity_projection.as_ref()));
-        solve(&mut self.start, &mut second, from, p, &place)?;
-        add_scaled(v, &second.unknowns.x, 1.0);
         release(&mut self.start)?;
-        Ok([first, Some(second)])
+        Ok(made)
     }
 
     /// Moves coordinates and states to the equilibrium near them.

@@ -121,7 +121,9 @@ impl<'m> Sweep<'m> {
         solvers.end_steps(&mut self.counters);
         let seeds = self.start_bars(start, &mut back);
         if !self.method.table.is_static() {
-            self.acceleration(&start.acceleration, seeds, &mut back, &mut solvers)?;
+            let record = &start.acceleration;
+            let bases = solvers.plain().through(record, &self.problem.p, &seeds, &mut back, &mut self.counters)?;
+            carry(bases, &mut back);
         }
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
@@ -310,18 +312,6 @@ impl<'m> Sweep<'m> {
         seeds
     }
 
-    fn acceleration(
-        &mut self,
-        record: &SolveRecord<f64>,
-        seeds: Vec<SolutionSeed>,
-        back: &mut [Backward],
-        solvers: &mut StepSolvers<'m>,
-    ) -> Result<(), RunError> {
-        let bases = solvers.plain().through(record, &self.problem.p, &seeds, back, &mut self.counters)?;
-        carry(bases, back);
-        Ok(())
-    }
-
     /// Back through one step, whose stages have these weights in an integral; `last_step` if the run ends with it.
     fn step(
         &mut self,
@@ -373,7 +363,8 @@ impl<'m> Sweep<'m> {
         }
         if let Some(restart) = &step.restart {
             let seeds = take_carried_acceleration(table, back);
-            self.acceleration(restart, seeds, back, solvers)?;
+            let bases = solvers.plain().through(restart, &self.problem.p, &seeds, back, &mut self.counters)?;
+            carry(bases, back);
         }
         self.stages = stages;
         Ok(())

@@ -490,10 +490,10 @@ impl<'m> Analysis<'m> {
         clocks: &Clocks<S>,
         forward: &Forward,
     ) -> Result<(Vec<S>, Counters), RunError> {
-        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals, clocks);
-        let mut recorder = Perturbation(values);
-        let counters = self.perturbed_run(numbers, clocks, forward, &mut recorder)?;
-        Ok((recorder.0.finish().0, counters))
+        let mut values =
+            Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals, clocks);
+        let counters = self.perturbed_run(numbers, clocks, forward, &mut values)?;
+        Ok((values.finish().0, counters))
     }
 
     /// A run with derivative parts along the states of the real run: round-off of a second solution would be magnified into
@@ -565,15 +565,13 @@ impl Observer for Measuring<'_, '_> {
     }
 }
 
-struct Perturbation<'f, S>(Values<'f, S>);
-
-impl<S: RunScalar> Observer<S> for Perturbation<'_, S> {
+impl<S: RunScalar> Observer<S> for Values<'_, S> {
     fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
-        self.0.start(start);
+        Values::start(self, start);
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        self.0.step(step);
+        Values::step(self, step);
         Ok(true)
     }
 }

@@ -38,11 +38,11 @@ impl<'m> Analysis<'m> {
                 places[1].len()
             )));
         }
-        let mut begun = Ends::default();
+        let mut begun = Ends { stops: true, ..Ends::default() };
         // runs with derivative parts go along its steps
         let keep = Keep::default();
         let without = Analysis { functionals: &[], keep: &keep, ..*self };
-        match without.run(&[], numbers.clone(), &mut FirstStep(&mut begun))?.1 {
+        match without.run(&[], numbers.clone(), &mut begun)?.1 {
             None | Some(RunError::Interrupted { .. }) => {}
             Some(error) => return Err(error),
         }
@@ -77,11 +77,9 @@ impl<'m> Analysis<'m> {
         for first in (0..given.ncols()).step_by(TANGENTS) {
             let lanes = TANGENTS.min(given.ncols() - first);
             let numbers = seeded(&forward.numbers, places, given, first..first + lanes);
-            let mut ends = Ends::default();
-            let mut first_step = FirstStep(&mut ends);
-            let recorder: &mut dyn Observer<Tangents> = if whole { first_step.0 } else { &mut first_step };
+            let mut ends = Ends::<Tangents> { stops: !whole, ..Ends::default() };
             let clocks = self.clocks(&numbers.p, forward)?;
-            match self.perturbed_run(&numbers, &clocks, forward, recorder) {
+            match self.perturbed_run(&numbers, &clocks, forward, &mut ends) {
                 Err(RunError::Interrupted { .. }) if !whole => {}
                 run => drop(run?),
             }
@@ -125,9 +123,11 @@ fn changing_places(model: &Model) -> [Vec<usize>; 2] {
 struct Ends<S> {
     start: ModelNumbers<S>,
     end: ModelNumbers<S>,
+    /// Whether the run stops behind its first step.
+    stops: bool,
 }
 
-crate::assembly::empty_fields!(Ends { start, end });
+crate::assembly::empty_fields!(Ends { start, end, stops });
 
 impl<S: RunScalar> Observer<S> for Ends<S> {
     fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
@@ -138,19 +138,6 @@ impl<S: RunScalar> Observer<S> for Ends<S> {
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
         self.end.q.clone_from(&step.q);
         self.end.v.clone_from(&step.v);
-        Ok(true)
-    }
-}
-
-/// The same of the first step alone, behind which the run stops.
-struct FirstStep<'e, S>(&'e mut Ends<S>);
-
-impl<S: RunScalar> Observer<S> for FirstStep<'_, S> {
-    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
-        self.0.start(start)
-    }
-    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        self.0.step(step)?;
-        Ok(false)
+        Ok(!self.stops)
     }
 }
