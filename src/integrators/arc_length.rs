@@ -8,7 +8,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::march::{Method, Problem};
+use super::march::{Method, Problem, add_scaled};
 use super::newton::{NOT_HELD, Newton};
 use super::step::newton;
 use super::{Counters, RunError, Stability, StartPlan};
@@ -168,8 +168,7 @@ impl Follower<'_> {
     fn start(&mut self) -> Result<(PathPoint, Direction), RunError> {
         let Problem { model, p, start } = self.problem;
         let place = "first equilibrium (load factor 0)";
-        let (zeros, q) = (vec![0.0; model.dofs], start.q.clone());
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q };
+        let base = VectorsAvq { q: start.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let newton = &mut self.newton;
         let mut unknowns = newton.reactions_at_release(&base, p, 0.0);
         let solved = newton.solve(StageSystem { equations: &EQUATIONS, base: &base, p, t: 0.0 }, &mut unknowns);
@@ -282,8 +281,7 @@ impl Follower<'_> {
     /// The equilibrium an arc ahead of a point, with its tangent; or why there is none.
     fn trial(&mut self, from: &PathPoint, tangent: &Direction, arc: f64) -> Result<Trial, String> {
         let Problem { model, p, .. } = self.problem;
-        let zeros = vec![0.0; model.dofs];
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: from.q.clone() };
+        let base = VectorsAvq { q: from.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.x.iter_mut().zip(&tangent.q).for_each(|(x, d)| *x = arc * d);
         unknowns.mu.iter_mut().zip(&from.mu).zip(&tangent.mu).for_each(|((mu, from), d)| *mu = from + arc * d);
@@ -300,14 +298,11 @@ impl Follower<'_> {
             let off = arc - self.dot(&tangent.q, &unknowns.x) - self.load_weight * tangent.load * (load - from.load);
             let own = self.dot(&tangent.q, &along.q) + self.load_weight * tangent.load;
             let change = (off - self.dot(&tangent.q, &residual.x)) / own;
-            for (target, (a, b)) in unknowns.x.iter_mut().zip(residual.x.iter().zip(&along.q)) {
-                *target += a + change * b;
-            }
-            for (target, (a, b)) in unknowns.mu.iter_mut().zip(residual.mu.iter().zip(&along.mu)) {
-                *target += a + change * b;
-            }
+            let combine = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + change * b).collect::<Vec<_>>();
+            let moved = combine(&residual.x, &along.q);
+            add_scaled(&mut unknowns.x, &moved, 1.0);
+            add_scaled(&mut unknowns.mu, &combine(&residual.mu, &along.mu), 1.0);
             load += change;
-            let moved: Vec<f64> = residual.x.iter().zip(&along.q).map(|(a, b)| a + change * b).collect();
             let step = self.newton.size(&moved).max(change.abs() * self.load_weight.sqrt());
             if !step.is_finite() || step > 1e3 * arc.max(size) {
                 return Err(format!("corrections diverge at the load factor {load}"));
@@ -334,8 +329,7 @@ impl Follower<'_> {
     /// dq/dt and dmu/dt at an equilibrium; or the name of the unknown that is not determined there.
     fn towards_load(&mut self, point: &PathPoint) -> Result<Direction, String> {
         let Problem { model, p, .. } = self.problem;
-        let zeros = vec![0.0; model.dofs];
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: point.q.clone() };
+        let base = VectorsAvq { q: point.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.mu.clone_from(&point.mu);
         self.newton.set_coordinate_scales(&base, p);

@@ -4,7 +4,7 @@
 
 use super::amplitudes::{Amplitudes, Pencil, left_over};
 use super::march::{Method, Problem};
-use super::vibrations::{FIRST_SHIFT, Operator};
+use super::vibrations::Operator;
 use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::scalar::{COMPLEX_STEP, Complex64};
@@ -36,11 +36,7 @@ pub(crate) fn harmonic_response(
     t: f64,
     rates: &[f64],
 ) -> Result<Response, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, 1))?;
-    let largest = operator.largest_ratio();
-    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
-    // states that integrate what moves have a place in C alone
-    operator.set_shift([shift, shift.sqrt()])?;
+    let mut operator = Operator::at_equilibrium(problem, method, plan, t)?;
     let stiffness = operator.stiffness();
     let damping = operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity));
     let system = operator.newton.system.clone();

@@ -77,7 +77,7 @@ impl Modes {
 }
 
 /// First shift, as a share of the largest ratio of stiffness and inertia.
-pub(super) const FIRST_SHIFT: f64 = 1e-8;
+const FIRST_SHIFT: f64 = 1e-8;
 const MOST_SHIFTS: usize = 6;
 /// A shift this much smaller or larger than the lowest mode that is not rigid is chosen anew.
 const FAR: [f64; 2] = [1e-2, 10.0];
@@ -181,11 +181,7 @@ pub(crate) fn equilibrium_at(
     plan: &StartPlan,
     t: f64,
 ) -> Result<Vec<f64>, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, 1))?;
-    let largest = operator.largest_ratio();
-    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
-    operator.set_shift([shift, shift.sqrt()])?;
-    Ok(operator.base.q)
+    Ok(Operator::at_equilibrium(problem, method, plan, t)?.base.q)
 }
 
 const PLACE: &str = "vibrations";
@@ -273,10 +269,24 @@ impl<'m> Operator<'m> {
         let newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         let system = newton.system.clone();
         let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());
-        let zeros = vec![0.0; problem.model.dofs];
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: problem.start.q.clone() };
+        let base = VectorsAvq { q: problem.start.q.clone(), ..VectorsAvq::zeros(problem.model.dofs) };
         let (mass, reactions) = (Jacobian::default(), Unknowns::default());
         Ok(Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false })
+    }
+
+    /// Where states of first order have come to rest, too.
+    pub fn at_equilibrium(
+        problem: &'m Problem<'m, f64>,
+        method: &Method,
+        plan: &StartPlan,
+        t: f64,
+    ) -> Result<Self, RunError> {
+        let mut operator = Operator::new(problem, method, plan, (t, 1))?;
+        let largest = operator.largest_ratio();
+        let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
+        // states that integrate what moves have a place in C alone
+        operator.set_shift([shift, shift.sqrt()])?;
+        Ok(operator)
     }
 
     /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2.

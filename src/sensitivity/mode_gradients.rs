@@ -105,11 +105,10 @@ impl Still<'_> {
         let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
         // states that integrate what moves have a place in C alone; half the lowest value is none of a mode, where the matrix would be singular
         let rate = if model.state_dofs().next().is_some() { 2.0 * shift / lowest.sqrt() } else { 0.0 };
-        let zeros = || vec![0.0; model.dofs];
         let record = SolveRecord {
             t: self.t,
             equations: Equations::stage(StageCoefficients::new(shift, rate, 1.0), Level::Position),
-            base: VectorsAvq { a: zeros(), v: zeros(), q: self.vectors.q.clone() },
+            base: VectorsAvq { q: self.vectors.q.clone(), ..VectorsAvq::zeros(model.dofs) },
             unknowns: self.vectors.reactions.clone(),
         };
         let mut solver = TransposedSolver::new(self.system.clone(), self.method, self.active)?;
