@@ -9,9 +9,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
 ///
-/// For a known number of steps the checkpoints are placed so that the fewest steps are computed again; for an unknown one they keep even distances, which double whenever the
-/// memory is full. A run whose steps all fit into the memory is kept as it is. Going back gives the memory of checkpoints that
-/// are passed to new ones, so a second gradient of the same run begins with computing it once more.
+/// For a known number of steps the checkpoints are placed so that the fewest steps are computed again; for an unknown one they keep even
+/// distances, which double whenever the memory is full. A run whose steps all fit into the memory is kept as it is. Going back gives the
+/// memory of checkpoints that are passed to new ones, so a second gradient of the same run begins with computing it once more.
 #[derive(Debug)]
 pub struct Checkpoints {
     budget: usize,

@@ -72,7 +72,7 @@ pub use march::Method;
 pub(crate) use march::Problem;
 pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, is_cut, mode_vectors, value_of};
 pub use newton::NewtonTolerance;
-pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales};
+pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 pub(crate) use record::{Guide, Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};

@@ -17,7 +17,7 @@ const WORSE: f64 = 1e3;
 pub(super) const KEPT: f64 = VIOLATED / WORSE;
 
 /// Rows of the constraint equations in an assembled matrix, towards the unknowns of nodes.
-pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<SparseRow> {
+fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<SparseRow> {
     let pattern = &system.pattern;
     let places = system.multiplier_places();
     let nodes = places.iter().flatten().min().copied().unwrap_or(pattern.size);

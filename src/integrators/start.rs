@@ -3,14 +3,14 @@
 
 use super::newton::Newton;
 use super::not_finite::not_finite;
-use super::redundancy::{constraint_rows, dependent_equations};
+use super::redundancy::dependent_equations;
 use super::resting_start::staying_states;
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, Residual, Spin, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
-use crate::linalg::{Backend, independent_rows};
+use crate::linalg::Backend;
 use crate::scalar::Quaternion;
 use std::sync::Arc;
 
@@ -327,12 +327,13 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
 fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
     let model = problem.model;
     let place = "start (t = 0 s)";
+    let dependent_at_start = || dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None);
     if policy.drop_redundant {
-        return Ok(dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None));
+        return Ok(dependent_at_start());
     }
     if table.is_static() {
         // accelerations may not exist: freedoms of an equilibrium need no inertia
-        let dependent = dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None);
+        let dependent = dependent_at_start();
         return if dependent.is_empty() { Ok(dependent) } else { Err(redundant(model, &dependent)) };
     }
     let system = Arc::new(System::new(model, SystemOptions::default()));
@@ -347,16 +348,12 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     let Err(failure) = newton.solve(stage, &mut unknowns) else {
         return Ok(Vec::new());
     };
-    if newton.jacobian.values.is_empty() {
-        // what is no number came before a matrix
+    // what is no number came before a matrix
+    let has_matrix = !newton.jacobian.values.is_empty();
+    let dependent = if has_matrix { dependent_at_start() } else { Vec::new() };
+    if dependent.is_empty() {
         return Err(newton.describe(&failure, &Equations::acceleration(), place));
     }
-    let rows = constraint_rows(&system, &newton.jacobian);
-    let kept = independent_rows(&rows, None);
-    if kept.len() == rows.len() {
-        return Err(newton.describe(&failure, &Equations::acceleration(), place));
-    }
-    let dependent: Vec<usize> = (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect();
     Err(redundant(model, &dependent))
 }
 

@@ -365,10 +365,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Takes note of the stability at the end of the step made last.
     pub(super) fn note_stability(&mut self, stability: Option<Stability>) {
-        let (loads, step) = ([self.record.t, self.record.t + self.record.h], self.between.step);
-        if let Some(end) = stability {
-            StabilityCourse::note(&mut self.resolution.errors.stability, end, loads, step);
-        }
+        let Some(end) = stability else { return };
+        let here = ([self.record.t, self.record.t + self.record.h], self.between.step);
+        let course = &mut self.resolution.errors.stability;
+        let lost = course.and_then(|course| course.lost);
+        let is_unstable = end.verdict() == Verdict::Unstable;
+        *course = Some(StabilityCourse { end, lost: lost.or(is_unstable.then_some(here)) });
     }
 
     /// Takes note of the branch on which a driven mechanism is, where the step made last may have left it.

@@ -1,11 +1,11 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Equations, Jacobian, Level, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
+    Adjoints, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
     Term, TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
-use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
+use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord, kind};
 use crate::linalg::{Factorization, SMALL_FILL, Singular, SolverPlan, TransposedSolution};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -94,7 +94,7 @@ pub(super) struct TransposedSolver<'m> {
     factored: Option<Factored>,
     /// The equations of the factored matrix, and whether it is the same for all states and times.
     constant: Option<(Equations, bool)>,
-    /// Of the factors of an earlier matrix: for stages, and for projections of coordinates and of velocities.
+    /// Of the factors of an earlier matrix: for projections of coordinates, of velocities, and for stages.
     trials: [Trial; 3],
     is_alone: bool,
     /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::refined_scaling`].
@@ -494,15 +494,6 @@ impl<'m> TransposedSolver<'m> {
 const APART: usize = 20;
 fn is_large(plan: SolverPlan) -> bool {
     plan.work.is_some_and(|work| work.fill > SMALL_FILL)
-}
-
-/// Stages, projections of coordinates, projections of velocities.
-fn kind(equations: &Equations) -> usize {
-    match (equations.metric, equations.level) {
-        (false, _) => 0,
-        (true, Level::Position) => 1,
-        (true, _) => 2,
-    }
 }
 
 /// Adjoints of the parameters, for one functional after the other.

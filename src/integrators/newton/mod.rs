@@ -19,6 +19,7 @@ pub use failure::{Failure, NOT_HELD};
 pub use kept::{FactoredAt, KeptFactorization};
 pub use renewal::Renewal;
 pub use round_off::Floor;
+pub(crate) use round_off::kind;
 pub(crate) use sizes::coordinate_scales;
 
 use super::Counters;

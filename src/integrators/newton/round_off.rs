@@ -75,7 +75,7 @@ impl<S: RunScalar> Newton<'_, S> {
 }
 
 /// Which of the three kinds of systems that share a matrix it is.
-pub(super) fn kind(equations: &Equations) -> usize {
+pub(crate) fn kind(equations: &Equations) -> usize {
     match (equations.metric, equations.level) {
         (true, Level::Position) => 0,
         (true, _) => 1,
