@@ -1,8 +1,8 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
-    Term, TermPoint, Unknowns, VectorsAvq,
+    Adjoints, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System, Term,
+    TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
 use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord, kind};
