@@ -15,7 +15,6 @@ use crate::scalar::{COMPLEX_STEP, Complex64};
 
 /// Size of the first step \[s\]; it is divided and multiplied until steps are of a good length.
 const FIRST: f64 = 0.05;
-/// By how much a step grows or shrinks.
 const GROWTH: f64 = 4.0;
 /// Displacement of the longest step that is taken, by the model's length; the next one is as long beyond a [`SHORT`] one.
 const LONGEST: f64 = 0.3;
@@ -29,18 +28,14 @@ const NONE: f64 = 1e-10;
 const LARGEST: f64 = 1e4;
 /// Steps below this size \[s\] find nothing any more.
 const SMALLEST: f64 = 1e-9;
-/// Most steps that are tried.
 const MOST: usize = 200;
-/// Where in the run.
 const PLACE: &str = "equilibrium at the start (t = 0 s)";
 
-/// The equilibrium at which a motion begins.
 pub(super) struct RestingStart<S> {
     /// Its system, whose base are the given coordinates.
     pub record: SolveRecord<S>,
     /// Whether it stands; not known of derivative parts, which follow a real run.
     pub stability: Option<Stability>,
-    /// Work done.
     pub counters: Counters,
 }
 
@@ -100,7 +95,6 @@ fn of_states(model: &Model) -> impl Iterator<Item = (&Attached<ElementPhysics>, 
     seeing.map(|(element, nodes)| (element, nodes.iter().flat_map(|node| node.dofs.clone()).collect()))
 }
 
-/// Residual of an element at its coordinates, where nothing moves.
 fn still_residual<S: RunScalar>(element: &Attached<ElementPhysics>, p: &[S], q: &[S]) -> Vec<S> {
     let still = vec![S::zero(); q.len()];
     element.physics.residual_at(State { a: &still, v: &still, q }, &p[element.parameters.clone()], S::zero())
@@ -157,13 +151,11 @@ fn check_staying(model: &Model, stays: &[usize], p: &[f64], q: &[f64]) -> Result
     }
 }
 
-/// A search for an equilibrium.
 struct Search<'m, 'p, S> {
     newton: Newton<'m, S>,
     p: &'p [S],
     /// The equilibrium's own system, from where it is looked for.
     record: SolveRecord<S>,
-    /// Size of the next step \[s\].
     h: f64,
     /// Coordinates that it has come to.
     at: Vec<S>,
@@ -173,9 +165,7 @@ struct Search<'m, 'p, S> {
 
 /// Where a step leads, with its displacement by the model's length.
 enum Step {
-    /// To a neighbour.
     To(f64),
-    /// Farther than is trusted.
     TooLong,
     /// To a state that energy and way do not make the least one.
     NotLeast(f64),
@@ -183,7 +173,6 @@ enum Step {
 
 /// Why a state was not taken for the equilibrium.
 enum Ended {
-    /// It was not found.
     Failed(RunError),
     /// It lies elsewhere, or does not stand.
     Refused,

@@ -17,9 +17,7 @@ use std::sync::Arc;
 /// Coordinates and velocities at t = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialState<S> {
-    /// Coordinates.
     pub q: Vec<S>,
-    /// Velocities.
     pub v: Vec<S>,
 }
 
@@ -41,9 +39,7 @@ pub struct StartPlan {
     pub dropped: Vec<usize>,
     /// Choose others where these no longer do.
     pub choose_again: bool,
-    /// Project the start.
     pub project: bool,
-    /// Begin at an equilibrium.
     pub equilibrium: Option<RestingPlan>,
 }
 
@@ -79,7 +75,6 @@ impl StartPlan {
         examine(problem, table, self.policy())
     }
 
-    /// What it was made by.
     pub(super) fn policy(&self) -> ConstraintPolicy {
         let (project_start, drop_redundant, from_equilibrium) =
             (self.project, self.choose_again, self.equilibrium.is_some());
@@ -269,7 +264,6 @@ fn check_equilibrium(model: &Model, start: &InitialState<f64>, table: &Table) ->
     }
 }
 
-/// Constraints on velocities alone leave equilibria undetermined.
 fn check_holonomic(model: &Model, instead: &str) -> Result<(), RunError> {
     match model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
         Some(joint) => Err(RunError::Input(format!(
@@ -357,7 +351,6 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     Err(redundant(model, &dependent))
 }
 
-/// The error of equations that depend on the others.
 fn redundant(model: &Model, dependent: &[usize]) -> RunError {
     let kept: Vec<usize> = (0..model.equations).filter(|row| dependent.binary_search(row).is_err()).collect();
     // of a loop of beams these are hundreds

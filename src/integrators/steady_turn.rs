@@ -43,7 +43,6 @@ pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(),
     forces_turn(model, p, [q, v])
 }
 
-/// The coordinates of some nodes.
 fn gathered(model: &Model, nodes: &[NodeId], x: &[f64]) -> Vec<f64> {
     nodes.iter().flat_map(|node| x[model.nodes[node.0].dofs.clone()].to_vec()).collect()
 }

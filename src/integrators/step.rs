@@ -41,23 +41,19 @@ pub struct Stepper<'m, S> {
     pub(super) between: StepState<S>,
     record: StepRecord<S>,
     resolution: Resolution<S>,
-    /// Of a mechanism whose drives determine the motion.
     drives: Option<RealDrives>,
-    /// Estimated error of a step.
     difference: Vec<S>,
     /// How time goes, where derivative parts move the ends of steps, and the clock by which what is carried is measured.
     pub(super) clocks: Clocks<S>,
     clock: Option<Clock<S>>,
 }
 
-/// A driven mechanism in real numbers.
 struct RealDrives {
     rows: ConstraintRows,
     q: Vec<f64>,
     p: Vec<f64>,
     /// Pose and time before the step made last, if its side is not known.
     before: Option<(Vec<f64>, f64)>,
-    /// Determinants whose signs were asked for.
     determinants: usize,
 }
 
@@ -93,7 +89,6 @@ fn allowed<S>(table: &Table, state: &StepState<S>, h: f64, length: f64) -> Optio
     Some([q * shorter, v * shorter, (q * shorter).min(watched)])
 }
 
-/// How a step begins.
 #[derive(Clone, Copy)]
 struct StepStart {
     /// At a breakpoint: earlier steps do not foretell this one.
@@ -107,7 +102,6 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
     newton.release().map_err(|singular| RunError::of_pattern("start", singular))
 }
 
-/// Solvers of accelerations, of stages with projections, and of the start.
 fn solvers<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<[Newton<'m, S>; 3], RunError> {
     let acceleration = newton(method, system)?;
     let clone = || acceleration.clone_analysis().map_err(|singular| RunError::of_pattern("start", singular));
@@ -123,7 +117,6 @@ pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>
 }
 
 impl<'m, S: RunScalar> Stepper<'m, S> {
-    /// Workspace for a run.
     pub fn new(
         problem: &'m Problem<'m, S>,
         method: &'m Method,
@@ -153,7 +146,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         })
     }
 
-    /// Work done.
     pub fn counters(&self) -> Counters {
         let mut counters = self.earlier;
         for newton in [&self.acceleration, &self.stage, &self.start] {
@@ -162,19 +154,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         counters
     }
 
-    /// Number of the next step.
     pub fn next_step(&self) -> usize {
         self.between.step
     }
 
-    /// All that later steps depend on.
     pub fn checkpoint(&self) -> Checkpoint<S> {
         let mut checkpoint = Checkpoint::default();
         self.checkpoint_in(&mut checkpoint);
         checkpoint
     }
 
-    /// The same in the memory of another checkpoint.
     pub fn checkpoint_in(&self, checkpoint: &mut Checkpoint<S>) {
         checkpoint.between.clone_from(&self.between);
         for (newton, kept) in [&self.acceleration, &self.stage].into_iter().zip(&mut checkpoint.kept) {
@@ -212,7 +201,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
     }
 
-    /// Goes on from a pause, whose counts go on, too.
     pub(super) fn take_up(&mut self, pause: &Pause<S>) -> Result<(), RunError> {
         self.resume(&pause.checkpoint)?;
         self.resolution.errors.clone_from(&pause.errors);
@@ -310,7 +298,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(made)
     }
 
-    /// Moves coordinates and states to the equilibrium near them.
     fn come_to_rest(
         &mut self,
         plan: &RestingPlan,
@@ -335,7 +322,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         steady_turn::check(problem.model, &problem.p, [&problem.start.q, &problem.start.v])
     }
 
-    /// The end of a run.
     pub(super) fn end(self, rejected: usize) -> Run<S> {
         let counters = self.counters();
         let q = self.between.carried.into_iter().next().unwrap_or_default();
@@ -344,7 +330,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Run { q, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
     }
 
-    /// Takes note of the estimated error of the step made last.
     pub(super) fn note_error(&mut self) {
         let (stage, round_off) = (&self.stage, self.stage.measured_round_off());
         let measures = Measures { scales: &stage.coordinate_scales, length: stage.length, round_off };
@@ -363,7 +348,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         stability.is_some_and(|end| end.verdict() == Verdict::Unstable && end.negative > before)
     }
 
-    /// Takes note of the stability at the end of the step made last.
     pub(super) fn note_stability(&mut self, stability: Option<Stability>) {
         let Some(end) = stability else { return };
         let here = ([self.record.t, self.record.t + self.record.h], self.between.step);
@@ -398,12 +382,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.resolution.note_sides([start, end], (t, self.between.step));
     }
 
-    /// The step made last.
     pub fn record(&self) -> &StepRecord<S> {
         &self.record
     }
 
-    /// Takes the next step of a grid.
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let scheme = self.method.table.scheme_at(grid, index);
@@ -491,7 +473,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
-    /// Are the equations that were left out violated?
     fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
         let StepState { step, dropped, carried, .. } = &self.between;
         let worst = self.watch.worst(self.problem.model, &self.problem.p, dropped, &carried[0], t);
@@ -499,12 +480,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             .map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {} s)", shortest(t)), worst)))
     }
 
-    /// Leaves out other redundant equations.
     fn select(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         if self.acceleration.system.options.dropped == dropped { Ok(()) } else { self.renew(dropped) }
     }
 
-    /// New solvers, without these equations.
     fn renew(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         self.earlier = self.counters();
         [self.acceleration, self.stage, self.start] =
@@ -660,7 +639,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(change)
     }
 
-    /// What all steps have in common.
     pub(super) fn rule(&self) -> StepRule<'m> {
         StepRule { method: self.method, constrained: self.constrained }
     }

@@ -9,7 +9,6 @@ use crate::elements::RunScalar;
 const PASSES: usize = 4;
 /// Share of a value, per relative change of a number, that is no derivative but round-off, with [`PARTS_LIMIT`] of it.
 const ZERO_SHARE: f64 = 1e-3;
-/// What is said of derivative parts that do not converge.
 const STAGNATED: &str = "stagnated in the derivative parts";
 /// Corrections of derivative parts that shrink less than this do not converge any more.
 const SLOW_PARTS: f64 = 0.9;

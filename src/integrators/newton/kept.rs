@@ -9,14 +9,12 @@ use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 #[derive(Debug, PartialEq)]
 pub struct FactoredAt<S> {
     pub t: f64,
-    /// Point from which the unknowns move.
     pub base: VectorsAvq<S>,
     /// Unknowns, before they are brought onto the equations inside nodes.
     pub unknowns: Unknowns<S>,
 }
 
 impl<S> FactoredAt<S> {
-    /// Empties it; the memory stays.
     pub(super) fn clear(&mut self) {
         let (VectorsAvq { a, v, q }, Unknowns { x, mu, local_mu }) = (&mut self.base, &mut self.unknowns);
         [a, v, q, x, mu, local_mu].into_iter().for_each(Vec::clear);
@@ -26,7 +24,6 @@ impl<S> FactoredAt<S> {
 
 clone_fields!(FactoredAt { t, base, unknowns });
 
-/// What a Newton's method keeps from one system to the next.
 #[derive(Debug, PartialEq)]
 pub struct KeptFactorization<S> {
     /// The equations for which the matrix was factored last, if the factorization is still in use.
@@ -34,7 +31,6 @@ pub struct KeptFactorization<S> {
     pub at: FactoredAt<S>,
     /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
     pub floors: [Option<Floor>; 3],
-    /// Equations for which floors were measured.
     pub measured: Option<Equations>,
     pub measured_for: usize,
     pub contractions: Contractions,

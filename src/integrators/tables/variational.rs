@@ -2,7 +2,6 @@
 
 use crate::integrators::{Carried, Combination, Quadrature, Stage, Starter, Table};
 
-/// Name of the table.
 pub const NAME: &str = "variational";
 
 /// Place of the quadrature point of `variational` where none is given.
