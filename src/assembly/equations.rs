@@ -78,6 +78,12 @@ impl<S> Clone for StageSystem<'_, S> {
 impl<S> Copy for StageSystem<'_, S> {}
 
 impl Equations {
+    /// An equilibrium, whose unknowns are displacements.
+    pub const EQUILIBRIUM: Self = {
+        let shift = StageCoefficients::new(0.0, 0.0, 1.0);
+        Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
+    };
+
     /// The equation of motion at a stage: both points move together.
     pub fn stage(shift: StageCoefficients, level: Level) -> Self {
         Equations { residual: shift, constraint: shift, level, metric: false, variational: None }

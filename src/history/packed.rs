@@ -8,26 +8,13 @@ use crate::integrators::{RunError, SolveRecord, StageRecord, StepRecord, StepRul
 
 impl Flat for StepRecord<f64> {
     fn put(&self, bytes: &mut Vec<u8>) {
-        let StepRecord {
-            t,
-            h,
-            end,
-            scheme,
-            dropped,
-            restart,
-            carried,
-            stages,
-            position_projection,
-            velocity_projection,
-            ..
-        } = self;
-        [t, h, end].into_iter().for_each(|time| time.put(bytes));
-        scheme.put(bytes);
-        dropped.put(bytes);
-        restart.put(bytes);
-        carried.put(bytes);
-        stages.len().put(bytes);
-        for StageRecord { solve, known } in stages {
+        [self.t, self.h, self.end].put(bytes);
+        self.scheme.put(bytes);
+        self.dropped.put(bytes);
+        self.restart.put(bytes);
+        self.carried.put(bytes);
+        self.stages.len().put(bytes);
+        for StageRecord { solve, known } in &self.stages {
             known.put(bytes);
             if known.is_some() {
                 solve.unknowns.mu.put(bytes);
@@ -35,7 +22,7 @@ impl Flat for StepRecord<f64> {
                 put_solution(&solve.unknowns, bytes);
             }
         }
-        for projection in [position_projection, velocity_projection] {
+        for projection in [&self.position_projection, &self.velocity_projection] {
             projection.is_some().put(bytes);
             projection.iter().for_each(|solve| put_solution(&solve.unknowns, bytes));
         }
@@ -82,21 +69,16 @@ fn fits(step: &StepRecord<f64>, rule: StepRule) -> bool {
 }
 
 fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
-    let StepRecord {
-        t, h, end, scheme, dropped, restart, carried, stages, position_projection, velocity_projection, ..
-    } = step;
-    for time in [t, h, end] {
+    for time in [&mut step.t, &mut step.h, &mut step.end] {
         *time = Flat::take(bytes)?;
     }
-    *scheme = Flat::take(bytes)?;
-    retake(dropped, bytes)?;
-    *restart = Flat::take(bytes)?;
-    let vectors = usize::take(bytes)?;
-    carried.resize_with(vectors, Vec::new);
-    carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
-    let count = usize::take(bytes)?;
-    stages.resize_with(count, StageRecord::default);
-    for StageRecord { solve, known } in stages {
+    step.scheme = Flat::take(bytes)?;
+    retake(&mut step.dropped, bytes)?;
+    step.restart = Flat::take(bytes)?;
+    step.carried.resize_with(usize::take(bytes)?, Vec::new);
+    step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
+    step.stages.resize_with(usize::take(bytes)?, StageRecord::default);
+    for StageRecord { solve, known } in &mut step.stages {
         *known = Flat::take(bytes)?;
         if known.is_some() {
             retake(&mut solve.unknowns.mu, bytes)?;
@@ -104,7 +86,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
             take_solution(&mut solve.unknowns, bytes)?;
         }
     }
-    for projection in [position_projection, velocity_projection] {
+    for projection in [&mut step.position_projection, &mut step.velocity_projection] {
         if bool::take(bytes)? {
             take_solution(&mut projection.get_or_insert_with(SolveRecord::default).unknowns, bytes)?;
         } else {

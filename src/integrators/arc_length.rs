@@ -12,7 +12,7 @@ use super::march::{Method, Problem, add_scaled};
 use super::newton::{NOT_HELD, Newton};
 use super::step::newton;
 use super::{Counters, RunError, Stability, StartPlan};
-use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Model, NodeId, Residual, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::State;
 
 /// How far and how closely a path is followed.
@@ -158,12 +158,6 @@ struct Trial {
     corrections: usize,
 }
 
-/// Unknowns are the displacements of coordinates.
-const EQUATIONS: Equations = {
-    let shift = StageCoefficients::new(0.0, 0.0, 1.0);
-    Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
-};
-
 impl Follower<'_> {
     fn start(&mut self) -> Result<(PathPoint, Direction), RunError> {
         let Problem { model, p, start } = self.problem;
@@ -171,8 +165,8 @@ impl Follower<'_> {
         let base = VectorsAvq { q: start.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let newton = &mut self.newton;
         let mut unknowns = newton.reactions_at_release(&base, p, 0.0);
-        let solved = newton.solve(StageSystem { equations: &EQUATIONS, base: &base, p, t: 0.0 }, &mut unknowns);
-        solved.map_err(|failure| newton.describe(&failure, &EQUATIONS, place))?;
+        let solved = newton.solve(StageSystem { equations: &Equations::EQUILIBRIUM, base: &base, p, t: 0.0 }, &mut unknowns);
+        solved.map_err(|failure| newton.describe(&failure, &Equations::EQUILIBRIUM, place))?;
         let q = base.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
         let mut point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };
         let tangent = self.towards_load(&point);
@@ -215,17 +209,17 @@ impl Follower<'_> {
             } else {
                 None
             };
-            for (end, passed) in [
-                (PathEnd::Load, options.load.map(|load| Passed { coordinate: None, value: load })),
-                (PathEnd::Coordinate, options.coordinate.map(|(dof, value)| Passed { coordinate: Some(dof), value })),
-            ] {
-                let Some(passed) = passed.filter(|passed| passed.gap(&point) * passed.gap(&trial.point) <= 0.0) else {
-                    continue;
-                };
-                if passed.gap(&point) == 0.0 {
+            let ends = [
+                (PathEnd::Load, options.load.map(|value| (None, value))),
+                (PathEnd::Coordinate, options.coordinate.map(|(dof, value)| (Some(dof), value))),
+            ];
+            for (end, passed) in ends {
+                let Some((coordinate, value)) = passed else { continue };
+                let gap = |point: &PathPoint| coordinate.map_or(point.load, |dof: usize| point.q[dof]) - value;
+                if gap(&point) == 0.0 || !(gap(&point) * gap(&trial.point) <= 0.0) {
                     continue;
                 }
-                let (last, at) = self.locate(&point, &tangent, arc, 0.0, |point| passed.gap(point))?;
+                let (last, at) = self.locate(&point, &tangent, arc, 0.0, gap)?;
                 path.limits.extend(limit.filter(|(_, limit)| *limit < at).map(|(limit, _)| limit));
                 path.points.push(last);
                 path.end = end;
@@ -290,7 +284,7 @@ impl Follower<'_> {
         let size = self.newton.size(&from.q).max(self.newton.size(&unknowns.x));
         let mut previous = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
-            let stage = StageSystem { equations: &EQUATIONS, base: &base, p, t: load };
+            let stage = StageSystem { equations: &Equations::EQUILIBRIUM, base: &base, p, t: load };
             self.newton.linearize(stage, &mut unknowns).map_err(|unknown| format!("{unknown} is singular"))?;
             let residual = self.newton.correction();
             let along = self.along_load(&unknowns.mu, load);
@@ -333,7 +327,8 @@ impl Follower<'_> {
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.mu.clone_from(&point.mu);
         self.newton.set_coordinate_scales(&base, p);
-        self.newton.linearize(StageSystem { equations: &EQUATIONS, base: &base, p, t: point.load }, &mut unknowns)?;
+        self.newton
+            .linearize(StageSystem { equations: &Equations::EQUILIBRIUM, base: &base, p, t: point.load }, &mut unknowns)?;
         Ok(self.along_load(&point.mu, point.load))
     }
 
@@ -361,18 +356,6 @@ impl Direction {
     fn scale(&mut self, factor: f64) {
         self.q.iter_mut().chain(&mut self.mu).for_each(|value| *value *= factor);
         self.load *= factor;
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Passed {
-    coordinate: Option<usize>,
-    value: f64,
-}
-
-impl Passed {
-    fn gap(&self, point: &PathPoint) -> f64 {
-        self.coordinate.map_or(point.load, |dof| point.q[dof]) - self.value
     }
 }
 

@@ -73,8 +73,7 @@ fn solve(amplitudes: &mut Amplitudes, pencil: &Pencil, omega: f64, rhs: &[f64]) 
 
 /// Minus the change of the equations with the parameters, at the equilibrium.
 fn change(operator: &Operator, stiffness: &Jacobian, varied: &[Complex64], t: f64) -> Vec<f64> {
-    let (system, equations) =
-        (&operator.newton.system, Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position));
+    let (system, equations) = (&operator.newton.system, Equations::EQUILIBRIUM);
     let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
     let base = VectorsAvq { a: lift(&operator.base.a), v: lift(&operator.base.v), q: lift(&operator.base.q) };
     let own = &operator.reactions;

@@ -39,11 +39,6 @@ pub(super) struct RestingStart<S> {
     pub counters: Counters,
 }
 
-/// The equation of an equilibrium whose unknowns are displacements.
-fn at_rest() -> Equations {
-    Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position)
-}
-
 impl<S: RunScalar> RestingStart<S> {
     /// Finds the equilibrium near the start, or follows that of a real run.
     pub fn find(
@@ -61,7 +56,7 @@ impl<S: RunScalar> RestingStart<S> {
         newton.counters = Counters::measuring(method.measures_phases);
         let InitialState { q, v } = &problem.start;
         let base = VectorsAvq { a: vec![S::zero(); model.dofs], v: resting.velocities(v), q: resting.coordinates(q, v) };
-        let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
+        let mut record = SolveRecord { t, equations: Equations::EQUILIBRIUM, base, unknowns: Unknowns::default() };
         if guide.is_some() {
             solve(&mut newton, &mut record, InitialGuess::guided(guide), &p, &|| PLACE.into())?;
             return Ok(RestingStart { record, stability: None, counters: newton.counters });

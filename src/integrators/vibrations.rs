@@ -304,7 +304,7 @@ impl<'m> Operator<'m> {
 
     /// K with the reactions that are known, and the constraints.
     pub fn stiffness(&mut self) -> Jacobian {
-        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
+        let equations = Equations::EQUILIBRIUM;
         let Operator { newton: Newton { system, residual, .. }, base, reactions, problem: Problem { p, .. }, t, .. } = self;
         let mut stiffness = Jacobian::default();
         residual.evaluate(system, StageSystem { equations: &equations, base, p, t: *t }, reactions);

@@ -151,7 +151,7 @@ impl Still<'_> {
     ) -> AdjointSeeds {
         let system = &*self.system;
         let dofs = system.model.dofs;
-        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
+        let equations = Equations::EQUILIBRIUM;
         let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
         let p = lift(self.p);
         let adjoints = [(|own| own.re) as fn(&Complex64) -> f64, |own| own.im].map(|part| Adjoints {

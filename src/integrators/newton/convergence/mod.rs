@@ -56,7 +56,9 @@ pub(super) enum Verdict {
 pub(super) enum RateEstimate {
     Nothing,
     /// The rates that were seen are those of the matrix; whether it has become too old for another system.
-    Rates { is_aged: bool },
+    Rates {
+        is_aged: bool,
+    },
     Floor(Floor),
 }
 
