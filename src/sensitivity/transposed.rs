@@ -95,13 +95,16 @@ pub(super) struct TransposedSolver<'m> {
     /// The equations of the factored matrix, and whether it is the same for all states and times.
     constant: Option<(Equations, bool)>,
     /// Of the factors of an earlier matrix: for projections of coordinates, of velocities, and for stages.
-    trials: [Trial; 3],
-    is_alone: bool,
+    pub trials: [Trial; 3],
+    /// Whether one solver has all stages, on any number of threads: factors, and what is learned of them, go from each system to the next.
+    /// Otherwise the numbers of a system must not depend on which one the solver had before, but for projections at the same time.
+    pub is_alone: bool,
     /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::refined_scaling`].
-    refined_scaling: bool,
+    pub refined_scaling: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
     has_projection: Option<(bool, f64)>,
-    needed: bool,
+    /// Whether an adjoint of the last system was not zero.
+    pub needed: bool,
     work: Counters,
     /// Right-hand sides, then solutions, in the unknowns of the matrix.
     reduced: Vec<f64>,
@@ -136,12 +139,6 @@ impl<'m> TransposedSolver<'m> {
         let plan = factorization.plan();
         let is_alone = plan.unknowns < APART || is_large(plan) || Jacobian::is_constant_in_stages(&system);
         Ok(Self::of(system, factorization, active, is_alone, Counters::measuring(method.measures_phases)))
-    }
-
-    /// Whether one solver has all stages, on any number of threads: factors, and what is learned of them, go from each system to the next.
-    /// Otherwise the numbers of a system must not depend on which one the solver had before, but for projections at the same time.
-    pub fn is_alone(&self) -> bool {
-        self.is_alone
     }
 
     /// Whether the factors take more than a few megabytes.
@@ -235,22 +232,9 @@ impl<'m> TransposedSolver<'m> {
         }
     }
 
-    /// Takes over from the solver of the step before what it has learned of factors on trial.
-    pub fn learn_from(&mut self, other: &Self) {
-        self.trials = other.trials;
-    }
-
     /// Whether the last matrix needed care to be scaled, if any was factored.
     pub fn has_needed_care(&self) -> Option<bool> {
         self.has_projection.map(|_| self.factorization.refined_scaling())
-    }
-
-    pub fn take_care(&mut self, refined_scaling: bool) {
-        self.refined_scaling = refined_scaling;
-    }
-
-    pub fn was_needed(&self) -> bool {
-        self.needed
     }
 
     /// Forgets a system for whose adjoint nobody has asked, and counts the work done so far.
