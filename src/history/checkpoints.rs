@@ -21,8 +21,6 @@ pub struct Checkpoints {
     all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
-    /// Most bytes of one checkpoint that this rank keeps; known after the first step.
-    checkpoint_bytes: usize,
     wanted: usize,
     /// Distance of checkpoints when the number of steps is unknown.
     distance: usize,
@@ -65,7 +63,6 @@ impl Checkpoints {
             steps: 0,
             all: None,
             slots: 1,
-            checkpoint_bytes: 0,
             wanted: 0,
             distance: 1,
             kept: Mutex::default(),
@@ -75,12 +72,6 @@ impl Checkpoints {
     /// All steps of a run of any number, which ends with an error where they would take more than `budget` bytes.
     pub fn of_all_steps(budget: usize) -> Self {
         Checkpoints { all: Some(PackedSteps::default()), ..Self::new(budget, None) }
-    }
-
-    /// Bytes that so many checkpoints need beside one step; known after the first step.
-    pub fn memory_for(&self, checkpoints: usize) -> usize {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.step_bytes + checkpoints * self.checkpoint_bytes
     }
 
     fn kept(&mut self) -> &mut Kept {
@@ -106,7 +97,6 @@ impl Checkpoints {
             solved.map(|solve| crate::integrators::MOST_TRACKED * (solve.unknowns.bytes().len() + 8) + 64).sum();
         let factored = step.stages.last().map_or(0, |stage| 4 * stage.solve.bytes().len());
         let checkpoint_bytes = most_kept(first + later + factored);
-        self.checkpoint_bytes = checkpoint_bytes;
         self.slots = budget.saturating_sub(step_bytes) / checkpoint_bytes;
         if self.slots == 0 {
             return Err(RunError::stopped(

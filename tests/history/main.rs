@@ -4,9 +4,9 @@ mod resumed;
 
 use costate::history::{Direction, History, Keep};
 use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, Stop, table_by_name, tables};
-use costate::internals::{Checkpoints, FileHistory, Rerun, march, march_adaptive};
+use costate::internals::{Checkpoints, FileHistory, Rerun, march};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
-use costate::sensitivity::Forward;
+use costate::sensitivity::{Analysis, Forward};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -45,14 +45,12 @@ fn bits(rows: &[Vec<f64>]) -> Vec<Vec<u64>> {
 
 /// Bytes that so many checkpoints of a run need.
 fn budget_for(prepared: &Prepared, checkpoints: usize) -> usize {
-    let problem = prepared.problem();
-    let mut history = Checkpoints::new(1 << 24, None);
-    match &prepared.control {
-        Some(control) => march_adaptive(&problem, &prepared.method, control, &prepared.grid, &prepared.plan, &mut history).1,
-        None => march(&problem, &prepared.method, &prepared.grid, &prepared.plan, &mut history),
-    }
-    .expect("runs");
-    history.memory_for(checkpoints)
+    let run = |keep: &Keep| Analysis { keep, ..prepared.analysis() }.forward(&prepared.x);
+    let whole = run(&Keep::Memory).expect("runs").history;
+    let step = whole.usage().bytes / whole.steps();
+    let message = run(&Keep::Checkpoints(1)).expect_err("no room").to_string();
+    let both = message.split("one checkpoint take ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<usize>().ok());
+    step + checkpoints * (both.expect("bytes of a step and a checkpoint") - step)
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::failure::{Failure, FailureKind};
 use super::round_off::{Floor, kind};
 use super::sizes::NEAR;
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance};
-use crate::assembly::{Equations, Level, StageSystem, Unknowns};
+use crate::assembly::{Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
 
 /// What an equilibrium may leave for Newton's method to correct, as a displacement by the model's length, where round-off is less.
@@ -103,21 +103,6 @@ impl<S: RunScalar> Newton<'_, S> {
         }
         Err(Failure { how: FailureKind::Unbalanced, iterations: MOST_SEARCHES, correction: left })
     }
-
-    /// Whether a search may leave this much of its unknowns, whose size is given, and this share of the reactions; these are asked for as
-    /// many digits as accelerations.
-    fn is_allowed(&self, equations: &Equations, left: f64, size: f64, reactions: f64) -> bool {
-        let Some([coordinates, velocities, projected]) = self.allowed else { return false };
-        let used = match (equations.metric, equations.level) {
-            (true, Level::Position) => left * equations.constraint.alpha.abs() / projected,
-            (true, _) => left * equations.constraint.beta.abs() / velocities,
-            (false, _) => {
-                let [of_coordinates, of_velocities] = [equations.residual.alpha, equations.residual.beta].map(f64::abs);
-                (left * of_coordinates / coordinates).max(left * of_velocities / velocities)
-            }
-        };
-        used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
-    }
 }
 
 struct Searched<'s, 'm, S> {
@@ -139,8 +124,20 @@ impl<S: RunScalar> Sizes for Searched<'_, '_, S> {
         self.newton.can_relieve(self.stage.equations)
     }
 
+    // reactions are asked for as many digits as accelerations
     fn allows(&self, left: f64, size: f64, reactions: f64) -> bool {
-        self.newton.is_allowed(self.stage.equations, left, size, reactions)
+        let (Some([coordinates, velocities, projected]), equations) = (self.newton.allowed, self.stage.equations) else {
+            return false;
+        };
+        let used = match (equations.metric, equations.level) {
+            (true, Level::Position) => left * equations.constraint.alpha.abs() / projected,
+            (true, _) => left * equations.constraint.beta.abs() / velocities,
+            (false, _) => {
+                let [of_coordinates, of_velocities] = [equations.residual.alpha, equations.residual.beta].map(f64::abs);
+                (left * of_coordinates / coordinates).max(left * of_velocities / velocities)
+            }
+        };
+        used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
     }
 
     fn displacement(&self, step: f64) -> f64 {
