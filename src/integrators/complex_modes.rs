@@ -16,13 +16,12 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::RunError;
 use super::amplitudes::{self, Amplitudes, Pencil};
 use super::krylov::{Space, WholeBasis, add, all_pairs, dot, in_order, largest_pairs};
-use super::march::{Method, Problem};
 use super::mode_vectors::{LEFT, improved};
-use super::vibrations::{Mode, Modes, NOISE, Operator};
+use super::vibrations::{Mode, Modes, NOISE, Operator, RestingProblem};
 use super::whole_basis::Motions;
-use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 use crate::scalar::Complex64;
@@ -101,16 +100,10 @@ fn value(pair: &Eigenpair, shift: f64) -> [f64; 2] {
     [shift + re / size, -im / size]
 }
 
-/// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`, with damping and whatever else depends on
-/// velocities: the first `count`, fewer where there are no more. One of each conjugate pair is given.
-pub(crate) fn complex_modes(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-    count: usize,
-) -> Result<Modes, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, count))?;
+/// The modes about an equilibrium with damping and whatever else depends on velocities: the first `count`, fewer where there are no more. One of each
+/// conjugate pair is given.
+pub(crate) fn complex_modes(resting: RestingProblem, count: usize) -> Result<Modes, RunError> {
+    let (mut operator, model) = (Operator::new(resting, count)?, resting.problem.model);
     if operator.nodes == 0 {
         return Ok(Modes { list: Vec::new(), proved: true });
     }
@@ -121,8 +114,8 @@ pub(crate) fn complex_modes(
     let motions = operator.motions(Some(&damping), 2);
     let stiffness = operator.stiffness();
     let mut search = Search { operator, stiffness, damping, whole: motions.as_ref().map(with_rates), shift: first };
-    let mut is_state = vec![false; problem.model.dofs];
-    problem.model.state_dofs().for_each(|dof| is_state[dof] = true);
+    let mut is_state = vec![false; model.dofs];
+    model.state_dofs().for_each(|dof| is_state[dof] = true);
     let mut sought = count + FREE;
     loop {
         let (ritz, shift, matrix) = search.near_zero(sought, first)?;

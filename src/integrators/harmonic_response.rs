@@ -2,10 +2,9 @@
 //!
 //! With R and A at (0, 0, q): M = dR/da, C = dR/dv, K = d(R + A^T mu)/dq.
 
+use super::RunError;
 use super::amplitudes::{Amplitudes, Pencil, left_over};
-use super::march::{Method, Problem};
-use super::vibrations::Operator;
-use super::{RunError, StartPlan};
+use super::vibrations::{Operator, RestingProblem};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::scalar::{COMPLEX_STEP, Complex64};
 
@@ -26,21 +25,14 @@ pub(crate) struct Vibration {
     pub mu: [Vec<f64>; 2],
 }
 
-/// The response of a problem about its start, which must be an equilibrium at time (or load factor) `t`, to a harmonic change of its parameters
-/// at some rates [rad/s]: `varied` has them with a complex step along what changes.
-pub(crate) fn harmonic_response(
-    problem: &Problem<f64>,
-    varied: &[Complex64],
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-    rates: &[f64],
-) -> Result<Response, RunError> {
-    let mut operator = Operator::at_equilibrium(problem, method, plan, t)?;
+/// The response about an equilibrium to a harmonic change of its parameters at some rates [rad/s]: `varied` has them with a complex step along what
+/// changes.
+pub(crate) fn harmonic_response(resting: RestingProblem, varied: &[Complex64], rates: &[f64]) -> Result<Response, RunError> {
+    let mut operator = Operator::at_equilibrium(resting)?;
     let stiffness = operator.stiffness();
     let damping = operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity));
     let system = operator.newton.system.clone();
-    let rhs = change(&operator, &stiffness, varied, t);
+    let rhs = change(&operator, &stiffness, varied, resting.t);
     let pencil = Pencil::new(&system, operator.nodes, [&stiffness, &operator.mass], Some(&damping));
     let mut amplitudes = Amplitudes::new(&pencil, false).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
     let mut vibrations = Vec::new();

@@ -94,7 +94,7 @@ pub use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::Mode;
-pub(crate) use vibrations::{Modes, equilibrium_at, vibrations};
+pub(crate) use vibrations::{Modes, RestingProblem, equilibrium_at, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -7,11 +7,10 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::RunError;
 use super::amplitudes::{Amplitudes, Pencil, left_over};
 use super::krylov::noise;
-use super::march::{Method, Problem};
-use super::vibrations::{Mode, Operator};
-use super::{RunError, StartPlan};
+use super::vibrations::{Mode, Operator, RestingProblem};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, System, Unknowns};
 use crate::scalar::Complex64;
 use nalgebra::DMatrix;
@@ -88,17 +87,15 @@ pub(crate) fn is_cut(modes: &[Mode], asked: usize) -> bool {
     grouped(modes, asked).iter().any(|(_, members)| members.contains(&last))
 }
 
-/// Vectors of the first `asked` modes of a problem about its start, an equilibrium at time (or load factor) `t`, whose modes are known, with all
-/// that have the value of one of them: of [`vibrations`](super::vibrations()), or of [`complex_modes`](super::complex_modes()) with damping.
+/// Vectors of the first `asked` modes about an equilibrium, with all that have the value of one of them: modes of
+/// [`vibrations`](super::vibrations()), or of [`complex_modes`](super::complex_modes()) with damping.
 pub(crate) fn mode_vectors(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
+    resting: RestingProblem,
     (modes, asked): (&[Mode], usize),
     is_damped: bool,
 ) -> Result<ModeVectors, RunError> {
-    let mut operator = Operator::new(problem, &method.unreduced(), plan, (t, modes.len().max(1)))?;
+    let method = resting.method.unreduced();
+    let mut operator = Operator::new(RestingProblem { method: &method, ..resting }, modes.len().max(1))?;
     let found = grouped(modes, asked);
     let lowest = found.iter().map(|(lambda, _)| lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
     let shift = if lowest.is_finite() { SHIFT * lowest } else { 1.0 };

@@ -102,16 +102,18 @@ const ABOVE: f64 = 1e4;
 /// Searches, each from more vectors than the one before, until no mode is missing.
 const MOST_SEARCHES: usize = 4;
 
-/// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`: the first `count`, fewer where there are no
-/// more.
-pub(crate) fn vibrations(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-    count: usize,
-) -> Result<Modes, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, count))?;
+/// A problem whose start must be an equilibrium at a time, or load factor.
+#[derive(Clone, Copy)]
+pub(crate) struct RestingProblem<'m> {
+    pub problem: &'m Problem<'m, f64>,
+    pub method: &'m Method,
+    pub plan: &'m StartPlan,
+    pub t: f64,
+}
+
+/// The modes about an equilibrium: the first `count`, fewer where there are no more.
+pub(crate) fn vibrations(resting: RestingProblem, count: usize) -> Result<Modes, RunError> {
+    let mut operator = Operator::new(resting, count)?;
     if operator.nodes == 0 {
         return Ok(Modes { list: Vec::new(), proved: true });
     }
@@ -174,14 +176,9 @@ pub(crate) fn vibrations(
     Ok(Modes::first(pairs.iter().map(mode).collect(), count, proved))
 }
 
-/// The start of a problem as an equilibrium at time (or load factor) `t`, states of first order with it.
-pub(crate) fn equilibrium_at(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-) -> Result<Vec<f64>, RunError> {
-    Ok(Operator::at_equilibrium(problem, method, plan, t)?.base.q)
+/// The equilibrium, states of first order with it.
+pub(crate) fn equilibrium_at(resting: RestingProblem) -> Result<Vec<f64>, RunError> {
+    Ok(Operator::at_equilibrium(resting)?.base.q)
 }
 
 const PLACE: &str = "vibrations";
@@ -246,12 +243,7 @@ impl Space for Operator<'_> {
 
 impl<'m> Operator<'m> {
     /// At the start, where nothing may move, for so many modes.
-    pub fn new(
-        problem: &'m Problem<'m, f64>,
-        method: &Method,
-        plan: &StartPlan,
-        (t, count): (f64, usize),
-    ) -> Result<Self, RunError> {
+    pub fn new(RestingProblem { problem, method, plan, t }: RestingProblem<'m>, count: usize) -> Result<Self, RunError> {
         if count == 0 {
             return Err(RunError::Input("0 modes are asked for; it must be at least 1".into()));
         }
@@ -275,13 +267,8 @@ impl<'m> Operator<'m> {
     }
 
     /// Where states of first order have come to rest, too.
-    pub fn at_equilibrium(
-        problem: &'m Problem<'m, f64>,
-        method: &Method,
-        plan: &StartPlan,
-        t: f64,
-    ) -> Result<Self, RunError> {
-        let mut operator = Operator::new(problem, method, plan, (t, 1))?;
+    pub fn at_equilibrium(resting: RestingProblem<'m>) -> Result<Self, RunError> {
+        let mut operator = Operator::new(resting, 1)?;
         let largest = operator.largest_ratio();
         let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
         // states that integrate what moves have a place in C alone
