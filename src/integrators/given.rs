@@ -1,7 +1,7 @@
 //! Steps that are given, divided where Newton's method cannot make them if that is asked for.
 
 use super::march::{Method, Problem, Run};
-use super::record::{Guide, Observer, Steps};
+use super::record::{Observer, StartRecord, Steps};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
@@ -22,17 +22,17 @@ pub fn march<S: RunScalar>(
     march_along(problem, method, (grid, &Vec::new()), plan, None, recorder)
 }
 
-/// As [`march`], with the values of a finished real run of the same problem where a guide is given: only derivative parts are
-/// solved for, so that they belong to exactly the states of that run. Clocks have the derivative parts of the ends of steps.
+/// As [`march`], with the values of a finished real run of the same problem where its start and steps are given as a guide: only derivative
+/// parts are solved for, so that they belong to exactly the states of that run. Clocks have the derivative parts of the ends of steps.
 pub fn march_along<S: RunScalar>(
     problem: &Problem<S>,
     method: &Method,
     (grid, clocks): (&TimeGrid, &Clocks<S>),
     plan: &StartPlan,
-    guide: Option<Guide>,
+    guide: Option<(&StartRecord<f64>, &mut dyn Steps)>,
     recorder: &mut dyn Observer<S>,
 ) -> Result<Run<S>, RunError> {
-    let (guided, steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
+    let (guided, steps) = guide.unzip();
     let mut taken = TimeGrid::begin(grid.times[0], grid.asked);
     taken.times.reserve_exact(grid.steps());
     let interval = RunInterval::new(grid, &mut taken, StepSizeState::default());

@@ -74,7 +74,7 @@ pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MO
 pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
-pub(crate) use record::{Guide, Observer, Replay, Steps};
+pub(crate) use record::{Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;

@@ -146,9 +146,3 @@ pub trait Steps {
     /// The next one; `None` behind the last.
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError>;
 }
-
-/// A finished real run that runs with derivative parts follow: their values are its values, number by number.
-pub struct Guide<'r> {
-    pub start: &'r StartRecord<f64>,
-    pub steps: &'r mut dyn Steps,
-}

@@ -9,9 +9,9 @@ use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values};
 use crate::history::{Direction, History, Keep, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
-    Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
-    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, SwitchWatch, TimeGrid, march,
-    march_adaptive, march_along, march_dividing, unit_part,
+    Clocks, Counters, Crossing, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
+    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, Steps, SwitchWatch, TimeGrid,
+    march, march_adaptive, march_along, march_dividing, unit_part,
 };
 use crate::program::Digest;
 use crate::scalar::{Complex64, Tangents};
@@ -509,7 +509,7 @@ impl<'m> Analysis<'m> {
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
         let mut steps = forward.history.read(&rerun, Direction::Forward)?;
-        let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
+        let guide = forward.history.start_record().map(|start| (start, &mut *steps as &mut dyn Steps));
         let steps = (&forward.grid, clocks);
         Ok(march_along(&self.problem(numbers), self.method, steps, self.plan, guide, recorder)?.counters)
     }
