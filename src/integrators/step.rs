@@ -518,7 +518,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(), RunError> {
         let method = self.method;
         let mut state = std::mem::take(&mut self.between);
-        let mut record = std::mem::replace(&mut self.record, StepRecord::default());
+        let mut record = std::mem::take(&mut self.record);
         let index = state.step;
         self.change_clock(&mut state);
         self.stage.residual.clock = self.clock;
