@@ -23,12 +23,9 @@ pub use crate::functionals::{
     element_sum::ElementSum, functional::Measured, load::JointLoad, measured_group::MeasuredGroup,
     quantity::MeasuredQuantity, weights::QuadratureWeights,
 };
-pub use crate::history::{
-    checkpoints::Checkpoints, file::FileHistory, nothing::Nothing, rerun::Rerun, schedule::recomputed_steps,
-};
+pub use crate::history::{checkpoints::Checkpoints, file::FileHistory, nothing::Nothing, rerun::Rerun};
 pub use crate::integrators::{
-    adaptive::march_adaptive, dividing::march_dividing, given::march, march::Problem, march::Run, record::Recorder,
-    tables::table_named,
+    adaptive::march_adaptive, given::march, given::march_dividing, march::Problem, march::Run, tables::table_named,
 };
 pub use crate::linalg::factorization::{Factorization, SolverPlan, TransposedSolution, Work};
 pub use crate::linalg::{own_unknowns::OwnUnknowns, owners::Owners};

@@ -78,6 +78,12 @@ impl<S> Clone for StageSystem<'_, S> {
 impl<S> Copy for StageSystem<'_, S> {}
 
 impl Equations {
+    /// An equilibrium, whose unknowns are displacements.
+    pub const EQUILIBRIUM: Self = {
+        let shift = StageCoefficients::new(0.0, 0.0, 1.0);
+        Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
+    };
+
     /// The equation of motion at a stage: both points move together.
     pub fn stage(shift: StageCoefficients, level: Level) -> Self {
         Equations { residual: shift, constraint: shift, level, metric: false, variational: None }
@@ -270,16 +276,8 @@ pub(crate) use empty_fields;
 
 /// Empty at first, and copied field by field, into the memory that is there.
 macro_rules! clone_fields {
-    ($record:ident { $($field:ident),* }) => {
-        $crate::assembly::empty_fields!($record { $($field),* });
-        $crate::assembly::cloned_in_place!($record { $($field),* });
-    };
-}
-pub(crate) use clone_fields;
-
-/// Copied field by field, into the memory that is there.
-macro_rules! cloned_in_place {
     ($record:ident { $($field:ident),* $(,)? }) => {
+        $crate::assembly::empty_fields!($record { $($field),* });
         impl<S: Clone> Clone for $record<S> {
             fn clone(&self) -> Self {
                 $record { $($field: self.$field.clone()),* }
@@ -290,7 +288,13 @@ macro_rules! cloned_in_place {
         }
     };
 }
-pub(crate) use cloned_in_place;
+pub(crate) use clone_fields;
+
+impl Default for Equations {
+    fn default() -> Self {
+        Equations::acceleration()
+    }
+}
 
 clone_fields!(VectorsAvq { a, v, q });
 clone_fields!(Unknowns { x, mu, local_mu });

@@ -43,7 +43,7 @@ pub use constraint_programs::ConstraintPart;
 pub(crate) use constraint_rows::ConstraintRows;
 pub use element_programs::Force;
 pub use equations::{Equations, Level, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
-pub(crate) use equations::{clone_fields, cloned_in_place, empty_fields};
+pub(crate) use equations::{clone_fields, empty_fields};
 pub(crate) use evaluation::{BatchWork, run_lanes};
 pub(crate) use gather_map::Starts;
 pub use jacobian::Jacobian;

@@ -1,32 +1,26 @@
-use super::flat::{Flat, Put};
+use super::flat::Flat;
 use super::packed::PackedSteps;
 use super::schedule::split;
 use super::sliced::{Sliced, most_kept};
-use super::{History, Rerun, Usage};
+use super::{Direction, History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
+use crate::integrators::{Checkpoint, Observer, Pause, RunError, StartRecord, StepRecord, Stepper, Steps, Stop, TimeGrid};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
 ///
-/// For a known number of steps the checkpoints are placed so that the fewest steps are computed again
-/// (`recomputed_steps`); for an unknown one they keep even distances, which double whenever the
-/// memory is full. A run whose steps all fit into the memory is kept as it is. Going back gives the memory of checkpoints that
-/// are passed to new ones, so a second gradient of the same run begins with computing it once more.
+/// For a known number of steps the checkpoints are placed so that the fewest steps are computed again; for an unknown one they keep even
+/// distances, which double whenever the memory is full. A run whose steps all fit into the memory is kept as it is. Going back gives the
+/// memory of checkpoints that are passed to new ones, so a second gradient of the same run begins with computing it once more.
 #[derive(Debug)]
 pub struct Checkpoints {
     budget: usize,
-    /// Number of steps of the run, if known.
     planned: Option<usize>,
     start: Option<StartRecord<f64>>,
     steps: usize,
-    /// All steps, while they fit into the memory.
     all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
-    /// Most bytes of one checkpoint that this rank keeps; known after the first step.
-    checkpoint_bytes: usize,
-    /// Next step before which a checkpoint is wanted.
     wanted: usize,
     /// Distance of checkpoints when the number of steps is unknown.
     distance: usize,
@@ -69,29 +63,28 @@ impl Checkpoints {
             steps: 0,
             all: None,
             slots: 1,
-            checkpoint_bytes: 0,
             wanted: 0,
             distance: 1,
             kept: Mutex::default(),
         }
     }
 
-    /// Bytes that so many checkpoints need beside one step; known after the first step.
-    pub fn memory_for(&self, checkpoints: usize) -> usize {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.step_bytes + checkpoints * self.checkpoint_bytes
+    /// All steps of a run of any number, which ends with an error where they would take more than `budget` bytes.
+    pub fn of_all_steps(budget: usize) -> Self {
+        Checkpoints { all: Some(PackedSteps::default()), ..Self::new(budget, None) }
     }
 
     fn kept(&mut self) -> &mut Kept {
         self.kept.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Divides the memory when the first step shows how large steps are.
     fn divide(&mut self, step: &StepRecord<f64>) -> Result<(), RunError> {
         let (step_bytes, budget, t) = (step.bytes().len(), self.budget, step.t);
         let kept = most_kept(step_bytes);
         if self.planned.is_some_and(|planned| planned.saturating_mul(kept) <= budget) {
             self.all = Some(PackedSteps::default());
+        }
+        if self.all.is_some() {
             *self.kept() = Kept { step_bytes: kept, ..Kept::default() };
             return Ok(());
         }
@@ -104,23 +97,19 @@ impl Checkpoints {
             solved.map(|solve| crate::integrators::MOST_TRACKED * (solve.unknowns.bytes().len() + 8) + 64).sum();
         let factored = step.stages.last().map_or(0, |stage| 4 * stage.solve.bytes().len());
         let checkpoint_bytes = most_kept(first + later + factored);
-        self.checkpoint_bytes = checkpoint_bytes;
         self.slots = budget.saturating_sub(step_bytes) / checkpoint_bytes;
         if self.slots == 0 {
-            return Err(RunError::History {
-                place: format!("step 1 (t = {} s), checkpoints", shortest(t)),
-                cause: format!(
-                    "one step and one checkpoint take {} bytes, {budget} are allowed",
-                    step_bytes + checkpoint_bytes
-                ),
-                hint: "allow more memory or keep the run in a file".into(),
-            });
+            return Err(RunError::stopped(
+                Stop::History,
+                format!("step 1 (t = {} s), checkpoints", shortest(t)),
+                format!("one step and one checkpoint take {} bytes, {budget} are allowed", step_bytes + checkpoint_bytes),
+                "allow more memory or keep the run in a file",
+            ));
         }
         self.wanted = self.planned.map_or(1, |planned| split(planned, self.slots));
         Ok(())
     }
 
-    /// Where the next checkpoint goes.
     fn plan(&mut self, step: usize) {
         let slots = self.slots;
         let Some(planned) = self.planned else {
@@ -147,21 +136,27 @@ impl Checkpoints {
     }
 }
 
-impl Recorder<f64> for Checkpoints {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
-        self.start = Some(start);
+impl Observer for Checkpoints {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.start = Some(start.clone());
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         if self.steps == 0 {
             self.divide(step)?;
         }
-        self.steps += 1;
+        let (steps, budget, step_bytes) = (self.steps + 1, self.budget, self.kept().step_bytes);
         if let Some(all) = &mut self.all {
+            if steps.saturating_mul(step_bytes) > budget {
+                return Err(RunError::stopped(
+                    Stop::History,
+                    format!("step {steps} (t = {} s), memory", shortest(step.t)),
+                    format!("{steps} steps of {step_bytes} bytes take more than the {budget} bytes allowed"),
+                    "keep the run in a file, or as checkpoints",
+                ));
+            }
             all.push(step);
-            let (steps, kept) = (all.len(), self.kept());
-            kept.usage.steps = steps;
-            kept.usage.bytes = steps * kept.step_bytes;
+            self.kept().usage = Usage { steps, bytes: steps * step_bytes, ..Usage::default() };
         } else {
             let kept = self.kept();
             match &mut kept.last {
@@ -170,28 +165,24 @@ impl Recorder<f64> for Checkpoints {
             }
             kept.usage.steps = 1;
         }
+        self.steps = steps;
         Ok(true)
     }
-    fn wants_checkpoint(&self, index: usize) -> bool {
-        self.all.is_none() && index == self.wanted
-    }
-    fn checkpoint(&mut self, Pause { checkpoint, .. }: Pause<f64>) -> Result<(), RunError> {
-        let step = checkpoint.between.step;
-        self.kept().push(&checkpoint);
-        if step > 0 {
-            self.plan(step);
+    fn checkpoint(&mut self, index: usize, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        if self.all.is_none() && index == self.wanted {
+            self.kept().push(&pause().checkpoint);
+            if index > 0 {
+                self.plan(index);
+            }
         }
         Ok(())
     }
 }
 
-fn missing(place: String) -> RunError {
-    RunError::History { place, cause: "the run left no checkpoint".into(), hint: "run it again".into() }
-}
-
 fn resume(stepper: &mut Stepper<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
     let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(packed.bytes.all(&mut Vec::new())));
-    stepper.resume(&checkpoint.ok_or_else(|| missing(place()))?)
+    let missing = || RunError::stopped(Stop::History, place(), "the run left no checkpoint", "run it again");
+    stepper.resume(&checkpoint.ok_or_else(missing)?)
 }
 
 impl History for Checkpoints {
@@ -201,37 +192,25 @@ impl History for Checkpoints {
     fn steps(&self) -> usize {
         self.steps
     }
-    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+    fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError> {
         if let Some(all) = &self.all {
-            return Ok(all.forward(rerun));
+            return Ok(all.read(rerun, direction));
         }
-        let kept = self.locked()?;
-        let mut stepper = rerun.stepper()?;
-        resume(&mut stepper, kept.checkpoints.first(), || rerun.grid.place(0))?;
-        Ok(Box::new(Again { grid: rerun.grid, stepper, kept, slots: self.slots, end: self.steps, last: None }))
-    }
-    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        if let Some(all) = &self.all {
-            return Ok(all.backward(rerun));
+        let (kept, mut stepper) = (self.locked()?, rerun.stepper()?);
+        if direction == Direction::Forward {
+            resume(&mut stepper, kept.checkpoints.first(), || rerun.grid.place(0))?;
         }
-        let (kept, stepper) = (self.locked()?, rerun.stepper()?);
-        Ok(Box::new(AgainBackward(Again {
-            grid: rerun.grid,
-            stepper,
-            kept,
-            slots: self.slots,
-            end: self.steps,
-            last: None,
-        })))
+        let (grid, slots, end) = (rerun.grid, self.slots, self.steps);
+        Ok(Box::new(Again { grid, direction, stepper, kept, slots, end, last: None }))
     }
     fn usage(&self) -> Usage {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).usage
     }
 }
 
-/// Steps computed again one after the other.
 struct Again<'h> {
     grid: &'h TimeGrid,
+    direction: Direction,
     stepper: Stepper<'h, f64>,
     kept: MutexGuard<'h, Kept>,
     slots: usize,
@@ -246,43 +225,39 @@ impl Again<'_> {
         self.kept.usage.recomputed += 1;
         self.stepper.step(self.grid, None)
     }
+
+    fn backward(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
+        let Some(index) = self.end.checked_sub(1) else { return Ok(None) };
+        self.end = index;
+        // checkpoints behind this step have served; that of the start stays for another way back
+        self.kept.checkpoints.retain(|packed| packed.step <= index);
+        self.last = self.kept.last.take();
+        if self.last.is_some() {
+            return Ok(self.last.as_ref());
+        }
+        let grid = self.grid;
+        resume(&mut self.stepper, self.kept.checkpoints.last(), || grid.place(index))?;
+        loop {
+            let position = self.stepper.next_step();
+            let free = self.slots.saturating_sub(self.kept.checkpoints.len());
+            for _ in 0..split(index + 1 - position, free + 1) {
+                self.advance()?;
+            }
+            if self.stepper.next_step() > index {
+                return Ok(Some(self.stepper.record()));
+            }
+            let checkpoint = self.stepper.checkpoint();
+            self.kept.push(&checkpoint);
+        }
+    }
 }
 
 impl Steps for Again<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        if self.stepper.next_step() < self.end { self.advance().map(Some) } else { Ok(None) }
-    }
-}
-
-/// Steps computed again from the last to the first.
-struct AgainBackward<'h>(Again<'h>);
-
-impl Steps for AgainBackward<'_> {
-    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        let own = &mut self.0;
-        let Some(index) = own.end.checked_sub(1) else { return Ok(None) };
-        own.end = index;
-        // checkpoints behind this step have served; that of the start stays for another way back
-        own.kept.checkpoints.retain(|packed| packed.step <= index);
-        own.last = own.kept.last.take();
-        if own.last.is_some() {
-            return Ok(own.last.as_ref());
-        }
-        let grid = own.grid;
-        resume(&mut own.stepper, own.kept.checkpoints.last(), || grid.place(index))?;
-        loop {
-            let position = own.stepper.next_step();
-            let free = own.slots.saturating_sub(own.kept.checkpoints.len());
-            let ahead = split(index + 1 - position, free + 1);
-            for _ in 1..ahead {
-                own.advance()?;
-            }
-            own.advance()?;
-            if own.stepper.next_step() > index {
-                return Ok(Some(own.stepper.record()));
-            }
-            let checkpoint = own.stepper.checkpoint();
-            own.kept.push(&checkpoint);
+        match self.direction {
+            Direction::Backward => self.backward(),
+            Direction::Forward if self.stepper.next_step() < self.end => self.advance().map(Some),
+            Direction::Forward => Ok(None),
         }
     }
 }

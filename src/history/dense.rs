@@ -1,5 +1,5 @@
-use super::{History, Rerun};
-use crate::integrators::{RunError, SolveRecord, StartRecord, StepRecord};
+use super::{Direction, History, Rerun};
+use crate::integrators::{RunError, SolveRecord, StageRecord, StartRecord, StepRecord};
 
 /// The state at one time.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,42 +16,32 @@ pub struct Snapshot {
     pub mu: Vec<f64>,
 }
 
-/// One end of a step.
 #[derive(Clone, Debug)]
 struct End {
-    t: f64,
-    q: Vec<f64>,
-    v: Vec<f64>,
-    /// Solved acceleration; `None` where the method has no stage there.
-    a: Option<Vec<f64>>,
-    /// Multipliers of the last stage.
-    mu: Vec<f64>,
-    /// An equilibrium, not a motion.
+    /// The state; its acceleration is empty where the method has no stage there, its multipliers are those of the last stage.
+    state: Snapshot,
     is_static: bool,
 }
 
 impl End {
     fn start(start: &StartRecord<f64>) -> Self {
         let SolveRecord { t, base, unknowns, .. } = &start.acceleration;
-        End {
-            t: *t,
-            q: base.q.clone(),
-            v: base.v.clone(),
-            a: Some(unknowns.x.clone()),
-            mu: unknowns.mu.clone(),
-            is_static: false,
-        }
+        let (a, mu) = (unknowns.x.clone(), unknowns.mu.clone());
+        End { state: Snapshot { t: *t, q: base.q.clone(), v: base.v.clone(), a, mu }, is_static: false }
     }
 
     fn of(step: &StepRecord<f64>) -> Self {
         let t = step.t + step.h;
-        let mut end = End { t, q: step.q.clone(), v: step.v.clone(), a: None, mu: Vec::new(), is_static: false };
-        if let Some(last) = step.stages.last() {
-            end.a = ((t - last.solve.t).abs() <= 1e-9 * step.h).then(|| last.solve.unknowns.x.clone());
-            end.mu.clone_from(&last.solve.unknowns.mu);
-            end.is_static = last.solve.equations.is_static();
+        let mut state = Snapshot { t, q: step.q.clone(), v: step.v.clone(), a: Vec::new(), mu: Vec::new() };
+        let mut is_static = false;
+        if let Some(StageRecord { solve, .. }) = step.stages.last() {
+            if (t - solve.t).abs() <= 1e-9 * step.h {
+                state.a.clone_from(&solve.unknowns.x);
+            }
+            state.mu.clone_from(&solve.unknowns.mu);
+            is_static = solve.equations.is_static();
         }
-        end
+        End { state, is_static }
     }
 }
 
@@ -67,62 +57,52 @@ pub struct Dense {
 }
 
 impl Dense {
-    /// Before the first step.
     pub fn new(start: &StartRecord<f64>) -> Self {
         Dense { start: End::start(start), end: End::start(start) }
     }
 
-    /// Moves on to the next step.
     pub fn step(&mut self, step: &StepRecord<f64>) {
         self.start = std::mem::replace(&mut self.end, End::of(step));
         if let Some(restart) = &step.restart {
-            self.start.a = Some(restart.unknowns.x.clone());
-            self.start.mu.clone_from(&restart.unknowns.mu);
+            self.start.state.a.clone_from(&restart.unknowns.x);
+            self.start.state.mu.clone_from(&restart.unknowns.mu);
         }
     }
 
     /// Start and end of the latest step \[s\]; twice the start of the run before the first.
     pub fn span(&self) -> (f64, f64) {
-        (self.start.t, self.end.t)
+        (self.start.state.t, self.end.state.t)
     }
 
     /// The state at a time; outside the latest step that of the nearer end.
     pub fn at(&self, t: f64) -> Snapshot {
-        let Dense { start, end } = self;
+        let (start, end) = (&self.start.state, &self.end.state);
         let h = end.t - start.t;
         let share = if h > 0.0 { ((t - start.t) / h).clamp(0.0, 1.0) } else { 0.0 };
-        let zeros = vec![0.0; end.q.len()];
-        let mut moment = Snapshot { t, q: zeros.clone(), v: zeros.clone(), a: zeros, mu: end.mu.clone() };
         if h == 0.0 {
-            (moment.q, moment.v) = (start.q.clone(), start.v.clone());
-            moment.a = start.a.clone().unwrap_or_default();
-            return moment;
+            return Snapshot { t, mu: end.mu.clone(), ..start.clone() };
         }
-        let between = |ends: [f64; 2]| ends[0] + share * (ends[1] - ends[0]);
-        if end.is_static {
-            moment.q = start.q.iter().zip(&end.q).map(|(a, b)| between([*a, *b])).collect();
-            moment.mu = start.mu.iter().zip(&end.mu).map(|(a, b)| between([*a, *b])).collect();
-            return moment;
+        let between = |start: &[f64], end: &[f64]| start.iter().zip(end).map(|(a, b)| a + share * (b - a)).collect();
+        let zeros = || vec![0.0; end.q.len()];
+        if self.end.is_static {
+            let (q, mu) = (between(&start.q, &end.q), between(&start.mu, &end.mu));
+            return Snapshot { t, q, v: zeros(), a: zeros(), mu };
         }
-        let accelerations = start.a.as_ref().zip(end.a.as_ref());
+        let are_solved = !start.a.is_empty() && !end.a.is_empty();
+        let mu = if are_solved { between(&start.mu, &end.mu) } else { end.mu.clone() };
+        let mut moment = Snapshot { t, q: zeros(), v: zeros(), a: zeros(), mu };
         for i in 0..end.q.len() {
             let ends = [[start.q[i], start.v[i]], [end.q[i], end.v[i]]];
-            let second = accelerations.map(|(a, b)| [a[i], b[i]]);
+            let second = are_solved.then(|| [start.a[i], end.a[i]]);
             [moment.q[i], moment.v[i], moment.a[i]] = hermite(h, share, ends, second);
-        }
-        if accelerations.is_some() {
-            moment.mu = start.mu.iter().zip(&end.mu).map(|(a, b)| between([*a, *b])).collect();
         }
         moment
     }
 }
 
 /// The states of a kept run at given times, which increase and lie within it, whatever its steps: see [`Dense`].
-///
-/// # Errors
-/// [`RunError::Input`] for other times or a run without steps; what the history says where it can't give a step.
 pub fn moments(history: &dyn History, rerun: &Rerun<'_>, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
-    let mut steps = history.forward(rerun)?;
+    let mut steps = history.read(rerun, Direction::Forward)?;
     let start = history.start_record().ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;
     let mut dense = Dense::new(start);
     let mut moments: Vec<Snapshot> = Vec::with_capacity(times.len());

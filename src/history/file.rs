@@ -1,13 +1,14 @@
-use super::flat::{Flat, Put};
+use super::flat::Flat;
 use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, check_place, write_frame};
 use super::packed::unpack;
-use super::{History, Rerun, Usage};
+use super::{Direction, History, Rerun, Usage};
 use crate::design::shortest;
-use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, StepRule, Steps, TimeGrid};
+use crate::integrators::{Observer, Pause, Replay, RunError, StartRecord, StepRecord, StepRule, Steps, Stop, TimeGrid};
 use std::fmt;
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -36,8 +37,7 @@ pub struct FileHistory {
     steps: usize,
     /// Bytes of complete frames, header included.
     bytes: u64,
-    /// Of these up to the end of the last step.
-    steps_end: u64,
+    ends: [u64; 2],
     frame: Vec<u8>,
     /// What an earlier run left, until this one is as far.
     found: Option<Found>,
@@ -46,7 +46,6 @@ pub struct FileHistory {
     paused: (u64, u64, Instant),
 }
 
-/// Steps that an earlier run left.
 struct Found {
     steps: usize,
     /// Where the last pause begins, and how many steps there are before.
@@ -72,13 +71,20 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// Whether a file holds a finished step: its frames behind the first step are not read.
+fn opened_alone(options: &OpenOptions, path: &Path) -> io::Result<File> {
+    let file = options.open(path)?;
+    file.try_lock().map_err(|cause| match cause {
+        TryLockError::WouldBlock => io::Error::other("another run is writing it"),
+        TryLockError::Error(cause) => cause,
+    })?;
+    Ok(file)
+}
+
 fn has_steps(path: &Path) -> bool {
     let Ok(mut reader) = Reader::open(path) else { return false };
     reader.identity().is_ok() && reader.frame_at(HEADER, 0).is_ok() && reader.frame_at(HEADER + reader.length, 1).is_ok()
 }
 
-/// Refuses what is there and is no file of a run.
 fn refuse_others(path: &Path) -> io::Result<()> {
     check_place(path)?;
     let mut file = match File::open(path) {
@@ -93,21 +99,14 @@ fn refuse_others(path: &Path) -> io::Result<()> {
 }
 
 fn failure(place: String, path: &Path, cause: impl fmt::Display, hint: impl Into<String>) -> RunError {
-    RunError::History {
-        place: format!("{place}, history file {}", path.display()),
-        cause: cause.to_string(),
-        hint: hint.into(),
-    }
+    let place = format!("{place}, history file {}", path.display());
+    RunError::stopped(Stop::History, place, cause.to_string(), hint)
 }
 
-/// What to do about a file that can't be written.
 const ELSEWHERE: &str = "name a file on a disk with room, or keep the run in memory or as checkpoints";
 
 impl FileHistory {
     /// A new file for a run, of which a number tells what is simulated; folders above it are created, the file of an older run of this name stays until the run is complete.
-    ///
-    /// # Errors
-    /// A file or folder that cannot be created, another run that is writing this file, and a file of this name that is none of a run.
     pub fn create(path: &Path, run: u64) -> Result<Self, RunError> {
         let refuse = |cause: &dyn fmt::Display| {
             RunError::Input(format!("history file {} cannot be created: {cause}; {ELSEWHERE}", path.display()))
@@ -122,39 +121,42 @@ impl FileHistory {
         for there in [path, &part] {
             refuse_others(there).map_err(|cause| refuse(&cause))?;
         }
-        let open = || File::options().write(true).create(true).truncate(false).open(&part).map_err(|cause| refuse(&cause));
-        let mut file = open()?;
-        file.try_lock().map_err(|cause| match cause {
-            TryLockError::WouldBlock => refuse(&"another run is writing it"),
-            TryLockError::Error(cause) => refuse(&cause),
-        })?;
-        if has_steps(&part) {
-            fs::rename(&part, beside(path, ".unfinished")).map_err(|cause| refuse(&cause))?;
-            file = open()?;
-            file.try_lock().map_err(|cause| refuse(&cause))?;
-        }
-        file.set_len(0).map_err(|cause| refuse(&cause))?;
+        let open = || opened_alone(File::options().write(true).create(true).truncate(false), &part);
+        let file = || {
+            let mut file = open()?;
+            if has_steps(&part) {
+                fs::rename(&part, beside(path, ".unfinished"))?;
+                file = open()?;
+            }
+            file.set_len(0)?;
+            Ok(file)
+        };
+        let file = file().map_err(|cause: io::Error| refuse(&cause))?;
         Self::writing(path, run, Box::new(file))
+    }
+
+    fn empty(path: &Path, identity: u64, run: u64) -> Self {
+        FileHistory {
+            path: path.to_path_buf(),
+            identity,
+            run,
+            complete: false,
+            out: None,
+            start: None,
+            steps: 0,
+            bytes: 0,
+            ends: [0; 2],
+            frame: Vec::new(),
+            found: None,
+            taken_over: 0,
+            paused: (HEADER, 0, Instant::now()),
+        }
     }
 
     /// The same with what takes the bytes of the part.
     fn writing(path: &Path, run: u64, out: Box<dyn Write + Send + Sync>) -> Result<Self, RunError> {
         let identity = RandomState::new().hash_one(std::time::SystemTime::now());
-        let mut own = FileHistory {
-            path: path.to_path_buf(),
-            identity,
-            run,
-            complete: false,
-            out: Some(out),
-            start: None,
-            steps: 0,
-            bytes: 0,
-            steps_end: 0,
-            frame: Vec::new(),
-            found: None,
-            taken_over: 0,
-            paused: (HEADER, 0, Instant::now()),
-        };
+        let mut own = FileHistory { out: Some(out), ..Self::empty(path, identity, run) };
         let header = [&KIND[..], &identity.to_le_bytes(), &run.to_le_bytes()].concat();
         own.append(&header).map_err(|cause| own.unwritten("start".into(), &cause))?;
         Ok(own)
@@ -162,9 +164,6 @@ impl FileHistory {
 
     /// The file of a run that stopped, to go on where it did: with the steps behind its last pause, which are made again and must be the same, and
     /// with new ones. That of a run that reached its end is not written again; without a file, or steps in it, this is a new one.
-    ///
-    /// # Errors
-    /// As for [`FileHistory::create`]; the file of another run, or one that cannot be read.
     pub fn resume(path: &Path, run: u64) -> Result<Self, RunError> {
         let part = part_of(path);
         for there in [path, &part] {
@@ -180,12 +179,7 @@ impl FileHistory {
         };
         let mut file = None;
         if !complete {
-            let part = File::options().read(true).write(true).open(place).map_err(|cause| unusable(&cause))?;
-            part.try_lock().map_err(|cause| match cause {
-                TryLockError::WouldBlock => unusable(&"another run is writing it"),
-                TryLockError::Error(cause) => unusable(&cause),
-            })?;
-            file = Some(part);
+            file = Some(opened_alone(File::options().read(true).write(true), place).map_err(|cause| unusable(&cause))?);
         }
         let (mut own, damage) = Self::open(place)?;
         if own.run != run {
@@ -206,43 +200,25 @@ impl FileHistory {
         Ok(own)
     }
 
-    /// The file under the name that it has now.
     pub fn place(&self) -> PathBuf {
         if self.complete { self.path.clone() } else { part_of(&self.path) }
     }
 
     /// Reads a file back: the steps before the first one that is damaged or cut off, and what is wrong with that one.
-    ///
-    /// # Errors
-    /// A file that can't be read, is none of a run, or whose start is damaged.
     pub fn open(path: &Path) -> Result<(Self, Option<RunError>), RunError> {
         let unread = |cause: &dyn fmt::Display| failure("start".into(), path, cause, "give the file of an earlier run");
         let mut reader = Reader::open(path).map_err(|cause| unread(&format!("cannot be read: {cause}")))?;
         let identity = reader.identity().map_err(|cause| unread(&cause))?;
         let frame = reader.frame_at(HEADER, 0).map_err(|cause| unread(&cause))?;
         let start = StartRecord::from_bytes(frame).ok_or_else(|| unread(&Damage::Unreadable))?;
-        let mut own = FileHistory {
-            path: path.to_path_buf(),
-            identity,
-            run: reader.run,
-            complete: true,
-            out: None,
-            start: Some(start),
-            steps: 0,
-            bytes: HEADER + reader.length,
-            steps_end: HEADER + reader.length,
-            frame: Vec::new(),
-            found: None,
-            taken_over: 0,
-            paused: (HEADER, 0, Instant::now()),
-        };
+        let (mut own, position) = (Self::empty(path, identity, reader.run), HEADER + reader.length);
+        (own.complete, own.start, own.bytes, own.ends) = (true, Some(start), position, [position; 2]);
         let (mut pause, mut damage) = (None, None);
-        let position = own.bytes;
         while own.bytes < reader.size && damage.is_none() {
             let steps = own.steps as u64;
             match reader.load_frame(own.bytes) {
                 Ok(number) if number == steps + 1 => {
-                    (own.steps, own.steps_end) = (own.steps + 1, own.bytes + reader.length);
+                    (own.steps, own.ends[1]) = (own.steps + 1, own.bytes + reader.length);
                 }
                 Ok(number) if number == PAUSE + steps => {
                     pause = Some((own.bytes, own.steps));
@@ -273,7 +249,7 @@ impl FileHistory {
         Ok(())
     }
 
-    fn append_frame(&mut self, number: u64, record: &impl Put) -> io::Result<()> {
+    fn append_frame(&mut self, number: u64, record: &impl Flat) -> io::Result<()> {
         let mut frame = std::mem::take(&mut self.frame);
         write_frame(&mut frame, self.identity, number, record);
         let written = self.append(&frame);
@@ -289,13 +265,12 @@ impl FileHistory {
         Ok(())
     }
 
-    /// Whether an earlier run came further.
     fn is_behind(&self) -> bool {
         self.found.as_ref().is_some_and(|found| found.steps > self.steps)
     }
 
     /// A record made again must be the one that is there.
-    fn check_found(&self, found: &[u8], again: &impl Put, place: &str) -> Result<(), RunError> {
+    fn check_found(&self, found: &[u8], again: &impl Flat, place: &str) -> Result<(), RunError> {
         if *found == again.bytes() {
             return Ok(());
         }
@@ -311,8 +286,8 @@ impl FileHistory {
         failure(place, &self.path, format!("cannot be written: {cause}"), kept + ELSEWHERE)
     }
 
-    fn open_for<'h>(&'h self, rerun: &'h Rerun<'_>, position: u64, next: Option<usize>) -> Result<FromFile<'h>, RunError> {
-        let path = self.place();
+    fn opened<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<FromFile<'h>, RunError> {
+        let (path, position) = (self.place(), self.ends[direction as usize]);
         let refuse = |cause: String| {
             let hint = "the gradient needs it: run again and leave the file in place until the gradient is there";
             failure(rerun.grid.place(self.steps.saturating_sub(1)), &path, cause, hint)
@@ -321,18 +296,18 @@ impl FileHistory {
         if reader.identity().map_err(|cause| refuse(cause.to_string()))? != self.identity {
             return Err(refuse("holds another run now".into()));
         }
-        let (grid, rule, step) = (rerun.grid, rerun.rule(), StepRecord::empty());
-        Ok(FromFile { history: self, grid, rule, reader, position, next, step })
+        let (grid, rule, left, step) = (rerun.grid, rerun.rule(), 0..self.steps, StepRecord::default());
+        Ok(FromFile { history: self, direction, grid, rule, reader, position, left, step })
     }
 }
 
-impl Recorder<f64> for FileHistory {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+impl Observer for FileHistory {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         if let Some(found) = &self.start {
-            return self.check_found(&found.bytes(), &start, "start");
+            return self.check_found(&found.bytes(), start, "start");
         }
-        self.append_frame(0, &start).map_err(|cause| self.unwritten("start".into(), &cause))?;
-        self.start = Some(start);
+        self.append_frame(0, start).map_err(|cause| self.unwritten("start".into(), &cause))?;
+        (self.start, self.ends) = (Some(start.clone()), [self.bytes; 2]);
         Ok(())
     }
     fn take_up(&mut self, rule: StepRule, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
@@ -343,7 +318,7 @@ impl Recorder<f64> for FileHistory {
         let Some((begin, count)) = found.pause else { return Ok(None) };
         let path = if self.complete { self.path.clone() } else { part_of(&self.path) };
         let damaged = |step: usize, damage| failure(format!("step {step}"), &path, damage, "begin a new file");
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         for number in 1..=count {
             let bytes = found.reader.step_from(&mut found.position, number);
             let read = bytes.and_then(|bytes| read_step(&mut step, bytes, rule));
@@ -360,17 +335,27 @@ impl Recorder<f64> for FileHistory {
         (self.steps, self.taken_over) = (count, count);
         Ok(Some(pause))
     }
-    fn wants_checkpoint(&self, _index: usize) -> bool {
+    fn checkpoint(&mut self, _index: usize, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
         let (end, length, written) = self.paused;
         let due = self.bytes - end >= SPARSE * length || written.elapsed() >= LONGEST;
-        due && self.steps > 0 && self.bytes > end && self.out.is_some() && !self.is_behind()
-    }
-    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
-        self.append_pause(&pause)
+        let wanted = due && self.steps > 0 && self.bytes > end && self.out.is_some() && !self.is_behind();
+        if wanted { self.append_pause(&pause()) } else { Ok(()) }
     }
     fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
-        let is_there = self.complete || self.bytes == self.paused.0;
-        if is_there { Ok(()) } else { self.append_pause(&pause()) }
+        if self.complete {
+            return Ok(());
+        }
+        if self.bytes != self.paused.0 {
+            self.append_pause(&pause())?;
+        }
+        let part = self.place();
+        // some disks tell only now that they were full
+        let stored = File::open(&part).and_then(|file| file.sync_all()).and_then(|()| fs::rename(&part, &self.path));
+        // locked until it has its name
+        self.out = None;
+        stored.map_err(|cause| self.unwritten(format!("end, after step {}", self.steps), &cause))?;
+        self.complete = true;
+        Ok(())
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         let number = self.steps + 1;
@@ -387,7 +372,7 @@ impl Recorder<f64> for FileHistory {
         }
         let place = |t: f64| format!("step {number} (t = {} s)", shortest(t));
         self.append_frame(number as u64, step).map_err(|cause| self.unwritten(place(step.t), &cause))?;
-        (self.steps, self.steps_end) = (number, self.bytes);
+        (self.steps, self.ends[1]) = (number, self.bytes);
         Ok(true)
     }
 }
@@ -399,26 +384,8 @@ impl History for FileHistory {
     fn steps(&self) -> usize {
         self.steps
     }
-    fn finish(&mut self) -> Result<(), RunError> {
-        if self.complete {
-            return Ok(());
-        }
-        let part = self.place();
-        // some disks tell only now that they were full
-        let stored = File::open(&part).and_then(|file| file.sync_all()).and_then(|()| fs::rename(&part, &self.path));
-        // locked until it has its name
-        self.out = None;
-        stored.map_err(|cause| self.unwritten(format!("end, after step {}", self.steps), &cause))?;
-        self.complete = true;
-        Ok(())
-    }
-    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        let mut steps = self.open_for(rerun, HEADER, Some(0))?;
-        steps.skip_start()?;
-        Ok(Box::new(steps))
-    }
-    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        Ok(Box::new(FromFileBackward(self.open_for(rerun, self.steps_end, self.steps.checked_sub(1))?)))
+    fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError> {
+        Ok(Box::new(self.opened(rerun, direction)?))
     }
     fn usage(&self) -> Usage {
         Usage { written: self.bytes, taken_over: self.taken_over, ..Usage::default() }
@@ -429,20 +396,17 @@ fn read_step(step: &mut StepRecord<f64>, bytes: &[u8], rule: StepRule) -> Result
     unpack(step, bytes, rule).ok_or(Damage::Unreadable)
 }
 
-/// Steps read one after the other.
 struct FromFile<'h> {
     history: &'h FileHistory,
+    direction: Direction,
     grid: &'h TimeGrid,
     rule: StepRule<'h>,
     reader: Reader,
     /// Where the next frame begins, or ends on the way back.
     position: u64,
-    next: Option<usize>,
+    left: Range<usize>,
     step: StepRecord<f64>,
 }
-
-/// The same from the last to the first.
-struct FromFileBackward<'h>(FromFile<'h>);
 
 impl FromFile<'_> {
     fn damaged(&self, index: usize, damage: Damage) -> RunError {
@@ -451,37 +415,21 @@ impl FromFile<'_> {
         let hint = format!("the first {intact} steps of the file are intact, the gradient needs all: run again");
         failure(self.grid.place(index), &path, damage, hint)
     }
-
-    fn skip_start(&mut self) -> Result<(), RunError> {
-        match self.reader.frame_at(self.position, 0) {
-            Ok(_) => self.position += self.reader.length,
-            Err(damage) => return Err(self.damaged(0, damage)),
-        }
-        Ok(())
-    }
 }
 
 impl Steps for FromFile<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        let Some(index) = self.next.filter(|&index| index < self.history.steps) else { return Ok(None) };
-        let bytes = self.reader.step_from(&mut self.position, index + 1);
+        let Some(index) = self.direction.next_of(&mut self.left) else { return Ok(None) };
+        let bytes = match self.direction {
+            Direction::Forward => self.reader.step_from(&mut self.position, index + 1),
+            Direction::Backward => self.reader.step_before(&mut self.position, index + 1),
+        };
         let read = bytes.and_then(|bytes| read_step(&mut self.step, bytes, self.rule));
         read.map_err(|damage| self.damaged(index, damage))?;
-        self.position += self.reader.length;
-        self.next = Some(index + 1);
+        if self.direction == Direction::Forward {
+            self.position += self.reader.length;
+        }
         Ok(Some(&self.step))
-    }
-}
-
-impl Steps for FromFileBackward<'_> {
-    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        let own = &mut self.0;
-        let Some(index) = own.next else { return Ok(None) };
-        let bytes = own.reader.step_before(&mut own.position, index + 1);
-        let read = bytes.and_then(|bytes| read_step(&mut own.step, bytes, own.rule));
-        read.map_err(|damage| own.damaged(index, damage))?;
-        own.next = index.checked_sub(1);
-        Ok(Some(&own.step))
     }
 }
 
@@ -501,17 +449,16 @@ mod tests {
     }
 
     fn step(index: usize) -> StepRecord<f64> {
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         (step.t, step.h, step.end) = (index as f64 * 0.1, 0.1, index as f64 * 0.1 + 0.1);
         step.dropped = vec![3];
         step.carried = vec![vec![step.t, -0.0, f64::NAN], vec![1.0 / 3.0, f64::MIN_POSITIVE, 1.0]];
-        let mut stage = StageRecord::empty();
+        let mut stage = StageRecord::default();
         stage.solve.unknowns.x = vec![1.0, 2.0, 3.0];
         step.stages = vec![stage];
         step
     }
 
-    /// A disk with room for some bytes.
     struct Disk {
         file: File,
         room: usize,
@@ -539,7 +486,7 @@ mod tests {
         {
             let file = File::create(part_of(&path)).unwrap();
             let mut history = FileHistory::writing(&path, 7, Box::new(Disk { file, room })).unwrap();
-            history.start(start()).unwrap();
+            history.start(&start()).unwrap();
             let error = (0..10).find_map(|index| history.step(&step(index)).err()).unwrap().to_string();
             let place = format!("step {} (t = {} s), history file {}", steps + 1, shortest(step(steps).t), path.display());
             assert!(error.starts_with(&place) && error.contains("cannot be written"), "{error}");
@@ -558,7 +505,7 @@ mod tests {
         let method = Method::new(table_by_name("midpoint").unwrap(), ConstraintLevel::Acceleration);
         let rule = StepRule { method: &method, constrained: false };
         let read = |bytes: &[u8]| {
-            let mut step = StepRecord::empty();
+            let mut step = StepRecord::default();
             unpack(&mut step, bytes, rule).map(|()| step)
         };
         let whole = step(3).bytes();

@@ -6,25 +6,19 @@ use crate::integrators::{
     Scheme, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState, StepState, Track,
 };
 
-/// Something that is written as bytes.
-pub(super) trait Put {
+/// Something that is written as bytes and read back bit by bit.
+pub(super) trait Flat: Sized {
     /// Appends it.
     fn put(&self, bytes: &mut Vec<u8>);
+    /// Reads it off the front; `None` if the bytes are none of its kind.
+    fn take(bytes: &mut &[u8]) -> Option<Self>;
 
-    /// Its bytes.
     fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.put(&mut bytes);
         bytes
     }
-}
 
-/// Something that is read back bit by bit.
-pub(super) trait Flat: Put + Sized {
-    /// Reads it off the front; `None` if the bytes are none of its kind.
-    fn take(bytes: &mut &[u8]) -> Option<Self>;
-
-    /// Reads so many into the memory of a list.
     fn refill(list: &mut Vec<Self>, count: usize, bytes: &mut &[u8]) -> Option<()> {
         list.clear();
         for _ in 0..count {
@@ -32,7 +26,6 @@ pub(super) trait Flat: Put + Sized {
         }
         Some(())
     }
-    /// From all of the bytes.
     fn from_bytes(mut bytes: &[u8]) -> Option<Self> {
         Self::take(&mut bytes).filter(|_| bytes.is_empty())
     }
@@ -60,25 +53,19 @@ pub(super) fn set_bytes(list: &mut Vec<u8>, numbers: &[f64]) {
     list.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
 }
 
-impl Put for u64 {
+impl Flat for u64 {
     fn put(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());
     }
-}
-
-impl Flat for u64 {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         Some(u64::from_le_bytes(split(bytes, 8)?.try_into().ok()?))
     }
 }
 
-impl Put for f64 {
+impl Flat for f64 {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.to_bits().put(bytes);
     }
-}
-
-impl Flat for f64 {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         u64::take(bytes).map(f64::from_bits)
     }
@@ -90,25 +77,19 @@ impl Flat for f64 {
     }
 }
 
-impl Put for usize {
+impl Flat for usize {
     fn put(&self, bytes: &mut Vec<u8>) {
         (*self as u64).put(bytes);
     }
-}
-
-impl Flat for usize {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         usize::try_from(u64::take(bytes)?).ok()
     }
 }
 
-impl Put for bool {
+impl Flat for bool {
     fn put(&self, bytes: &mut Vec<u8>) {
         u64::from(*self).put(bytes);
     }
-}
-
-impl Flat for bool {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         match u64::take(bytes)? {
             0 => Some(false),
@@ -118,14 +99,11 @@ impl Flat for bool {
     }
 }
 
-impl<T: Put> Put for Vec<T> {
+impl<T: Flat> Flat for Vec<T> {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.len().put(bytes);
         self.iter().for_each(|item| item.put(bytes));
     }
-}
-
-impl<T: Flat> Flat for Vec<T> {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         let mut list = Vec::new();
         retake(&mut list, bytes)?;
@@ -140,83 +118,62 @@ pub(super) fn retake<T: Flat>(list: &mut Vec<T>, bytes: &mut &[u8]) -> Option<()
     (count <= bytes.len()).then(|| T::refill(list, count, bytes))?
 }
 
-impl<T: Put> Put for Option<T> {
+impl<T: Flat> Flat for Option<T> {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.is_some().put(bytes);
         self.iter().for_each(|item| item.put(bytes));
     }
-}
-
-impl<T: Flat> Flat for Option<T> {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         Some(if bool::take(bytes)? { Some(T::take(bytes)?) } else { None })
     }
 }
 
-impl<A: Put, B: Put> Put for (A, B) {
+impl<A: Flat, B: Flat> Flat for (A, B) {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.0.put(bytes);
         self.1.put(bytes);
     }
-}
-
-impl<A: Flat, B: Flat> Flat for (A, B) {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         Some((A::take(bytes)?, B::take(bytes)?))
     }
 }
 
-impl<T: Put, const N: usize> Put for [T; N] {
+impl<T: Flat, const N: usize> Flat for [T; N] {
     fn put(&self, bytes: &mut Vec<u8>) {
         self.iter().for_each(|item| item.put(bytes));
     }
-}
-
-impl<T: Flat, const N: usize> Flat for [T; N] {
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         let items: Option<Vec<T>> = (0..N).map(|_| T::take(bytes)).collect();
         items?.try_into().ok()
     }
 }
 
-const LEVELS: [Level; 3] = [Level::Position, Level::Velocity, Level::Acceleration];
-
-impl Put for Level {
-    fn put(&self, bytes: &mut Vec<u8>) {
-        LEVELS.iter().position(|level| level == self).expect("all levels are listed").put(bytes);
-    }
+/// A variant by its place among all.
+macro_rules! listed {
+    ($($kind:ident { $($variant:ident),* })*) => {$(
+        impl Flat for $kind {
+            fn put(&self, bytes: &mut Vec<u8>) {
+                [$($kind::$variant),*].iter().position(|own| own == self).expect("all are listed").put(bytes);
+            }
+            fn take(bytes: &mut &[u8]) -> Option<Self> {
+                [$($kind::$variant),*].get(usize::take(bytes)?).copied()
+            }
+        }
+    )*};
 }
-
-impl Flat for Level {
-    fn take(bytes: &mut &[u8]) -> Option<Self> {
-        LEVELS.get(usize::take(bytes)?).copied()
-    }
-}
-
-const SCHEMES: [Scheme; 2] = [Scheme::Main, Scheme::Starter];
-
-impl Put for Scheme {
-    fn put(&self, bytes: &mut Vec<u8>) {
-        SCHEMES.iter().position(|scheme| scheme == self).expect("all schemes are listed").put(bytes);
-    }
-}
-
-impl Flat for Scheme {
-    fn take(bytes: &mut &[u8]) -> Option<Self> {
-        SCHEMES.get(usize::take(bytes)?).copied()
-    }
+listed! {
+    Level { Position, Velocity, Acceleration }
+    Scheme { Main, Starter }
 }
 
 /// All fields in order; one that is missing here does not compile.
 macro_rules! flat {
     ($($record:ident $(<$scalar:ty>)? { $($field:ident),* })*) => {$(
-        impl Put for $record $(<$scalar>)? {
+        impl Flat for $record $(<$scalar>)? {
             fn put(&self, bytes: &mut Vec<u8>) {
                 let $record { $($field),* } = self;
                 $($field.put(bytes);)*
             }
-        }
-        impl Flat for $record $(<$scalar>)? {
             fn take(bytes: &mut &[u8]) -> Option<Self> {
                 Some($record { $($field: Flat::take(bytes)?),* })
             }

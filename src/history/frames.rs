@@ -1,7 +1,7 @@
 //! Frames in a file: the length of what follows, a number, a record, the CRC-32 of both mixed into the identity of the run, which tells
 //! frames of other runs, and the length again for the way back.
 
-use super::flat::{Flat, Put};
+use super::flat::Flat;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -11,7 +11,6 @@ use std::path::Path;
 pub(super) const KIND: &[u8; 16] = b"costate run 09\r\n";
 /// The part of them that files of other versions have, too.
 pub(super) const ANY_KIND: &[u8] = b"costate run ";
-/// Bytes before the first frame.
 pub(super) const HEADER: u64 = KIND.len() as u64 + 16;
 /// Bytes of a frame beside its number and record: length, checksum, length.
 pub(super) const FRAME: u64 = 24;
@@ -19,7 +18,7 @@ pub(super) const FRAME: u64 = 24;
 pub(super) const PAUSE: u64 = 1 << 63;
 
 /// Writes a frame over what a buffer holds.
-pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, record: &impl Put) {
+pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, record: &impl Flat) {
     frame.clear();
     0_u64.put(frame);
     number.put(frame);
@@ -30,7 +29,6 @@ pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, recor
     length.put(frame);
 }
 
-/// What is wrong with a frame.
 pub(super) enum Damage {
     CutOff { size: u64, needed: u64 },
     OtherKind,
@@ -70,7 +68,6 @@ pub fn check_place(path: &Path) -> io::Result<()> {
     Err(io::Error::other(format!("{} is {what}; name a regular file, or one that is not there", path.display())))
 }
 
-/// Reads frames.
 pub(super) struct Reader {
     file: File,
     pub(super) size: u64,
@@ -78,7 +75,6 @@ pub(super) struct Reader {
     pub(super) identity: u64,
     /// What it simulates.
     pub(super) run: u64,
-    /// Length of the frame read last.
     pub(super) length: u64,
     bytes: Vec<u8>,
 }
@@ -130,7 +126,6 @@ impl Reader {
         u64::take(&mut &body[..]).ok_or(Damage::Checksum)
     }
 
-    /// The record of the frame loaded last.
     pub(super) fn record(&self) -> &[u8] {
         &self.bytes[16..self.bytes.len() - 16]
     }

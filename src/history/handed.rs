@@ -1,16 +1,15 @@
 //! A file that the first of several ranks writes and reads for all.
 
-use super::flat::{Flat, Put, numbers_of, set_bytes};
+use super::flat::{Flat, numbers_of, set_bytes};
 use super::packed::unpack;
-use super::{FileHistory, History, Rerun, Usage};
+use super::{Direction, FileHistory, History, Rerun, Usage};
 use crate::exchange::Exchange;
-use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, StepRule, Steps};
+use crate::integrators::{Observer, Pause, Replay, RunError, StartRecord, StepRecord, StepRule, Steps};
 use std::fmt;
 
 /// A run in a file of the first rank, which hands its steps to the others where all ask for them; these keep none.
 pub struct Handed {
     world: &'static dyn Exchange,
-    /// Of the first rank.
     file: Option<FileHistory>,
     start: Option<StartRecord<f64>>,
     steps: usize,
@@ -25,9 +24,6 @@ impl fmt::Debug for Handed {
 
 impl Handed {
     /// What ranks keep of a run, of which the first one makes the file.
-    ///
-    /// # Errors
-    /// What it finds there, on the first rank.
     pub fn new(
         world: &'static dyn Exchange,
         file: impl FnOnce() -> Result<FileHistory, RunError>,
@@ -35,14 +31,10 @@ impl Handed {
         let file = if world.rank() == 0 { Some(file()?) } else { None };
         Ok(Handed { world, file, start: None, steps: 0, taken_over: 0 })
     }
-
-    fn handing<'h>(&'h self, rule: StepRule<'h>, file: Option<Box<dyn Steps + 'h>>) -> Box<dyn Steps + 'h> {
-        Box::new(Handing { world: self.world, file, rule, step: StepRecord::empty(), list: Vec::new() })
-    }
 }
 
 /// Tells all other ranks a record, or that there is none.
-fn tell<T: Put>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
+fn tell<T: Flat>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
     list.clear();
     record.iter().for_each(|record| record.put(list));
     assert!(list.len().is_multiple_of(8), "records are made of numbers");
@@ -58,8 +50,8 @@ fn hear<'b>(world: &dyn Exchange, list: &'b mut Vec<u8>) -> Option<&'b [u8]> {
 
 const READABLE: &str = "the first rank has read it";
 
-impl Recorder<f64> for Handed {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+impl Observer for Handed {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         self.start = Some(start.clone());
         self.file.as_mut().map_or(Ok(()), |file| file.start(start))
     }
@@ -67,11 +59,8 @@ impl Recorder<f64> for Handed {
         self.steps += 1;
         self.file.as_mut().map_or(Ok(true), |file| file.step(step))
     }
-    fn wants_checkpoint(&self, index: usize) -> bool {
-        self.file.as_ref().is_some_and(|file| file.wants_checkpoint(index))
-    }
-    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
-        self.file.as_mut().map_or(Ok(()), |file| file.checkpoint(pause))
+    fn checkpoint(&mut self, index: usize, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        self.file.as_mut().map_or(Ok(()), |file| file.checkpoint(index, pause))
     }
     fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
         self.file.as_mut().map_or(Ok(()), |file| file.end(pause))
@@ -88,7 +77,7 @@ impl Recorder<f64> for Handed {
             self.steps = file.steps();
             return Ok(pause);
         }
-        let mut step = StepRecord::empty();
+        let mut step = StepRecord::default();
         while let Some(bytes) = hear(world, &mut list) {
             unpack(&mut step, bytes, rule).expect(READABLE);
             self.steps += 1;
@@ -108,16 +97,10 @@ impl History for Handed {
     fn steps(&self) -> usize {
         self.steps
     }
-    fn finish(&mut self) -> Result<(), RunError> {
-        self.file.as_mut().map_or(Ok(()), FileHistory::finish)
-    }
-    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        let file = self.file.as_ref().map(|file| file.forward(rerun)).transpose()?;
-        Ok(self.handing(rerun.rule(), file))
-    }
-    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        let file = self.file.as_ref().map(|file| file.backward(rerun)).transpose()?;
-        Ok(self.handing(rerun.rule(), file))
+    fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError> {
+        let file = self.file.as_ref().map(|file| file.read(rerun, direction)).transpose()?;
+        let (world, rule, step, list) = (self.world, rerun.rule(), StepRecord::default(), Vec::new());
+        Ok(Box::new(Handing { world, file, rule, step, list }))
     }
     fn usage(&self) -> Usage {
         let others = Usage { taken_over: self.taken_over, ..Usage::default() };
@@ -125,7 +108,6 @@ impl History for Handed {
     }
 }
 
-/// Steps that the first rank reads.
 struct Handing<'h> {
     world: &'static dyn Exchange,
     file: Option<Box<dyn Steps + 'h>>,

@@ -1,8 +1,7 @@
 //! Steps of a run kept for the way back: not at all, in memory, in a file, or as checkpoints from which they are computed again.
 //!
-//! A [`History`] records a real run and hands its steps out again, first to last ([`History::forward`]: guides of runs with
-//! derivative parts) or last to first ([`History::backward`]: the adjoint). The steps are the same bit by bit, wherever they
-//! were kept.
+//! A [`History`] records a real run and hands its steps out again, first to last (guides of runs with derivative parts) or last to
+//! first (the adjoint). The steps are the same bit by bit, wherever they were kept.
 
 pub(crate) mod checkpoints;
 mod dense;
@@ -11,7 +10,6 @@ mod flat;
 mod frames;
 mod free_memory;
 mod handed;
-pub(crate) mod memory;
 pub(crate) mod nothing;
 mod packed;
 pub(crate) mod rerun;
@@ -26,12 +24,12 @@ pub(crate) use file::FileHistory;
 #[doc(hidden)]
 pub use frames::check_place;
 use handed::Handed;
-pub(crate) use memory::Memory;
 pub(crate) use nothing::Nothing;
 pub(crate) use rerun::Rerun;
 
 use crate::exchange;
-use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
+pub use crate::integrators::record::Observer;
+use crate::integrators::{RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
 use std::fmt;
 use std::path::PathBuf;
@@ -71,21 +69,15 @@ impl Keep {
 
     /// A history for a run of `steps` steps, if their number is known and none will be divided. `run` is a number that tells what is
     /// simulated, and how.
-    ///
-    /// # Errors
-    /// A file that cannot be created, or is that of something else.
     pub(crate) fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),
             Keep::Auto => return Keep::shared_by(1).history(steps, run),
-            Keep::Within(bytes) => match steps {
-                Some(_) => Box::new(Checkpoints::new(*bytes, steps)),
-                None => Box::new(Memory::new(*bytes)),
-            },
+            Keep::Within(bytes) if steps.is_none() => Box::new(Checkpoints::of_all_steps(*bytes)),
+            Keep::Within(bytes) | Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
             Keep::Memory => return Keep::Within(usize::MAX).history(steps, run),
             Keep::File(path) => return in_file(|| FileHistory::create(path, run)),
             Keep::Resumed(path) => return in_file(|| FileHistory::resume(path, run)),
-            Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
         })
     }
 }
@@ -113,63 +105,44 @@ pub struct Usage {
     pub taken_over: usize,
 }
 
+/// In which order steps are handed out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the first to the last.
+    Forward,
+    /// From the last to the first.
+    Backward,
+}
+
+impl Direction {
+    fn next_of<I: DoubleEndedIterator>(self, items: &mut I) -> Option<I::Item> {
+        match self {
+            Direction::Forward => items.next(),
+            Direction::Backward => items.next_back(),
+        }
+    }
+}
+
 /// A kept run: records steps, and hands them out again.
-pub trait History: Recorder<f64> + fmt::Debug + Send + Sync {
+pub trait History: Observer + fmt::Debug + Send + Sync {
     /// What happened before the first step; `None` before a run.
     fn start_record(&self) -> Option<&StartRecord<f64>>;
     /// Number of finished steps.
     fn steps(&self) -> usize;
-    /// Called when the last step is recorded.
-    ///
-    /// # Errors
-    /// What could not be kept.
-    fn finish(&mut self) -> Result<(), RunError> {
-        Ok(())
-    }
-    /// The steps from the first to the last.
+    /// All steps.
     ///
     /// # Errors
     /// Steps that were not kept, or cannot be found again.
-    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError>;
-    /// The steps from the last to the first.
-    ///
-    /// # Errors
-    /// As for [`History::forward`].
-    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError>;
+    fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError>;
     /// What it took so far.
     fn usage(&self) -> Usage;
-}
-
-/// Sees a real run while it goes on.
-pub trait Observer {
-    /// The start, after projections.
-    ///
-    /// # Errors
-    /// What the observer could not do.
-    fn start(&mut self, _start: &StartRecord<f64>) -> Result<(), RunError> {
-        Ok(())
-    }
-    /// A finished step; `false` stops the run.
-    ///
-    /// # Errors
-    /// What the observer could not do.
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError>;
 }
 
 /// Hands every finished step to a function and keeps nothing; the function returns `false` to stop.
 pub struct Watch<F>(pub F);
 
-impl<S: Scalar, F: FnMut(&StepRecord<S>) -> bool> Recorder<S> for Watch<F> {
-    fn start(&mut self, _start: StartRecord<S>) -> Result<(), RunError> {
-        Ok(())
-    }
+impl<S: Scalar, F: FnMut(&StepRecord<S>) -> bool> Observer<S> for Watch<F> {
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        Ok(self.0(step))
-    }
-}
-
-impl<F: FnMut(&StepRecord<f64>) -> bool> Observer for Watch<F> {
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         Ok(self.0(step))
     }
 }

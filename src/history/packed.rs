@@ -1,33 +1,20 @@
 //! Steps by the numbers from which all others follow: what was carried into them, and their solutions.
 
-use super::Rerun;
-use super::flat::{Flat, Put, retake};
+use super::flat::{Flat, retake};
 use super::sliced::Sliced;
+use super::{Direction, Rerun};
 use crate::assembly::Unknowns;
 use crate::integrators::{RunError, SolveRecord, StageRecord, StepRecord, StepRule, Steps};
 
-impl Put for StepRecord<f64> {
+impl Flat for StepRecord<f64> {
     fn put(&self, bytes: &mut Vec<u8>) {
-        let StepRecord {
-            t,
-            h,
-            end,
-            scheme,
-            dropped,
-            restart,
-            carried,
-            stages,
-            position_projection,
-            velocity_projection,
-            ..
-        } = self;
-        [t, h, end].into_iter().for_each(|time| time.put(bytes));
-        scheme.put(bytes);
-        dropped.put(bytes);
-        restart.put(bytes);
-        carried.put(bytes);
-        stages.len().put(bytes);
-        for StageRecord { solve, known } in stages {
+        [self.t, self.h, self.end].put(bytes);
+        self.scheme.put(bytes);
+        self.dropped.put(bytes);
+        self.restart.put(bytes);
+        self.carried.put(bytes);
+        self.stages.len().put(bytes);
+        for StageRecord { solve, known } in &self.stages {
             known.put(bytes);
             if known.is_some() {
                 solve.unknowns.mu.put(bytes);
@@ -35,10 +22,14 @@ impl Put for StepRecord<f64> {
                 put_solution(&solve.unknowns, bytes);
             }
         }
-        for projection in [position_projection, velocity_projection] {
+        for projection in [&self.position_projection, &self.velocity_projection] {
             projection.is_some().put(bytes);
             projection.iter().for_each(|solve| put_solution(&solve.unknowns, bytes));
         }
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let mut step = StepRecord::default();
+        take_given(&mut step, bytes).map(|()| step)
     }
 }
 
@@ -78,21 +69,16 @@ fn fits(step: &StepRecord<f64>, rule: StepRule) -> bool {
 }
 
 fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
-    let StepRecord {
-        t, h, end, scheme, dropped, restart, carried, stages, position_projection, velocity_projection, ..
-    } = step;
-    for time in [t, h, end] {
+    for time in [&mut step.t, &mut step.h, &mut step.end] {
         *time = Flat::take(bytes)?;
     }
-    *scheme = Flat::take(bytes)?;
-    retake(dropped, bytes)?;
-    *restart = Flat::take(bytes)?;
-    let vectors = usize::take(bytes)?;
-    carried.resize_with(vectors, Vec::new);
-    carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
-    let count = usize::take(bytes)?;
-    stages.resize_with(count, StageRecord::empty);
-    for StageRecord { solve, known } in stages {
+    step.scheme = Flat::take(bytes)?;
+    retake(&mut step.dropped, bytes)?;
+    step.restart = Flat::take(bytes)?;
+    step.carried.resize_with(usize::take(bytes)?, Vec::new);
+    step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
+    step.stages.resize_with(usize::take(bytes)?, StageRecord::default);
+    for StageRecord { solve, known } in &mut step.stages {
         *known = Flat::take(bytes)?;
         if known.is_some() {
             retake(&mut solve.unknowns.mu, bytes)?;
@@ -100,9 +86,9 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
             take_solution(&mut solve.unknowns, bytes)?;
         }
     }
-    for projection in [position_projection, velocity_projection] {
+    for projection in [&mut step.position_projection, &mut step.velocity_projection] {
         if bool::take(bytes)? {
-            take_solution(&mut projection.get_or_insert_with(SolveRecord::empty).unknowns, bytes)?;
+            take_solution(&mut projection.get_or_insert_with(SolveRecord::default).unknowns, bytes)?;
         } else {
             *projection = None;
         }
@@ -111,19 +97,10 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
 }
 
 /// Steps in memory, one after the other; of large ones each rank keeps a slice.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct PackedSteps(Vec<Sliced>);
 
 impl PackedSteps {
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Bytes of all steps that this rank keeps.
-    pub fn bytes(&self) -> usize {
-        self.0.iter().map(Sliced::kept).sum()
-    }
-
     pub fn push(&mut self, step: &StepRecord<f64>) {
         // all steps are about as long
         let mut bytes = Vec::with_capacity(self.0.last().map_or(0, Sliced::length));
@@ -131,26 +108,23 @@ impl PackedSteps {
         self.0.push(Sliced::new(bytes));
     }
 
-    pub fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
-        Box::new(Unpacking { steps: self.0.iter(), rule: rerun.rule(), step: StepRecord::empty(), list: Vec::new() })
-    }
-
-    pub fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Box<dyn Steps + 'h> {
-        Box::new(Unpacking { steps: self.0.iter().rev(), rule: rerun.rule(), step: StepRecord::empty(), list: Vec::new() })
+    pub fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Box<dyn Steps + 'h> {
+        let (steps, rule, step, list) = (self.0.iter(), rerun.rule(), StepRecord::default(), Vec::new());
+        Box::new(Unpacking { steps, direction, rule, step, list })
     }
 }
 
-/// Steps in some order.
-struct Unpacking<'h, I> {
-    steps: I,
+struct Unpacking<'h> {
+    steps: std::slice::Iter<'h, Sliced>,
+    direction: Direction,
     rule: StepRule<'h>,
     step: StepRecord<f64>,
     list: Vec<u8>,
 }
 
-impl<'h, I: Iterator<Item = &'h Sliced>> Steps for Unpacking<'h, I> {
+impl Steps for Unpacking<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        let Some(bytes) = self.steps.next() else { return Ok(None) };
+        let Some(bytes) = self.direction.next_of(&mut self.steps) else { return Ok(None) };
         unpack(&mut self.step, bytes.all(&mut self.list), self.rule).expect("these are the bytes of a step");
         Ok(Some(&self.step))
     }

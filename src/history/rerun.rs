@@ -4,37 +4,26 @@ use std::sync::{Arc, OnceLock};
 
 /// The run that a history belongs to: what it takes to compute some of it again.
 pub struct Rerun<'r> {
-    /// What was simulated.
     pub problem: &'r Problem<'r, f64>,
-    /// How.
     pub method: &'r Method,
-    /// The steps.
     pub grid: &'r TimeGrid,
-    /// Decisions about the start.
     pub plan: &'r StartPlan,
     system: OnceLock<Arc<System<'r>>>,
 }
 
 impl<'r> Rerun<'r> {
-    /// A run; nothing is computed yet.
     pub fn new(problem: &'r Problem<'r, f64>, method: &'r Method, grid: &'r TimeGrid, plan: &'r StartPlan) -> Self {
         Rerun { problem, method, grid, plan, system: OnceLock::new() }
     }
 
-    /// Its numbered equations.
     pub fn system(&self) -> &Arc<System<'r>> {
         self.system.get_or_init(|| self.method.system(self.problem.model, &self.plan.dropped))
     }
 
-    /// What all its steps have in common.
     pub fn rule(&self) -> StepRule<'_> {
         StepRule { method: self.method, constrained: self.system().is_constrained() }
     }
 
-    /// Workspace to go through it once more.
-    ///
-    /// # Errors
-    /// As for `Stepper::new`.
     pub fn stepper(&self) -> Result<Stepper<'_, f64>, RunError> {
         Stepper::new(self.problem, self.method, self.system(), self.plan)
     }

@@ -12,7 +12,6 @@ const WHOLE: usize = 1 << 16;
 pub(super) struct Sliced {
     own: Box<[u8]>,
     length: usize,
-    /// Who shares them.
     world: &'static dyn Exchange,
 }
 
@@ -38,12 +37,10 @@ impl Sliced {
         Sliced { own: bytes.into(), length, world }
     }
 
-    /// How many they are.
     pub fn length(&self) -> usize {
         self.length
     }
 
-    /// Bytes that this rank keeps.
     pub fn kept(&self) -> usize {
         self.own.len()
     }
@@ -62,7 +59,6 @@ impl Sliced {
     }
 }
 
-/// Bytes that go together from rank to rank.
 const WORD: usize = 8;
 
 /// Where the slice of a rank begins; behind the last one the end.

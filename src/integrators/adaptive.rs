@@ -7,7 +7,7 @@ use super::checkpoint::StepState;
 use super::initial_guess::InitialGuess;
 use super::load_steps::{Loading, first_step_size};
 use super::march::{Method, Problem, Run, embedded_difference};
-use super::record::{Recorder, SolveRecord, StepRecord};
+use super::record::{Observer, SolveRecord, StepRecord};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::time_loop::{RunStart, StepSelection, TrialOutcome, TrialStep, time_loop};
@@ -94,12 +94,12 @@ pub fn march_adaptive(
     control: &StepControl,
     stretches: &TimeGrid,
     plan: &StartPlan,
-    recorder: &mut dyn Recorder<f64>,
+    recorder: &mut dyn Observer<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(stretches.times[0], 0);
     let mut interval = RunInterval::new(stretches, &mut grid, FIRST_STEP_SIZE);
     let run = control.check(&method.table).and_then(|()| {
-        let start = RunStart::of(plan);
+        let start = RunStart { plan, clocks: None, guided: None };
         if method.table.is_static() {
             interval.step_size = first_step_size(interval.duration());
             return time_loop(problem, method, start, (Loading::new(control), interval), recorder);
@@ -110,19 +110,15 @@ pub fn march_adaptive(
     (grid, run)
 }
 
-/// Before a first size is chosen.
 const FIRST_STEP_SIZE: StepSizeState = StepSizeState { h: 0.0, last_error: 1.0, rejected: 0, halvings: 0, left: 0 };
 
-/// Steps as long as their error allows.
 struct ByError<'c> {
     control: &'c StepControl,
     table: &'c Table,
     embedded: &'c Embedded,
     /// Moving coordinates: those of fixed nodes have no error.
     moving: Vec<usize>,
-    /// The step just tried was too long.
     retried: bool,
-    /// Difference of the embedded solution.
     difference: Vec<f64>,
 }
 
@@ -150,7 +146,6 @@ impl<'c> ByError<'c> {
         if other <= 1.0 || own >= other || own.is_nan() { own } else { other }
     }
 
-    /// Difference of two solutions of a step as a share of what is allowed.
     fn error_of(
         &mut self,
         other: &Embedded,
@@ -197,13 +192,11 @@ impl<'c> ByError<'c> {
         if h > SHORTEST * interval.duration() {
             return Ok(());
         }
-        Err(RunError::StepSize { step: interval.grid.steps() + 1, t: interval.t(), h })
+        Err(RunError::step_size(interval.grid.steps() + 1, interval.t(), h))
     }
 }
 
 impl StepSelection<f64> for ByError<'_> {
-    const GOES_BACK: bool = true;
-
     /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
     ///
     /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.
@@ -223,7 +216,7 @@ impl StepSelection<f64> for ByError<'_> {
         let trial = trial.min(self.control.longest).min(duration);
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
-        let mut later = SolveRecord::empty();
+        let mut later = SolveRecord::default();
         let solved = stepper.solve_acceleration(
             (&moved(q, v), &moved(v, a)),
             interval.t() + trial,

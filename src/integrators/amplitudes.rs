@@ -15,38 +15,35 @@ use std::sync::Arc;
 /// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 1;
 
-/// Entries of a matrix: row, column, value.
 type Entries = Vec<(usize, usize, f64)>;
 
 /// K with the constraints, and M and C among nodes.
 pub(super) struct Pencil {
-    /// Unknowns: of nodes, then multipliers.
     pub size: usize,
     stiffness: Entries,
     mass: Entries,
     damping: Entries,
 }
 
-/// Entries of a matrix, of its first `nodes` rows and columns where that is asked for.
-fn entries(matrix: &Jacobian, system: &System, nodes: Option<usize>) -> Entries {
-    let (pattern, mut all) = (&system.pattern, Vec::new());
-    for column in 0..system.size() {
-        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            let row = pattern.rows[place] as usize;
-            if nodes.is_none_or(|nodes| row < nodes && column < nodes) && matrix.values[place] != 0.0 {
-                all.push((row, column, matrix.values[place]));
-            }
-        }
-    }
-    all
+pub(super) fn entries(pattern: &SparsePattern, values: &[f64]) -> impl Iterator<Item = (usize, usize, f64)> {
+    (0..pattern.size).flat_map(move |column| {
+        let places = pattern.column_starts[column]..pattern.column_starts[column + 1];
+        places.map(move |place| (pattern.rows[place] as usize, column, values[place]))
+    })
 }
 
 impl Pencil {
     /// From the matrices of a system with so many unknowns of nodes; without damping there is no C.
     pub fn new(system: &System, nodes: usize, [stiffness, mass]: [&Jacobian; 2], damping: Option<&Jacobian>) -> Self {
-        let own = |matrix: &Jacobian| entries(matrix, system, Some(nodes));
-        let damping = damping.map_or_else(Vec::new, own);
-        Pencil { size: system.size(), stiffness: entries(stiffness, system, None), mass: own(mass), damping }
+        let all =
+            |matrix: &Jacobian| entries(&system.pattern, &matrix.values).filter(|own| own.2 != 0.0).collect::<Entries>();
+        let among_nodes = |matrix| {
+            let mut own = all(matrix);
+            own.retain(|own| own.0 < nodes && own.1 < nodes);
+            own
+        };
+        let damping = damping.map_or_else(Vec::new, among_nodes);
+        Pencil { size: system.size(), stiffness: all(stiffness), mass: among_nodes(mass), damping }
     }
 
     /// Hands out the terms of P(lambda) x, or of P(lambda)^T x, with their rows.
@@ -121,7 +118,6 @@ impl<'p> Amplitudes<'p> {
         Amplitudes { factors: self.factors.unexamined(), ..self }
     }
 
-    /// Factors P(lambda).
     pub fn set(&mut self, lambda: Complex64) -> Result<(), Singular> {
         self.values.fill(0.0);
         let Pencil { stiffness, mass, damping, .. } = self.pencil;
@@ -149,11 +145,7 @@ impl<'p> Amplitudes<'p> {
             x.iter_mut().zip(&left).for_each(|(x, own)| *x += own);
             if refinement < REFINEMENTS {
                 left.copy_from_slice(&whole);
-                for (column, x) in x.iter().enumerate() {
-                    let places = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
-                    let entries = self.pattern.rows[places.clone()].iter().zip(&self.values[places]);
-                    entries.for_each(|(&row, value)| left[row as usize] -= value * x);
-                }
+                entries(&self.pattern, &self.values).for_each(|(row, column, value)| left[row] -= value * x[column]);
             }
         }
         joined(&x)

@@ -8,11 +8,11 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::march::{Method, Problem};
+use super::march::{Method, Problem, add_scaled};
 use super::newton::{NOT_HELD, Newton};
 use super::step::newton;
 use super::{Counters, RunError, Stability, StartPlan};
-use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Model, NodeId, Residual, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::State;
 
 /// How far and how closely a path is followed.
@@ -71,7 +71,6 @@ pub struct Path {
 
 /// Corrections that a well chosen arc needs.
 const WANTED: f64 = 5.0;
-/// Most corrections.
 const MOST_CORRECTIONS: usize = 15;
 /// Correction at which a point is as good as round-off allows, relative to the largest coordinate.
 const ROUND_OFF: f64 = 1e-14;
@@ -127,9 +126,6 @@ impl ArcLength {
 }
 
 /// Follows the equilibria of a problem from its start, at the load factor 0, on.
-///
-/// # Errors
-/// A start or options that are no good, a first equilibrium that is not found, or a path that ends, with its last load.
 pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, arc: &ArcLength) -> Result<Path, RunError> {
     arc.check(problem.model)?;
     super::start::check_stillness(problem)?;
@@ -144,7 +140,6 @@ pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, ar
     Ok(path)
 }
 
-/// A direction along the path.
 struct Direction {
     q: Vec<f64>,
     mu: Vec<f64>,
@@ -154,41 +149,28 @@ struct Direction {
 struct Follower<'m> {
     problem: &'m Problem<'m, f64>,
     newton: Newton<'m, f64>,
-    /// psi^2.
     load_weight: f64,
 }
 
-/// A point that was tried, with its tangent.
 struct Trial {
     point: PathPoint,
     tangent: Direction,
     corrections: usize,
 }
 
-/// Unknowns are the displacements of coordinates.
-const EQUATIONS: Equations = {
-    let shift = StageCoefficients::new(0.0, 0.0, 1.0);
-    Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
-};
-
 impl Follower<'_> {
-    /// The first equilibrium, and the tangent towards larger loads.
     fn start(&mut self) -> Result<(PathPoint, Direction), RunError> {
         let Problem { model, p, start } = self.problem;
         let place = "first equilibrium (load factor 0)";
-        let (zeros, q) = (vec![0.0; model.dofs], start.q.clone());
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q };
+        let base = VectorsAvq { q: start.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let newton = &mut self.newton;
         let mut unknowns = newton.reactions_at_release(&base, p, 0.0);
-        let solved = newton.solve(StageSystem { equations: &EQUATIONS, base: &base, p, t: 0.0 }, &mut unknowns);
-        solved.map_err(|failure| newton.describe(&failure, &EQUATIONS, place))?;
+        let solved = newton.solve(StageSystem { equations: &Equations::EQUILIBRIUM, base: &base, p, t: 0.0 }, &mut unknowns);
+        solved.map_err(|failure| newton.describe(&failure, &Equations::EQUILIBRIUM, place))?;
         let q = base.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
         let mut point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };
-        let mut tangent = self.towards_load(&point).map_err(|unknown| RunError::Singular {
-            place: place.into(),
-            unknown,
-            hint: NOT_HELD.into(),
-        })?;
+        let tangent = self.towards_load(&point);
+        let mut tangent = tangent.map_err(|unknown| RunError::singular(place, &unknown, NOT_HELD))?;
         point.stability = self.newton.stability();
         self.load_weight = self.dot(&tangent.q, &tangent.q);
         if self.load_weight == 0.0 {
@@ -227,17 +209,17 @@ impl Follower<'_> {
             } else {
                 None
             };
-            for (end, passed) in [
-                (PathEnd::Load, options.load.map(|load| Passed { coordinate: None, value: load })),
-                (PathEnd::Coordinate, options.coordinate.map(|(dof, value)| Passed { coordinate: Some(dof), value })),
-            ] {
-                let Some(passed) = passed.filter(|passed| passed.gap(&point) * passed.gap(&trial.point) <= 0.0) else {
-                    continue;
-                };
-                if passed.gap(&point) == 0.0 {
+            let ends = [
+                (PathEnd::Load, options.load.map(|value| (None, value))),
+                (PathEnd::Coordinate, options.coordinate.map(|(dof, value)| (Some(dof), value))),
+            ];
+            for (end, passed) in ends {
+                let Some((coordinate, value)) = passed else { continue };
+                let gap = |point: &PathPoint| coordinate.map_or(point.load, |dof: usize| point.q[dof]) - value;
+                if gap(&point) == 0.0 || !(gap(&point) * gap(&trial.point) <= 0.0) {
                     continue;
                 }
-                let (last, at) = self.locate(&point, &tangent, arc, 0.0, |point| passed.gap(point))?;
+                let (last, at) = self.locate(&point, &tangent, arc, 0.0, gap)?;
                 path.limits.extend(limit.filter(|(_, limit)| *limit < at).map(|(limit, _)| limit));
                 path.points.push(last);
                 path.end = end;
@@ -293,8 +275,7 @@ impl Follower<'_> {
     /// The equilibrium an arc ahead of a point, with its tangent; or why there is none.
     fn trial(&mut self, from: &PathPoint, tangent: &Direction, arc: f64) -> Result<Trial, String> {
         let Problem { model, p, .. } = self.problem;
-        let zeros = vec![0.0; model.dofs];
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: from.q.clone() };
+        let base = VectorsAvq { q: from.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.x.iter_mut().zip(&tangent.q).for_each(|(x, d)| *x = arc * d);
         unknowns.mu.iter_mut().zip(&from.mu).zip(&tangent.mu).for_each(|((mu, from), d)| *mu = from + arc * d);
@@ -303,7 +284,7 @@ impl Follower<'_> {
         let size = self.newton.size(&from.q).max(self.newton.size(&unknowns.x));
         let mut previous = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
-            let stage = StageSystem { equations: &EQUATIONS, base: &base, p, t: load };
+            let stage = StageSystem { equations: &Equations::EQUILIBRIUM, base: &base, p, t: load };
             self.newton.linearize(stage, &mut unknowns).map_err(|unknown| format!("{unknown} is singular"))?;
             let residual = self.newton.correction();
             let along = self.along_load(&unknowns.mu, load);
@@ -311,14 +292,11 @@ impl Follower<'_> {
             let off = arc - self.dot(&tangent.q, &unknowns.x) - self.load_weight * tangent.load * (load - from.load);
             let own = self.dot(&tangent.q, &along.q) + self.load_weight * tangent.load;
             let change = (off - self.dot(&tangent.q, &residual.x)) / own;
-            for (target, (a, b)) in unknowns.x.iter_mut().zip(residual.x.iter().zip(&along.q)) {
-                *target += a + change * b;
-            }
-            for (target, (a, b)) in unknowns.mu.iter_mut().zip(residual.mu.iter().zip(&along.mu)) {
-                *target += a + change * b;
-            }
+            let combine = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + change * b).collect::<Vec<_>>();
+            let moved = combine(&residual.x, &along.q);
+            add_scaled(&mut unknowns.x, &moved, 1.0);
+            add_scaled(&mut unknowns.mu, &combine(&residual.mu, &along.mu), 1.0);
             load += change;
-            let moved: Vec<f64> = residual.x.iter().zip(&along.q).map(|(a, b)| a + change * b).collect();
             let step = self.newton.size(&moved).max(change.abs() * self.load_weight.sqrt());
             if !step.is_finite() || step > 1e3 * arc.max(size) {
                 return Err(format!("corrections diverge at the load factor {load}"));
@@ -345,16 +323,15 @@ impl Follower<'_> {
     /// dq/dt and dmu/dt at an equilibrium; or the name of the unknown that is not determined there.
     fn towards_load(&mut self, point: &PathPoint) -> Result<Direction, String> {
         let Problem { model, p, .. } = self.problem;
-        let zeros = vec![0.0; model.dofs];
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: point.q.clone() };
+        let base = VectorsAvq { q: point.q.clone(), ..VectorsAvq::zeros(model.dofs) };
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.mu.clone_from(&point.mu);
         self.newton.set_coordinate_scales(&base, p);
-        self.newton.linearize(StageSystem { equations: &EQUATIONS, base: &base, p, t: point.load }, &mut unknowns)?;
+        self.newton
+            .linearize(StageSystem { equations: &Equations::EQUILIBRIUM, base: &base, p, t: point.load }, &mut unknowns)?;
         Ok(self.along_load(&point.mu, point.load))
     }
 
-    /// The same with the matrix that was factored last.
     fn along_load(&mut self, mu: &[f64], load: f64) -> Direction {
         let (force, gaps) = load_rates(self.problem, &self.newton.residual.at.q, mu, load);
         let Unknowns { x, mu, .. } = self.newton.response(&force, &gaps);
@@ -379,20 +356,6 @@ impl Direction {
     fn scale(&mut self, factor: f64) {
         self.q.iter_mut().chain(&mut self.mu).for_each(|value| *value *= factor);
         self.load *= factor;
-    }
-}
-
-/// What a path passes.
-#[derive(Clone, Copy)]
-struct Passed {
-    /// A coordinate, or the load factor.
-    coordinate: Option<usize>,
-    value: f64,
-}
-
-impl Passed {
-    fn gap(&self, point: &PathPoint) -> f64 {
-        self.coordinate.map_or(point.load, |dof| point.q[dof]) - self.value
     }
 }
 

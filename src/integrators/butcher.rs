@@ -196,8 +196,7 @@ impl Butcher {
             stiffly_accurate,
             radius_at_infinity,
             embedded,
-            starter: None,
-            variational: None,
+            ..Table::default()
         }
     }
 }

@@ -8,7 +8,6 @@ use crate::elements::RunScalar;
 /// What goes from one step to the next, beside the kept factorizations.
 #[derive(Debug, PartialEq)]
 pub struct StepState<S> {
-    /// Number of the next step.
     pub step: usize,
     /// Which table made the increments.
     pub scheme: Scheme,
@@ -18,7 +17,6 @@ pub struct StepState<S> {
     pub chosen_anew: bool,
     /// The table's carried vectors, q and v first.
     pub carried: Vec<Vec<S>>,
-    /// Solution of the last stage.
     pub last: Unknowns<S>,
     /// First guesses for the stages of the next step, then for its projections of coordinates and of velocities.
     pub prediction: Prediction<S>,
@@ -82,7 +80,6 @@ clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, last, pre
 /// a factorization only the point is stored at which it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint<S> {
-    /// Numbers of the run.
     pub between: StepState<S>,
     /// Of the accelerations, and of the stages with their projections.
     pub kept: [KeptFactorization<S>; 2],

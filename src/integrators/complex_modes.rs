@@ -16,19 +16,17 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::RunError;
 use super::amplitudes::{self, Amplitudes, Pencil};
 use super::krylov::{Space, WholeBasis, add, all_pairs, dot, in_order, largest_pairs};
-use super::march::{Method, Problem};
 use super::mode_vectors::{LEFT, improved};
-use super::vibrations::{Mode, Modes, NOISE, Operator};
+use super::vibrations::{Mode, Modes, NOISE, Operator, RestingProblem};
 use super::whole_basis::Motions;
-use super::{RunError, StartPlan};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 use crate::scalar::Complex64;
 use nalgebra::{DMatrix, SVD};
 
-/// Most shifts that are tried.
 const MOST_SHIFTS: usize = 12;
 /// The first shift, as a share of the root of the largest ratio of stiffness and inertia: below most modes, which one far above would not tell apart.
 const FIRST_SHIFT: f64 = 1e-7;
@@ -46,7 +44,6 @@ const FREE: usize = 12;
 const RIGID: f64 = 1e-3;
 /// theta below this share of the largest one is none.
 const INFINITE: f64 = 1e-10;
-/// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
 const NO_GROWTH: f64 = 1e-9;
@@ -103,19 +100,10 @@ fn value(pair: &Eigenpair, shift: f64) -> [f64; 2] {
     [shift + re / size, -im / size]
 }
 
-/// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`, with damping and whatever else depends on
-/// velocities: the first `count`, fewer where there are no more. One of each conjugate pair is given.
-///
-/// # Errors
-/// As for [`vibrations`](super::vibrations()); modes that the operator does not keep.
-pub(crate) fn complex_modes(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-    count: usize,
-) -> Result<Modes, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, count))?;
+/// The modes about an equilibrium with damping and whatever else depends on velocities: the first `count`, fewer where there are no more. One of each
+/// conjugate pair is given.
+pub(crate) fn complex_modes(resting: RestingProblem, count: usize) -> Result<Modes, RunError> {
+    let (mut operator, model) = (Operator::new(resting, count)?, resting.problem.model);
     if operator.nodes == 0 {
         return Ok(Modes { list: Vec::new(), proved: true });
     }
@@ -126,8 +114,8 @@ pub(crate) fn complex_modes(
     let motions = operator.motions(Some(&damping), 2);
     let stiffness = operator.stiffness();
     let mut search = Search { operator, stiffness, damping, whole: motions.as_ref().map(with_rates), shift: first };
-    let mut is_state = vec![false; problem.model.dofs];
-    problem.model.state_dofs().for_each(|dof| is_state[dof] = true);
+    let mut is_state = vec![false; model.dofs];
+    model.state_dofs().for_each(|dof| is_state[dof] = true);
     let mut sought = count + FREE;
     loop {
         let (ritz, shift, matrix) = search.near_zero(sought, first)?;
@@ -178,14 +166,11 @@ fn with_rates(Motions { inertial, following }: &Motions) -> WholeBasis {
 /// Pairs with the values nearest to zero, the shift, and the operator's matrix in the basis of a small model.
 type NearZero = (Vec<Eigenpair>, f64, Option<DMatrix<f64>>);
 
-/// A search for modes.
 struct Search<'m> {
     operator: Operator<'m>,
     stiffness: Jacobian,
     damping: Jacobian,
-    /// A basis of a small model.
     whole: Option<WholeBasis>,
-    /// Shift of the operator.
     shift: f64,
 }
 
@@ -264,7 +249,6 @@ impl Search<'_> {
         size * size <= ZERO * shift * shift || is_round_off
     }
 
-    /// The mode of a pair, and whether it is a rigid motion.
     fn mode(&mut self, pair: &Eigenpair, shift: f64) -> Result<(Mode, bool), RunError> {
         if shift != self.shift {
             self.operator.set_shift([shift * shift, shift])?;
@@ -292,9 +276,7 @@ impl Search<'_> {
         let turned = if frequency < 0.0 { ahead.iter().map(|part| -part).collect() } else { ahead };
         Ok((Mode { frequency: frequency.abs(), growth, shape, ahead: turned }, false))
     }
-}
 
-impl Search<'_> {
     /// A value and the vector of its mode by (lambda^2 M + lambda C + K) x + A^T nu = 0, from those that the operator gave.
     fn refined(
         &self,
@@ -328,7 +310,6 @@ fn is_motion(shape: &[f64], is_state: &[bool]) -> bool {
     moving > SAME * SAME * dot(shape, shape)
 }
 
-/// Adds a vector to orthonormal ones unless it depends on them.
 fn is_new(known: &mut Vec<Vec<f64>>, vector: &[f64]) -> bool {
     let (mut left, size) = (vector.to_vec(), dot(vector, vector).sqrt());
     for own in &*known {

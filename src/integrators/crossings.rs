@@ -75,17 +75,11 @@ impl fmt::Display for Crossing {
 /// Where an argument of a formula stands in the vectors of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// An acceleration.
     A(usize),
-    /// A velocity.
     V(usize),
-    /// A coordinate.
     Q(usize),
-    /// A multiplier.
     Mu(usize),
-    /// A parameter.
     P(usize),
-    /// The time.
     Time,
 }
 
@@ -96,13 +90,11 @@ struct Watched {
     /// Of functionals: the mildest change that is told.
     of_functional: Option<SwitchKind>,
     places: Vec<Place>,
-    /// Arguments that the sides depend on.
     reads: Vec<usize>,
     inputs: Vec<f64>,
     numbers: Vec<f64>,
 }
 
-/// The latest state of a run.
 #[derive(Default)]
 struct Seen {
     at: VectorsAvq<f64>,
@@ -127,7 +119,6 @@ pub struct SwitchWatch {
 }
 
 impl SwitchWatch {
-    /// Over the parts of a model.
     pub fn new(model: &Model) -> Self {
         let mut watch = SwitchWatch::default();
         each_formula(model, |name, _, formula, places| watch.add((name, None), formula, true, places));
@@ -152,7 +143,6 @@ impl SwitchWatch {
         }
     }
 
-    /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<f64>, p: &[f64]) {
         if !self.parts.is_empty() {
             self.seen = Seen { at: start.acceleration.point(), mu: start.acceleration.unknowns.mu.clone() };
@@ -161,7 +151,6 @@ impl SwitchWatch {
         }
     }
 
-    /// A step of it: its stages, and its end.
     pub fn step(&mut self, step: &StepRecord<f64>, p: &[f64]) {
         self.step += 1;
         if self.parts.is_empty() {
@@ -185,7 +174,6 @@ impl SwitchWatch {
         self.compare(p, step.end, Some(step.h));
     }
 
-    /// What was noted, jumps first.
     pub fn finish(self) -> Vec<Crossing> {
         let mut crossings = self.crossings;
         crossings.sort_by_key(|own| (own.kind != SwitchKind::Jump, own.step));

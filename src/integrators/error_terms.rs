@@ -1,6 +1,6 @@
 //! The leading error terms of tables without an embedded solution.
 
-use super::{Carried, Combination, Table};
+use super::{Carried, Combination, Stage, Table};
 
 /// Steps until what older vectors lack has died out.
 const STEPS: usize = 60;
@@ -48,17 +48,11 @@ impl Table {
         errors.push([0.0; 2]);
         for step in 0..STEPS {
             let t = step as f64;
-            let mut x: Vec<f64> = Vec::with_capacity(self.stages.len());
-            for stage in &self.stages {
-                let sum = |combination: &Combination, x: &[f64]| combined(combination, &carried, x);
-                // a_i = sum U_a Y + sum A_a x_j is what is given
-                let own = stage.a.stages.get(x.len()).copied().unwrap_or(0.0);
-                x.push(match stage.known {
-                    Some(place) => carried[place],
-                    None => (at(t + stage.c, 2) - sum(&stage.a, &x)) / own,
-                });
-            }
-            carried = self.update.iter().map(|update| combined(update, &carried, &x)).collect();
+            // a_i = sum U_a Y + sum A_a x_j is what is given
+            self.scalar_step(1.0, &mut carried, |index, sum| {
+                let Stage { a, c, .. } = &self.stages[index];
+                (at(t + c, 2) - sum(2, a)) / a.stages[index]
+            });
             errors.push([carried[0] - at(t + 1.0, 0), carried[1] - at(t + 1.0, 1)]);
         }
         let added = |which: usize| (errors[STEPS][which] - errors[STEPS - 2][which]) / 2.0;
@@ -67,12 +61,28 @@ impl Table {
             _ => added(1),
         }
     }
-}
 
-/// The sum for steps of length 1.
-fn combined(combination: &Combination, carried: &[f64], x: &[f64]) -> f64 {
-    let terms = |factors: &[f64], values: &[f64]| factors.iter().zip(values).map(|(c, y)| c * y).sum::<f64>();
-    terms(&combination.carried, carried) + terms(&combination.stages, x)
+    /// Makes one step of size `h` of a single coordinate, whose unknowns x follow from the sums of carried vectors and earlier ones; returns these.
+    pub(super) fn scalar_step(
+        &self,
+        h: f64,
+        carried: &mut Vec<f64>,
+        unknown: impl Fn(usize, &dyn Fn(i32, &Combination) -> f64) -> f64,
+    ) -> Vec<f64> {
+        let sum = |order: i32, combination: &Combination, carried: &[f64], x: &[f64]| {
+            let old = combination.carried.iter().zip(carried).zip(&self.carried);
+            let old = old.map(|((c, y), kind)| c * y * h.powi(kind.order() - order)).sum::<f64>();
+            old + combination.stages.iter().zip(x).map(|(c, x)| c * x * h.powi(2 - order)).sum::<f64>()
+        };
+        let mut x = Vec::with_capacity(self.stages.len());
+        for (index, stage) in self.stages.iter().enumerate() {
+            let own = stage.known.map(|place| carried[place]);
+            x.push(own.unwrap_or_else(|| unknown(index, &|order, combination| sum(order, combination, carried, &x))));
+        }
+        let update = self.update.iter().zip(&self.carried);
+        *carried = update.map(|(update, kind)| sum(kind.order(), update, carried, &x)).collect();
+        x
+    }
 }
 
 #[cfg(test)]

@@ -6,13 +6,11 @@ use std::collections::BTreeMap;
 /// How time goes in each stretch between breakpoints, with the index of its first step; empty where these do not move.
 pub type Clocks<S> = Vec<(usize, Clock<S>)>;
 
-/// The clock of a step.
 pub fn clock_at<S: RunScalar>(clocks: &Clocks<S>, step: usize) -> Option<Clock<S>> {
     let place = clocks.partition_point(|(first, _)| *first <= step);
     place.checked_sub(1).map(|place| clocks[place].1)
 }
 
-/// Why there is no derivative where breakpoints coincide.
 pub fn moved_apart(t: f64) -> String {
     format!(
         "at t = {} s breakpoints of several loads or drivers coincide which the design moves apart: to either side steps are laid in another way, \
@@ -68,16 +66,12 @@ impl TimeGrid {
         TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), asked }
     }
 
-    /// Start, breakpoints and end: indices into the times.
     fn boundaries(&self) -> impl Iterator<Item = usize> {
         [0].into_iter().chain(self.breakpoints.keys().copied()).chain([self.steps()])
     }
 
     /// The same steps where breakpoints lie at other times: those of each stretch keep their relative places. Where breakpoints come in another
     /// order, or others lie within the run, steps are laid anew.
-    ///
-    /// # Errors
-    /// Such an order where steps were chosen.
     pub(crate) fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
         let end = self.times[self.steps()];
         let groups = grouped(breakpoints, end, SAME_TIME * end / self.asked.max(1) as f64);
@@ -111,7 +105,6 @@ impl TimeGrid {
         (self.asked, self.times[self.steps()]) == (other.asked, other.times[other.steps()])
     }
 
-    /// The same steps, each divided into two.
     pub(crate) fn halved(&self) -> Self {
         let mut times = vec![self.times[0]];
         times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));
@@ -120,9 +113,6 @@ impl TimeGrid {
     }
 
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.
-    ///
-    /// # Errors
-    /// Breakpoints that coincide and move apart, in words.
     pub(crate) fn clocks<S: RunScalar>(&self, parts: &[S]) -> Result<Clocks<S>, String> {
         let size = |part: &S| (0..S::PARTS).fold(0.0, |size: f64, i| size.max(part.part(i).abs()));
         let mut moves = vec![S::zero()];

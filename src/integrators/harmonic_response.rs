@@ -2,25 +2,19 @@
 //!
 //! With R and A at (0, 0, q): M = dR/da, C = dR/dv, K = d(R + A^T mu)/dq.
 
+use super::RunError;
 use super::amplitudes::{Amplitudes, Pencil, left_over};
-use super::march::{Method, Problem};
-use super::vibrations::{FIRST_SHIFT, Operator};
-use super::{RunError, StartPlan};
+use super::vibrations::{Operator, RestingProblem};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::scalar::{COMPLEX_STEP, Complex64};
 
-/// Where an error is met.
 const PLACE: &str = "frequency response";
 /// What a solution may leave of its equations, by their largest terms.
 const LEFT: f64 = 1e-10;
 
-/// An equilibrium, and how it vibrates.
 pub(crate) struct Response {
-    /// Coordinates of the equilibrium.
     pub q: Vec<f64>,
-    /// Its multipliers.
     pub mu: Vec<f64>,
-    /// For each rate.
     pub vibrations: Vec<Vibration>,
 }
 
@@ -28,32 +22,17 @@ pub(crate) struct Response {
 pub(crate) struct Vibration {
     /// Parts of the coordinates, for a change of the design variable by 1.
     pub x: [Vec<f64>; 2],
-    /// Parts of the multipliers.
     pub mu: [Vec<f64>; 2],
 }
 
-/// The response of a problem about its start, which must be an equilibrium at time (or load factor) `t`, to a harmonic change of its parameters
-/// at some rates [rad/s]: `varied` has them with a complex step along what changes.
-///
-/// # Errors
-/// As for [`vibrations`](super::vibrations()); a rate at which the response is not determined.
-pub(crate) fn harmonic_response(
-    problem: &Problem<f64>,
-    varied: &[Complex64],
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-    rates: &[f64],
-) -> Result<Response, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, 1))?;
-    let largest = operator.largest_ratio();
-    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
-    // states that integrate what moves have a place in C alone
-    operator.set_shift([shift, shift.sqrt()])?;
+/// The response about an equilibrium to a harmonic change of its parameters at some rates [rad/s]: `varied` has them with a complex step along what
+/// changes.
+pub(crate) fn harmonic_response(resting: RestingProblem, varied: &[Complex64], rates: &[f64]) -> Result<Response, RunError> {
+    let mut operator = Operator::at_equilibrium(resting)?;
     let stiffness = operator.stiffness();
     let damping = operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity));
     let system = operator.newton.system.clone();
-    let rhs = change(&operator, &stiffness, varied, t);
+    let rhs = change(&operator, &stiffness, varied, resting.t);
     let pencil = Pencil::new(&system, operator.nodes, [&stiffness, &operator.mass], Some(&damping));
     let mut amplitudes = Amplitudes::new(&pencil, false).map_err(|singular| RunError::of_pattern(PLACE, singular))?;
     let mut vibrations = Vec::new();
@@ -69,7 +48,6 @@ pub(crate) fn harmonic_response(
     Ok(Response { q: operator.base.q, mu: operator.reactions.mu, vibrations })
 }
 
-/// Both parts at a rate.
 fn solve(amplitudes: &mut Amplitudes, pencil: &Pencil, omega: f64, rhs: &[f64]) -> Result<[Vec<f64>; 2], RunError> {
     let undetermined = || {
         RunError::Input(format!(
@@ -87,8 +65,7 @@ fn solve(amplitudes: &mut Amplitudes, pencil: &Pencil, omega: f64, rhs: &[f64]) 
 
 /// Minus the change of the equations with the parameters, at the equilibrium.
 fn change(operator: &Operator, stiffness: &Jacobian, varied: &[Complex64], t: f64) -> Vec<f64> {
-    let (system, equations) =
-        (&operator.newton.system, Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position));
+    let (system, equations) = (&operator.newton.system, Equations::EQUILIBRIUM);
     let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
     let base = VectorsAvq { a: lift(&operator.base.a), v: lift(&operator.base.v), q: lift(&operator.base.q) };
     let own = &operator.reactions;

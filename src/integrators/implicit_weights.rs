@@ -1,6 +1,5 @@
 use nalgebra::{DMatrix, DVector};
 
-/// How exactly conditions are solved.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Weights by which the stages behind an explicit first one make a solution without it: the nearest to `b` in the sum of squares under as

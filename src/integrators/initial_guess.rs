@@ -6,14 +6,10 @@ use super::record::SolveRecord;
 use crate::assembly::{Residual, StageSystem, Unknowns};
 use crate::elements::RunScalar;
 
-/// Where the search for a solution starts.
 #[derive(Clone, Copy)]
 pub(super) enum InitialGuess<'g> {
-    /// From zero.
     Zero,
-    /// From what the record holds.
     Given,
-    /// At the solution of a real run.
     Solved(&'g Unknowns<f64>),
 }
 
@@ -45,7 +41,6 @@ pub(super) fn solve<S: RunScalar>(
     solved.map_err(|failure| newton.describe(&failure, equations, &place()))
 }
 
-/// Real unknowns without derivative parts.
 fn lifted<S: RunScalar>(real: &Unknowns<f64>) -> Unknowns<S> {
     let lift = |values: &[f64]| values.iter().map(|&value| S::from(value)).collect();
     Unknowns { x: lift(&real.x), mu: lift(&real.mu), local_mu: lift(&real.local_mu) }

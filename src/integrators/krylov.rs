@@ -18,15 +18,12 @@ const GENUINE: f64 = 0.5;
 
 /// An operator on vectors that obey constraints, and how these are measured.
 pub(super) trait Space {
-    /// Length of a vector.
     fn size(&self) -> usize;
-    /// Whether the operator is symmetric in the inner product.
     fn is_symmetric(&self) -> bool;
     /// B x, with the inner product x^T B y.
     fn image(&self, vector: &[f64]) -> Vec<f64>;
     /// The operator on a vector x, given as B x.
     fn apply(&mut self, image: &[f64]) -> Vec<f64>;
-    /// Moves a vector back onto the constraints.
     fn obey_constraints(&mut self, vector: &mut [f64]);
     /// A vector that obeys the constraints, of any other.
     fn first(&mut self, vector: &[f64]) -> Vec<f64> {
@@ -39,7 +36,6 @@ pub(super) trait Space {
 #[derive(Default)]
 struct Krylov {
     basis: Vec<Vec<f64>>,
-    /// B times the basis.
     images: Vec<Vec<f64>>,
     /// Coefficients of the operator's results, one list for each vector that it was applied to.
     columns: Vec<Vec<f64>>,
@@ -106,9 +102,6 @@ impl Krylov {
 }
 
 /// Eigenvalues of largest size with their vectors, from a few vectors more than values.
-///
-/// # Errors
-/// Numbers that are not finite.
 pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
     let (mut krylov, length, mut examined) = (Krylov::default(), space.size(), 0);
     for k in 0..(count + spare).min(length) {
@@ -144,12 +137,10 @@ pub(super) fn largest_pairs(space: &mut dyn Space, count: usize, spare: usize) -
     }
 }
 
-/// Size of an eigenvalue.
 pub(super) fn magnitude(pair: &Eigenpair) -> f64 {
     pair.value[0].hypot(pair.value[1])
 }
 
-/// A sum of vectors with shares.
 fn combined(basis: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; basis.first().map_or(0, Vec::len)];
     basis.iter().zip(shares).for_each(|(own, share)| add(&mut sum, *share, own));
@@ -178,9 +169,6 @@ pub(super) struct WholeBasis {
 }
 
 /// The operator in a basis, and all its eigenvalues but those that are zero, the largest ones first.
-///
-/// # Errors
-/// Numbers that are not finite.
 pub(super) fn all_pairs(
     space: &mut dyn Space,
     WholeBasis { basis, dual }: &WholeBasis,
@@ -206,17 +194,12 @@ fn follow(space: &mut dyn Space, basis: &[Vec<f64>], pair: &mut Eigenpair) {
     pair.vector = [part(&re, &im, 1.0), part(&im, &re, -1.0)];
 }
 
-/// Most shifts.
 const MOST_SLICES: usize = 8;
 
-/// A pair with the shift at which it was found.
 pub(super) type Placed = (Eigenpair, f64);
 
 /// The first `count` of all pairs in the order of a place, which is negative for those that come first of all, each from a shift from which its
 /// size is not farther than by a range, which leaves digits to it: those known at one and, beyond, those found at larger ones.
-///
-/// # Errors
-/// Those of the search.
 pub(super) fn in_order(
     (mut pairs, mut shift): (Vec<Eigenpair>, f64),
     (count, range): (usize, f64),

@@ -6,14 +6,11 @@
 
 use crate::elements::RunScalar;
 use crate::linalg::{Kernel, dispatch};
-use crate::scalar::larger;
 
-/// Most lists that pass together.
 pub(super) const MOST_LISTS: usize = 8;
 /// Numbers that stay in registers while all lists pass.
 const BLOCK: usize = 8;
 
-/// A block of a list that begins at a place.
 #[inline(always)]
 fn block<S>(list: &[S], place: usize) -> &[S; BLOCK] {
     list[place..].first_chunk().expect("lists of one length")
@@ -109,34 +106,6 @@ impl<S: RunScalar> Kernel for Exchange<'_, '_, S> {
     }
 }
 
-/// The largest absolute value, or what is no number.
-pub(super) fn largest_number<S: RunScalar>(list: &[S]) -> f64 {
-    dispatch(LargestNumber { list })
-}
-
-struct LargestNumber<'l, S> {
-    list: &'l [S],
-}
-
-impl<S: RunScalar> Kernel for LargestNumber<'_, S> {
-    type Output = f64;
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) -> f64 {
-        let (groups, others) = self.list.as_chunks::<BLOCK>();
-        let (mut largest, mut sums) = ([0.0_f64; BLOCK], [0.0_f64; BLOCK]);
-        for group in groups {
-            for i in 0..BLOCK {
-                let own = group[i].value().abs();
-                largest[i] = if own > largest[i] { own } else { largest[i] };
-                // no number where one of them is none
-                sums[i] += own * 0.0;
-            }
-        }
-        let all = others.iter().map(|x| x.value().abs()).chain(largest).fold(0.0, larger);
-        sums.into_iter().fold(all, |all, sum| if sum == 0.0 { all } else { all.max(f64::INFINITY) * sum })
-    }
-}
-
 /// The largest `size(value, scale)` of values with their scales, from 0 on; what is no number does not count.
 pub(super) fn largest_scaled<S: Copy>(values: &[S], scales: &[f64], size: impl Fn(S, f64) -> f64) -> f64 {
     dispatch(LargestScaled { values, scales, size })
@@ -183,19 +152,6 @@ mod tests {
             assert_eq!(largest_scaled(&values, &scales, |x: f64, scale| x.abs() * scale), 2.0 * scales[place]);
         }
         assert_eq!(largest_scaled(&[], &scales, |x: f64, scale| x * scale), 0.0);
-    }
-
-    #[test]
-    fn the_largest_number_is_none_where_one_is_none() {
-        for place in 0..21 {
-            let mut values = [0.5; 21];
-            values[place] = -2.0;
-            assert_eq!(largest_number(&values), 2.0);
-            for none in [f64::NAN, f64::INFINITY] {
-                values[place] = none;
-                assert!(!largest_number(&values).is_finite());
-            }
-        }
     }
 
     #[test]

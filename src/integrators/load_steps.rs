@@ -5,7 +5,6 @@ use super::step::Stepper;
 use super::time_loop::{StepSelection, TrialOutcome, TrialStep};
 use super::{Checkpoint, RunError, Scheme, StepControl, StepSizeState};
 
-/// First step, as a share of the load.
 const FIRST: f64 = 0.1;
 /// Steps below this share of the load find no equilibrium any more.
 const SHORTEST: f64 = 1e-6;
@@ -16,7 +15,6 @@ const QUICK: usize = 8;
 /// By how much a step grows after quick convergence; a failed one is divided by it.
 const GROWTH: f64 = 2.0;
 
-/// The first step of a load.
 pub(super) fn first_step_size(duration: f64) -> StepSizeState {
     StepSizeState { h: FIRST * duration, ..StepSizeState::default() }
 }
@@ -24,9 +22,7 @@ pub(super) fn first_step_size(duration: f64) -> StepSizeState {
 /// Steps are halved where Newton's method fails and doubled where it converges quickly; of the control only the longest step counts.
 pub(super) struct Loading<'c> {
     control: &'c StepControl,
-    /// An attempt at this step has failed.
     failed: bool,
-    /// Corrections before the attempt.
     iterations: usize,
 }
 
@@ -37,8 +33,6 @@ impl<'c> Loading<'c> {
 }
 
 impl StepSelection<f64> for Loading<'_> {
-    const GOES_BACK: bool = true;
-
     fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<f64>) -> Result<TrialStep<'_>, RunError> {
         interval.step_size.h = interval.step_size.h.min(self.control.longest);
         self.iterations = stepper.counters().iterations;

@@ -12,11 +12,8 @@ use std::sync::Arc;
 /// What is simulated: topology, parameters, start.
 #[derive(Clone, Debug)]
 pub struct Problem<'m, S> {
-    /// Topology.
     pub model: &'m Model,
-    /// Parameters.
     pub p: Vec<S>,
-    /// Start.
     pub start: InitialState<S>,
 }
 
@@ -56,7 +53,6 @@ impl Method {
         Method { table, level, tolerance, backend, unreduced: false, measures_phases: false }
     }
 
-    /// The same with constraints inside nodes in the matrix.
     pub(crate) fn unreduced(&self) -> Self {
         Method { unreduced: true, ..self.clone() }
     }
@@ -73,7 +69,6 @@ impl Method {
         Arc::new(System::new(model, options))
     }
 
-    /// The equations of stage `index` of one of the method's tables.
     pub(crate) fn stage_equations(&self, table: &Table, index: usize, h: f64, constrained: bool) -> Equations {
         if let Some(Quadrature { alpha, first }) = table.variational {
             return Equations::variational(Variational { alpha, h, first });
@@ -87,14 +82,11 @@ impl Method {
     }
 }
 
-/// The end of a run.
 #[derive(Clone, Debug)]
 pub struct Run<S> {
-    /// Coordinates at the end.
     pub q: Vec<S>,
     /// Steps that were tried and given up for shorter ones.
     pub rejected: usize,
-    /// Largest estimated error of a step, where steps of a motion are given.
     pub error: Option<StepError>,
     /// Start \[s\] and number of the first step that leaps over a dead point, where drives determine the motion: behind it the mechanism is on
     /// another branch.
@@ -103,7 +95,6 @@ pub struct Run<S> {
     pub determinants: usize,
     /// Of equilibria: whether they stand.
     pub stability: Option<StabilityCourse>,
-    /// Work done.
     pub counters: Counters,
 }
 
@@ -138,7 +129,6 @@ pub(super) fn embedded_difference<S: RunScalar>(
     combine(table, order, combination, step.h, &step.carried, &step.stages, difference);
 }
 
-/// target += factor values.
 pub(crate) fn add_scaled<S: RunScalar>(target: &mut [S], values: &[S], factor: f64) {
     for (target, &value) in target.iter_mut().zip(values) {
         *target += value * factor;

@@ -12,7 +12,6 @@ mod checkpoint;
 mod complex_modes;
 mod counters;
 mod crossings;
-pub(crate) mod dividing;
 mod error;
 mod error_terms;
 pub(crate) mod given;
@@ -48,7 +47,9 @@ mod variational_momentum;
 mod vibrations;
 mod whole_basis;
 
+use crate::elements::RunScalar;
 pub use crate::program::SwitchKind;
+use crate::scalar::COMPLEX_STEP;
 pub(crate) use adaptive::march_adaptive;
 pub use adaptive::{StepControl, Tolerance};
 pub(crate) use arc_length::follow_path;
@@ -61,9 +62,8 @@ pub(crate) use counters::Phase;
 pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
-pub(crate) use dividing::march_dividing;
-pub use error::RunError;
-pub(crate) use given::{march, march_along};
+pub use error::{RunError, Stop};
+pub(crate) use given::{march, march_along, march_dividing};
 pub use grid::TimeGrid;
 #[doc(hidden)]
 pub use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
@@ -72,9 +72,9 @@ pub use march::Method;
 pub(crate) use march::Problem;
 pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, is_cut, mode_vectors, value_of};
 pub use newton::NewtonTolerance;
-pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales};
+pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
-pub(crate) use record::{Guide, Recorder, Replay, Steps};
+pub(crate) use record::{Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;
@@ -94,7 +94,7 @@ pub use tables::table_named;
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::Mode;
-pub(crate) use vibrations::{Modes, equilibrium_at, vibrations};
+pub(crate) use vibrations::{Modes, RestingProblem, equilibrium_at, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -122,4 +122,9 @@ impl ConstraintLevel {
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|level| level.name() == name)
     }
+}
+
+/// Derivative part that stands for a derivative of 1: a complex number carries its derivative times the step.
+pub(crate) fn unit_part<S: RunScalar>() -> f64 {
+    if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 }
 }

@@ -7,16 +7,14 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::RunError;
 use super::amplitudes::{Amplitudes, Pencil, left_over};
 use super::krylov::noise;
-use super::march::{Method, Problem};
-use super::vibrations::{Mode, Operator};
-use super::{RunError, StartPlan};
+use super::vibrations::{Mode, Operator, RestingProblem};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, System, Unknowns};
 use crate::scalar::Complex64;
 use nalgebra::DMatrix;
 
-/// Where an error is met.
 const PLACE: &str = "derivatives of modes";
 /// Shift at which the equilibrium is looked for, as a share of the lowest omega^2.
 const SHIFT: f64 = 1e-4;
@@ -24,7 +22,6 @@ const SHIFT: f64 = 1e-4;
 pub(crate) const SAME: f64 = 1e-8;
 /// Distances from the value at which its vectors are sought, as shares of it: the first at which the matrix has factors.
 const BESIDE: [f64; 3] = [1e-10, 1e-8, 1e-6];
-/// Most iterations.
 const MOST_ITERATIONS: usize = 12;
 /// What vectors may leave of their equations, by the largest term, ...
 pub(super) const LEFT: f64 = 1e-9;
@@ -44,11 +41,8 @@ pub(crate) struct Amplitude {
     pub mu: Vec<Complex64>,
 }
 
-/// Modes of one value.
 pub(crate) struct ModeGroup {
-    /// Which ones of the list.
     pub modes: Vec<usize>,
-    /// growth + i frequency.
     pub lambda: Complex64,
     /// As many vectors z as modes.
     pub right: Vec<Amplitude>,
@@ -60,14 +54,12 @@ pub(crate) struct ModeGroup {
 
 /// Vectors of modes about an equilibrium, in a system in which constraints inside nodes are such as others.
 pub(crate) struct ModeVectors {
-    /// Coordinates of the equilibrium.
     pub q: Vec<f64>,
     /// Its reactions, without displacements.
     pub reactions: Unknowns<f64>,
     pub groups: Vec<ModeGroup>,
 }
 
-/// growth + i frequency.
 pub(crate) fn value_of(mode: &Mode) -> Complex64 {
     Complex64::new(mode.growth, mode.frequency)
 }
@@ -95,20 +87,15 @@ pub(crate) fn is_cut(modes: &[Mode], asked: usize) -> bool {
     grouped(modes, asked).iter().any(|(_, members)| members.contains(&last))
 }
 
-/// Vectors of the first `asked` modes of a problem about its start, an equilibrium at time (or load factor) `t`, whose modes are known, with all
-/// that have the value of one of them: of [`vibrations`](super::vibrations()), or of [`complex_modes`](super::complex_modes()) with damping.
-///
-/// # Errors
-/// As for these; vectors that do not settle.
+/// Vectors of the first `asked` modes about an equilibrium, with all that have the value of one of them: modes of
+/// [`vibrations`](super::vibrations()), or of [`complex_modes`](super::complex_modes()) with damping.
 pub(crate) fn mode_vectors(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
+    resting: RestingProblem,
     (modes, asked): (&[Mode], usize),
     is_damped: bool,
 ) -> Result<ModeVectors, RunError> {
-    let mut operator = Operator::new(problem, &method.unreduced(), plan, (t, modes.len().max(1)))?;
+    let method = resting.method.unreduced();
+    let mut operator = Operator::new(RestingProblem { method: &method, ..resting }, modes.len().max(1))?;
     let found = grouped(modes, asked);
     let lowest = found.iter().map(|(lambda, _)| lambda.norm_sqr()).fold(f64::INFINITY, f64::min);
     let shift = if lowest.is_finite() { SHIFT * lowest } else { 1.0 };
@@ -177,7 +164,6 @@ pub(super) fn improved(
     (value, own.swap_remove(0))
 }
 
-/// So many vectors z and w of one value.
 fn vectors(
     amplitudes: &mut Amplitudes,
     pencil: &Pencil,
@@ -237,7 +223,6 @@ fn vectors(
     Ok([of_side(false)?, of_side(true)?])
 }
 
-/// a^T b.
 fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -261,7 +246,6 @@ fn orthonormalize(vectors: &mut [Vec<Complex64>]) {
     }
 }
 
-/// A vector in all coordinates and multipliers.
 fn amplitude(system: &System, matrix: &Jacobian, own: &[Complex64]) -> Amplitude {
     let scales = vec![1.0; system.model.dofs];
     let part = |part: fn(&Complex64) -> f64| {

@@ -5,7 +5,6 @@ use crate::elements::{FormulaWork, Parameter, RunScalar};
 use crate::program::Formula;
 use crate::scalar::{Scalar, Tangents};
 
-/// Most numbers of a list that are shown.
 const MOST_SHOWN: usize = 12;
 
 /// The first element or constraint whose formula is not finite at a state, or, where these are asked for, one of its derivatives by the state; with
@@ -28,7 +27,6 @@ pub(super) fn not_finite(model: &Model, p: &[f64], at: &VectorsAvq<f64>, t: f64,
     })
 }
 
-/// Arguments of one formula.
 struct Inputs<'i> {
     model: &'i Model,
     nodes: &'i [NodeId],

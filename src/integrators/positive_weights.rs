@@ -1,6 +1,5 @@
 use nalgebra::{DMatrix, DVector};
 
-/// How exactly polynomials are to be integrated.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Weights of a step's stages at the times `c`, none negative, that integrate polynomials as well as the weights `b` of a method of this order do, and

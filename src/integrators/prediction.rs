@@ -13,7 +13,6 @@ pub(crate) const MOST: usize = MOST_LISTS;
 /// system, that one is taken which would have foretold the latest solution best.
 #[derive(Debug, PartialEq)]
 pub struct Prediction<S> {
-    /// One for each system of a step, in order.
     pub tracks: Vec<Track<S>>,
 }
 

@@ -1,5 +1,5 @@
 use super::{Pause, RunError, Scheme, StepRule};
-use crate::assembly::{Equations, Unknowns, VectorsAvq, cloned_in_place};
+use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
@@ -16,12 +16,6 @@ pub struct SolveRecord<S> {
 }
 
 impl<S: Scalar> SolveRecord<S> {
-    /// Room for a record.
-    pub(crate) fn empty() -> Self {
-        let (base, unknowns) = (VectorsAvq::default(), Unknowns::default());
-        SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns }
-    }
-
     /// Writes the acceleration at a stage that starts from none: that of an equilibrium is zero.
     pub(crate) fn write_acceleration(&self, a: &mut Vec<S>) {
         let gamma = self.equations.residual.gamma;
@@ -42,13 +36,6 @@ pub struct StageRecord<S> {
     pub solve: SolveRecord<S>,
     /// Carried vector that is the acceleration of an explicit first stage, which is not solved for.
     pub known: Option<usize>,
-}
-
-impl<S: Scalar> StageRecord<S> {
-    /// Room for a record.
-    pub(crate) fn empty() -> Self {
-        StageRecord { solve: SolveRecord::empty(), known: None }
-    }
 }
 
 /// One step.
@@ -80,9 +67,9 @@ pub struct StepRecord<S> {
     pub v: Vec<S>,
 }
 
-cloned_in_place!(SolveRecord { t, equations, base, unknowns });
-cloned_in_place!(StageRecord { solve, known });
-cloned_in_place!(StepRecord {
+clone_fields!(SolveRecord { t, equations, base, unknowns });
+clone_fields!(StageRecord { solve, known });
+clone_fields!(StepRecord {
     t,
     h,
     end,
@@ -101,24 +88,6 @@ impl<S: Scalar> StepRecord<S> {
     /// Whether the acceleration at its start does not come from a step before, for the number `index` of steps before.
     pub(super) fn begins_anew(&self, index: usize) -> bool {
         index == 0 || self.restart.is_some()
-    }
-
-    /// Room for a record.
-    pub(crate) fn empty() -> Self {
-        StepRecord {
-            t: 0.0,
-            h: 0.0,
-            end: 0.0,
-            scheme: Scheme::Main,
-            dropped: Vec::new(),
-            restart: None,
-            carried: Vec::new(),
-            stages: Vec::new(),
-            position_projection: None,
-            velocity_projection: None,
-            q: Vec::new(),
-            v: Vec::new(),
-        }
     }
 }
 
@@ -140,40 +109,33 @@ pub struct StartRecord<S> {
 /// Sees the steps of an earlier run again; `false` stops it.
 pub type Replay<'r, S> = &'r mut dyn FnMut(&StepRecord<S>) -> Result<bool, RunError>;
 
-/// Receives a run step by step.
-pub trait Recorder<S> {
+/// Sees a run step by step while it goes on.
+pub trait Observer<S = f64> {
     /// The start, after projections.
     ///
     /// # Errors
-    /// What could not be kept.
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError>;
+    /// What the observer could not do.
+    fn start(&mut self, _start: &StartRecord<S>) -> Result<(), RunError> {
+        Ok(())
+    }
     /// A finished step; `false` stops the run.
     ///
     /// # Errors
-    /// What could not be kept.
+    /// What the observer could not do.
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError>;
-    /// True if the state before step `index` is to be handed over.
-    fn wants_checkpoint(&self, _index: usize) -> bool {
-        false
-    }
-    /// Everything from which the run can go on, before the step for which it was asked.
-    ///
-    /// # Errors
-    /// What could not be kept.
-    fn checkpoint(&mut self, _pause: Pause<S>) -> Result<(), RunError> {
+    /// Before step `index`, with everything from which the run can go on there.
+    #[doc(hidden)]
+    fn checkpoint(&mut self, _index: usize, _pause: &dyn Fn() -> Pause<S>) -> Result<(), RunError> {
         Ok(())
     }
-    /// Behind the last step, with what [`Recorder::checkpoint`] would get there.
-    ///
-    /// # Errors
-    /// What could not be kept.
+    /// Behind the last step, with the same.
+    #[doc(hidden)]
     fn end(&mut self, _pause: &dyn Fn() -> Pause<S>) -> Result<(), RunError> {
         Ok(())
     }
-    /// Asked behind the start: where the run was before, if the recorder has steps of it already, which are handed out in their order.
-    ///
-    /// # Errors
-    /// Steps that cannot be found again; [`RunError::Interrupted`] if the function returns `false`.
+    /// Asked behind the start: where the run was before, if steps of it are kept already, which are handed out in their order.
+    /// [`RunError::Interrupted`] if the function returns `false`.
+    #[doc(hidden)]
     fn take_up(&mut self, _rule: StepRule, _steps: Replay<S>) -> Result<Option<Pause<S>>, RunError> {
         Ok(None)
     }
@@ -182,16 +144,5 @@ pub trait Recorder<S> {
 /// Hands out the steps of a finished real run one after the other.
 pub trait Steps {
     /// The next one; `None` behind the last.
-    ///
-    /// # Errors
-    /// A step that can't be read or computed again.
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError>;
-}
-
-/// A finished real run that runs with derivative parts follow: their values are its values, number by number.
-pub struct Guide<'r> {
-    /// Its start.
-    pub start: &'r StartRecord<f64>,
-    /// Its steps from the first on.
-    pub steps: &'r mut dyn Steps,
 }

@@ -3,7 +3,8 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Problem, RunError};
+use super::amplitudes::entries;
+use super::{Problem, RunError, Stop};
 use crate::assembly::{Equations, Jacobian, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{SparseRow, independent_rows};
@@ -16,7 +17,7 @@ const WORSE: f64 = 1e3;
 pub(super) const KEPT: f64 = VIOLATED / WORSE;
 
 /// Rows of the constraint equations in an assembled matrix, towards the unknowns of nodes.
-pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<SparseRow> {
+fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<SparseRow> {
     let pattern = &system.pattern;
     let places = system.multiplier_places();
     let nodes = places.iter().flatten().min().copied().unwrap_or(pattern.size);
@@ -27,11 +28,9 @@ pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Spars
         }
     }
     let mut rows = vec![SparseRow::new(); places.len()];
-    for column in 0..nodes {
-        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            if let Some(row) = row_of[pattern.rows[place] as usize] {
-                rows[row].push((column, jacobian.values[place]));
-            }
+    for (place, column, value) in entries(pattern, &jacobian.values).filter(|own| own.1 < nodes) {
+        if let Some(row) = row_of[place] {
+            rows[row].push((column, value));
         }
     }
     rows
@@ -59,7 +58,6 @@ pub(super) fn dependent_equations<S: RunScalar>(
     (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect()
 }
 
-/// Workspace of the watch over dropped equations.
 pub(super) struct Watch<S> {
     q: Vec<S>,
     work: FormulaWork<S>,
@@ -90,7 +88,11 @@ impl<S: RunScalar> Watch<S> {
     }
 }
 
-/// The error of a dropped equation that is violated.
 pub(super) fn violated(model: &Model, place: String, (row, g): (usize, f64)) -> RunError {
-    RunError::Redundant { place, equation: model.equation_name(row), violation: g }
+    let cause = format!(
+        "{} was left out as redundant, but is violated by {g:.1e}: the constraints depend on each other \
+         at the start only, and the mechanism is locked or singular here",
+        model.equation_name(row)
+    );
+    RunError::stopped(Stop::Redundant, place, cause, "check the directions of axes and the closing of loops")
 }

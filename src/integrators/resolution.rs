@@ -34,7 +34,6 @@ impl StepError {
     pub const COARSE: f64 = 2e-3;
 }
 
-/// The largest errors of the steps so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepErrors {
     /// In coordinates and in velocities \[m, m/s\].
@@ -49,23 +48,17 @@ pub struct StepErrors {
     pub orientation: f64,
     /// Start of the first step in which it changed, and its number.
     pub leap: Option<(f64, usize)>,
-    /// Of equilibria: whether they stand.
     pub stability: Option<StabilityCourse>,
 }
 
 /// Rounding of coordinates by the model's length, with what the tables make of it at stages: up to 300 times as much.
 const ROUNDINGS: f64 = 1e3 * f64::EPSILON;
 
-/// By what errors are measured.
 pub(super) struct Measures<'m> {
-    /// Scales of coordinates.
     pub scales: &'m [f64],
-    /// The model's length \[m\].
     pub length: f64,
     /// What round-off may do to accelerations [m/s2].
     pub round_off: f64,
-    /// Factors of the leading error terms of coordinates and velocities: [`Table::error_factors`].
-    pub error_factors: [f64; 2],
 }
 
 impl StepErrors {
@@ -81,7 +74,6 @@ impl StepErrors {
         Some(list.iter().enumerate().map(weight).collect())
     }
 
-    /// Writes a weighted sum of the latest accelerations, times a factor.
     fn combine<S: RunScalar>(&self, weights: &[f64], factor: f64, sum: &mut Vec<S>) {
         let lists = || weights.iter().zip(&self.accelerations);
         let of_dof = |dof: usize| lists().map(|(weight, (_, list))| weight * list[dof]).sum::<f64>() * factor;
@@ -106,27 +98,22 @@ pub(super) fn is_smooth<S: RunScalar>(before: [&[S]; 2], after: [&[S]; 2], h: f6
     open <= SMOOTH * change
 }
 
-/// How well the steps so far resolve the motion.
 #[derive(Debug)]
 pub(super) struct Resolution<S> {
     pub errors: StepErrors,
     difference: Vec<S>,
+    /// Factors of the leading error terms of coordinates and velocities, once a step has asked for them.
+    factors: Option<[f64; 2]>,
 }
 
-impl<S> Default for Resolution<S> {
-    fn default() -> Self {
-        Resolution { errors: StepErrors::default(), difference: Vec::new() }
-    }
-}
+crate::assembly::empty_fields!(Resolution { errors, difference, factors });
 
 impl<S: RunScalar> Resolution<S> {
-    /// Begins with the acceleration of the start.
     pub fn begin(&mut self, t: f64, acceleration: &[S]) {
         self.errors.accelerations.clear();
         self.errors.accelerations.push((t, acceleration.iter().map(|a| a.value()).collect()));
     }
 
-    /// Takes note of a step: its number, and how things are measured.
     pub fn note(&mut self, table: &Table, number: usize, step: &StepRecord<S>, measures: &Measures) {
         if table.is_static() {
             return;
@@ -142,7 +129,8 @@ impl<S: RunScalar> Resolution<S> {
             }
         } else {
             self.note_acceleration(table.order, step);
-            let factors = measures.error_factors.map(|factor| factor * step.h.powi(table.order as i32 + 1));
+            let factors = *self.factors.get_or_insert_with(|| table.error_factors());
+            let factors = factors.map(|factor| factor * step.h.powi(table.order as i32 + 1));
             for (in_velocity, factor) in [false, true].into_iter().zip(factors) {
                 let order = if in_velocity { table.order } else { table.order - 1 };
                 if let Some(weights) = self.errors.weights_of_derivative(order) {
@@ -211,7 +199,6 @@ impl<S: RunScalar> Resolution<S> {
         self.errors.orientation = 0.0;
     }
 
-    /// The larger one of both.
     pub fn worst(&self) -> Option<StepError> {
         let shares = self.errors.worst.iter().zip(self.errors.sizes).filter_map(|(worst, size)| {
             worst.filter(|_| size > 0.0).map(|worst| StepError { share: worst.share / size, ..worst })
@@ -226,11 +213,10 @@ mod tests {
 
     #[test]
     fn an_estimate_that_is_no_number_is_no_small_one() {
-        let (mut resolution, table) =
-            (Resolution::<f64>::default(), crate::integrators::table_by_name("esdirk4").expect("listed"));
-        let (mut step, scales) = (StepRecord::empty(), [1.0; 2]);
+        let mut resolution = Resolution::<f64>::default();
+        let (mut step, scales) = (StepRecord::default(), [1.0; 2]);
         (step.h, step.q, step.v) = (0.1, vec![1.0, 0.5], vec![2.0, 0.1]);
-        let measures = Measures { scales: &scales, length: 1.0, round_off: 0.0, error_factors: table.error_factors() };
+        let measures = Measures { scales: &scales, length: 1.0, round_off: 0.0 };
         for errors in [[1e-6, 1e-7], [f64::NAN, 1e-7], [1e-6, f64::INFINITY]] {
             resolution.errors = StepErrors::default();
             resolution.judge(false, 1, &step, &errors, &measures);

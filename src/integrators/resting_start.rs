@@ -8,14 +8,13 @@
 use super::initial_guess::{InitialGuess, solve};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::SolveRecord;
-use super::{Counters, InitialState, Method, Problem, RestingPlan, RunError, Stability, StartPlan, Verdict};
+use super::{Counters, InitialState, Method, Problem, RestingPlan, RunError, Stability, StartPlan, Stop, Verdict};
 use crate::assembly::{Attached, Equations, Level, Model, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar, State};
 use crate::scalar::{COMPLEX_STEP, Complex64};
 
 /// Size of the first step \[s\]; it is divided and multiplied until steps are of a good length.
 const FIRST: f64 = 0.05;
-/// By how much a step grows or shrinks.
 const GROWTH: f64 = 4.0;
 /// Displacement of the longest step that is taken, by the model's length; the next one is as long beyond a [`SHORT`] one.
 const LONGEST: f64 = 0.3;
@@ -29,31 +28,19 @@ const NONE: f64 = 1e-10;
 const LARGEST: f64 = 1e4;
 /// Steps below this size \[s\] find nothing any more.
 const SMALLEST: f64 = 1e-9;
-/// Most steps that are tried.
 const MOST: usize = 200;
-/// Where in the run.
 const PLACE: &str = "equilibrium at the start (t = 0 s)";
 
-/// The equilibrium at which a motion begins.
 pub(super) struct RestingStart<S> {
     /// Its system, whose base are the given coordinates.
     pub record: SolveRecord<S>,
     /// Whether it stands; not known of derivative parts, which follow a real run.
     pub stability: Option<Stability>,
-    /// Work done.
     pub counters: Counters,
-}
-
-/// The equation of an equilibrium whose unknowns are displacements.
-fn at_rest() -> Equations {
-    Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position)
 }
 
 impl<S: RunScalar> RestingStart<S> {
     /// Finds the equilibrium near the start, or follows that of a real run.
-    ///
-    /// # Errors
-    /// [`RunError`] with what moves on, or could not be solved.
     pub fn find(
         problem: &Problem<S>,
         method: &Method,
@@ -69,7 +56,7 @@ impl<S: RunScalar> RestingStart<S> {
         newton.counters = Counters::measuring(method.measures_phases);
         let InitialState { q, v } = &problem.start;
         let base = VectorsAvq { a: vec![S::zero(); model.dofs], v: resting.velocities(v), q: resting.coordinates(q, v) };
-        let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
+        let mut record = SolveRecord { t, equations: Equations::EQUILIBRIUM, base, unknowns: Unknowns::default() };
         if guide.is_some() {
             solve(&mut newton, &mut record, InitialGuess::guided(guide), &p, &|| PLACE.into())?;
             return Ok(RestingStart { record, stability: None, counters: newton.counters });
@@ -85,9 +72,6 @@ impl<S: RunScalar> RestingStart<S> {
 
 /// Coordinates and states at which a motion begins: those of the equilibrium near the given ones, if the plan says so; with the velocities that are
 /// given, but for those of a turn.
-///
-/// # Errors
-/// [`RunError`] with what moves on, or could not be solved.
 pub fn resting_start(problem: &Problem<f64>, method: &Method, plan: &StartPlan) -> Result<InitialState<f64>, RunError> {
     let mut start = problem.start.clone();
     if let Some(plan) = &plan.equilibrium {
@@ -106,7 +90,6 @@ fn of_states(model: &Model) -> impl Iterator<Item = (&Attached<ElementPhysics>, 
     seeing.map(|(element, nodes)| (element, nodes.iter().flat_map(|node| node.dofs.clone()).collect()))
 }
 
-/// Residual of an element at its coordinates, where nothing moves.
 fn still_residual<S: RunScalar>(element: &Attached<ElementPhysics>, p: &[S], q: &[S]) -> Vec<S> {
     let still = vec![S::zero(); q.len()];
     element.physics.residual_at(State { a: &still, v: &still, q }, &p[element.parameters.clone()], S::zero())
@@ -163,13 +146,11 @@ fn check_staying(model: &Model, stays: &[usize], p: &[f64], q: &[f64]) -> Result
     }
 }
 
-/// A search for an equilibrium.
 struct Search<'m, 'p, S> {
     newton: Newton<'m, S>,
     p: &'p [S],
     /// The equilibrium's own system, from where it is looked for.
     record: SolveRecord<S>,
-    /// Size of the next step \[s\].
     h: f64,
     /// Coordinates that it has come to.
     at: Vec<S>,
@@ -179,9 +160,7 @@ struct Search<'m, 'p, S> {
 
 /// Where a step leads, with its displacement by the model's length.
 enum Step {
-    /// To a neighbour.
     To(f64),
-    /// Farther than is trusted.
     TooLong,
     /// To a state that energy and way do not make the least one.
     NotLeast(f64),
@@ -189,7 +168,6 @@ enum Step {
 
 /// Why a state was not taken for the equilibrium.
 enum Ended {
-    /// It was not found.
     Failed(RunError),
     /// It lies elsewhere, or does not stand.
     Refused,
@@ -198,7 +176,7 @@ enum Ended {
 impl<S: RunScalar> Search<'_, '_, S> {
     fn run(&mut self) -> Result<(), RunError> {
         self.at.clone_from(&self.record.base.q);
-        let mut step = SolveRecord::empty();
+        let mut step = SolveRecord::default();
         step.base.clone_from(&self.record.base);
         Residual::shape(&self.newton.system, &mut step.unknowns, true);
         for _ in 0..MOST {
@@ -290,13 +268,13 @@ impl<S: RunScalar> Search<'_, '_, S> {
     /// Steps have come to rest at a state that was not taken.
     fn end(&mut self) -> Result<(), RunError> {
         match self.ended.take() {
-            Some(Ended::Failed(RunError::Singular { place, unknown, .. })) => Err(RunError::Singular {
+            Some(Ended::Failed(RunError::Stopped { reason: Stop::Singular, place, cause, .. })) => Err(RunError::stopped(
+                Stop::Singular,
                 place,
-                unknown,
-                hint: "nothing but inertia holds it, so its equilibrium is not determined: hold it there ([[hold]] of a scene file, \
-                       `MechanismBuilder::hold` in a program), or give it a spring"
-                    .into(),
-            }),
+                cause,
+                "nothing but inertia holds it, so its equilibrium is not determined: hold it there ([[hold]] of a scene file, \
+                 `MechanismBuilder::hold` in a program), or give it a spring",
+            )),
             Some(Ended::Failed(why)) => Err(why),
             // a structure without imperfection on its straight path: that it does not stand is told with the results
             _ => Ok(()),

@@ -3,7 +3,6 @@ use super::{Scheme, StepSizeState, Table, TimeGrid};
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct RunInterval<'c> {
     stretches: &'c TimeGrid,
-    /// Steps taken.
     pub grid: &'c mut TimeGrid,
     /// Index of the stretch's end.
     target: usize,
@@ -17,22 +16,18 @@ impl<'c> RunInterval<'c> {
         RunInterval { stretches, grid, target: 1, step_size }
     }
 
-    /// End of the last step \[s\].
     pub fn t(&self) -> f64 {
         self.grid.times[self.grid.steps()]
     }
 
-    /// Whether the last stretch is behind.
     pub fn at_end(&self) -> bool {
         self.target >= self.stretches.times.len()
     }
 
-    /// Of all stretches \[s\].
     pub fn duration(&self) -> f64 {
         self.stretches.times[self.stretches.steps()] - self.stretches.times[0]
     }
 
-    /// Whether the next step starts at a breakpoint.
     pub fn at_breakpoint(&self) -> bool {
         self.grid.breakpoints.contains_key(&self.grid.steps())
     }
@@ -62,7 +57,6 @@ impl<'c> RunInterval<'c> {
         scheme
     }
 
-    /// Takes the step to its end.
     pub fn advance(&mut self, end: f64) {
         self.grid.times.push(end);
         if end == self.stretches.times[self.target] {

@@ -55,15 +55,6 @@ pub struct StabilityCourse {
     pub lost: Option<([f64; 2], usize)>,
 }
 
-impl StabilityCourse {
-    /// Goes on to the equilibrium at the end of a step with a number, between two load factors.
-    pub(super) fn note(course: &mut Option<StabilityCourse>, end: Stability, loads: [f64; 2], step: usize) {
-        let lost = course.and_then(|course| course.lost);
-        let is_unstable = end.verdict() == Verdict::Unstable;
-        *course = Some(StabilityCourse { end, lost: lost.or(is_unstable.then_some((loads, step))) });
-    }
-}
-
 impl<S: RunScalar> Newton<'_, S> {
     /// Stability of the equilibrium at which the matrix was assembled last.
     pub(super) fn stability(&mut self) -> Stability {

@@ -3,23 +3,21 @@
 
 use super::newton::Newton;
 use super::not_finite::not_finite;
-use super::redundancy::{constraint_rows, dependent_equations};
+use super::redundancy::dependent_equations;
 use super::resting_start::staying_states;
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, Residual, Spin, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
-use crate::linalg::{Backend, independent_rows};
+use crate::linalg::Backend;
 use crate::scalar::Quaternion;
 use std::sync::Arc;
 
 /// Coordinates and velocities at t = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialState<S> {
-    /// Coordinates.
     pub q: Vec<S>,
-    /// Velocities.
     pub v: Vec<S>,
 }
 
@@ -41,9 +39,7 @@ pub struct StartPlan {
     pub dropped: Vec<usize>,
     /// Choose others where these no longer do.
     pub choose_again: bool,
-    /// Project the start.
     pub project: bool,
-    /// Begin at an equilibrium.
     pub equilibrium: Option<RestingPlan>,
 }
 
@@ -61,9 +57,6 @@ pub const INCONSISTENT: f64 = 1e-9;
 
 impl StartPlan {
     /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.
-    ///
-    /// # Errors
-    /// [`RunError::Input`] or [`RunError::Singular`] with the name and the numbers of what is wrong.
     pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
         examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
@@ -78,14 +71,10 @@ impl StartPlan {
     }
 
     /// Examines the start of another design in the same way, but for the rank of its constraints.
-    ///
-    /// # Errors
-    /// As for [`StartPlan::prepare`].
     pub fn check(&self, problem: &Problem<f64>, table: &Table) -> Result<(), RunError> {
         examine(problem, table, self.policy())
     }
 
-    /// What it was made by.
     pub(super) fn policy(&self) -> ConstraintPolicy {
         let (project_start, drop_redundant, from_equilibrium) =
             (self.project, self.choose_again, self.equilibrium.is_some());
@@ -171,7 +160,7 @@ fn check_finite(problem: &Problem<f64>) -> Result<(), RunError> {
     let InitialState { q, v } = problem.start.clone();
     let at = VectorsAvq { a: vec![0.0; q.len()], v, q };
     let cause = not_finite(problem.model, &problem.p, &at, 0.0, false);
-    cause.map_or(Ok(()), |cause| Err(RunError::NotFinite { place: "start".into(), cause }))
+    cause.map_or(Ok(()), |cause| Err(RunError::not_finite("start", cause)))
 }
 
 /// A variational integrator needs momenta, and constraints that derive from positions.
@@ -275,7 +264,6 @@ fn check_equilibrium(model: &Model, start: &InitialState<f64>, table: &Table) ->
     }
 }
 
-/// Constraints on velocities alone leave equilibria undetermined.
 fn check_holonomic(model: &Model, instead: &str) -> Result<(), RunError> {
     match model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
         Some(joint) => Err(RunError::Input(format!(
@@ -333,22 +321,20 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
 fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
     let model = problem.model;
     let place = "start (t = 0 s)";
+    let dependent_at_start = || dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None);
     if policy.drop_redundant {
-        return Ok(dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None));
+        return Ok(dependent_at_start());
     }
     if table.is_static() {
         // accelerations may not exist: freedoms of an equilibrium need no inertia
-        let dependent = dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None);
+        let dependent = dependent_at_start();
         return if dependent.is_empty() { Ok(dependent) } else { Err(redundant(model, &dependent)) };
     }
     let system = Arc::new(System::new(model, SystemOptions::default()));
-    let singular = |newton: Option<&Newton<f64>>, unknown: usize| RunError::Singular {
-        place: place.into(),
-        unknown: newton.map_or("an unknown".into(), |n| n.system.unknown_name(unknown, &n.jacobian)),
-        hint: "it has no inertia, or nothing holds it: give it a mass or a constraint".into(),
-    };
-    let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic)
-        .map_err(|s| singular(None, s.unknown))?;
+    let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic).map_err(|_| {
+        let hint = "it has no inertia, or nothing holds it: give it a mass or a constraint";
+        RunError::singular(place, "an unknown", hint)
+    })?;
     let mut unknowns = Residual::unknowns(&system);
     // the point of the analysis: the constraints at their own start, whatever its consistency
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
@@ -356,20 +342,15 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     let Err(failure) = newton.solve(stage, &mut unknowns) else {
         return Ok(Vec::new());
     };
-    if newton.jacobian.values.is_empty() {
-        // what is no number came before a matrix
+    // what is no number came before a matrix
+    let has_matrix = !newton.jacobian.values.is_empty();
+    let dependent = if has_matrix { dependent_at_start() } else { Vec::new() };
+    if dependent.is_empty() {
         return Err(newton.describe(&failure, &Equations::acceleration(), place));
     }
-    let rows = constraint_rows(&system, &newton.jacobian);
-    let kept = independent_rows(&rows, None);
-    if kept.len() == rows.len() {
-        return Err(newton.describe(&failure, &Equations::acceleration(), place));
-    }
-    let dependent: Vec<usize> = (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect();
     Err(redundant(model, &dependent))
 }
 
-/// The error of equations that depend on the others.
 fn redundant(model: &Model, dependent: &[usize]) -> RunError {
     let kept: Vec<usize> = (0..model.equations).filter(|row| dependent.binary_search(row).is_err()).collect();
     // of a loop of beams these are hundreds

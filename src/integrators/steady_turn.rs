@@ -18,9 +18,6 @@ const NOISE: f64 = 30.0;
 const BESIDE: f64 = 1e-9;
 
 /// Checks the state at which a motion begins, in which some nodes turn steadily: it is in equilibrium in their frame.
-///
-/// # Errors
-/// [`RunError::Input`] with what does not go on turning.
 pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(), RunError> {
     let Some(spin) = &model.spin else { return Ok(()) };
     let numbers = &p[spin.parameters.clone()];
@@ -46,15 +43,11 @@ pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(),
     forces_turn(model, p, [q, v])
 }
 
-/// The coordinates of some nodes.
 fn gathered(model: &Model, nodes: &[NodeId], x: &[f64]) -> Vec<f64> {
     nodes.iter().flat_map(|node| x[model.nodes[node.0].dofs.clone()].to_vec()).collect()
 }
 
 /// Forces must be the same, turned, when what turns is turned on.
-///
-/// # Errors
-/// [`RunError::Input`] with the element whose forces are not.
 pub(crate) fn forces_turn(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(), RunError> {
     let Some(spin) = &model.spin else { return Ok(()) };
     let resting = model.about_rest(true);

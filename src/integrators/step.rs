@@ -41,24 +41,19 @@ pub struct Stepper<'m, S> {
     pub(super) between: StepState<S>,
     record: StepRecord<S>,
     resolution: Resolution<S>,
-    error_factors: Option<[f64; 2]>,
-    /// Of a mechanism whose drives determine the motion.
     drives: Option<RealDrives>,
-    /// Estimated error of a step.
     difference: Vec<S>,
     /// How time goes, where derivative parts move the ends of steps, and the clock by which what is carried is measured.
     pub(super) clocks: Clocks<S>,
     clock: Option<Clock<S>>,
 }
 
-/// A driven mechanism in real numbers.
 struct RealDrives {
     rows: ConstraintRows,
     q: Vec<f64>,
     p: Vec<f64>,
     /// Pose and time before the step made last, if its side is not known.
     before: Option<(Vec<f64>, f64)>,
-    /// Determinants whose signs were asked for.
     determinants: usize,
 }
 
@@ -94,7 +89,6 @@ fn allowed<S>(table: &Table, state: &StepState<S>, h: f64, length: f64) -> Optio
     Some([q * shorter, v * shorter, (q * shorter).min(watched)])
 }
 
-/// How a step begins.
 #[derive(Clone, Copy)]
 struct StepStart {
     /// At a breakpoint: earlier steps do not foretell this one.
@@ -108,7 +102,6 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
     newton.release().map_err(|singular| RunError::of_pattern("start", singular))
 }
 
-/// Solvers of accelerations, of stages with projections, and of the start.
 fn solvers<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<[Newton<'m, S>; 3], RunError> {
     let acceleration = newton(method, system)?;
     let clone = || acceleration.clone_analysis().map_err(|singular| RunError::of_pattern("start", singular));
@@ -124,10 +117,6 @@ pub(super) fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>
 }
 
 impl<'m, S: RunScalar> Stepper<'m, S> {
-    /// Workspace for a run.
-    ///
-    /// # Errors
-    /// [`RunError::Singular`] if no numbers could make the equations regular.
     pub fn new(
         problem: &'m Problem<'m, S>,
         method: &'m Method,
@@ -148,9 +137,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             watch: Watch::default(),
             earlier: Counters::default(),
             between: StepState { dropped, ..StepState::default() },
-            record: StepRecord::empty(),
+            record: StepRecord::default(),
             resolution: Resolution::default(),
-            error_factors: None,
             drives: None,
             difference: Vec::new(),
             clocks: Vec::new(),
@@ -158,7 +146,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         })
     }
 
-    /// Work done.
     pub fn counters(&self) -> Counters {
         let mut counters = self.earlier;
         for newton in [&self.acceleration, &self.stage, &self.start] {
@@ -167,19 +154,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         counters
     }
 
-    /// Number of the next step.
     pub fn next_step(&self) -> usize {
         self.between.step
     }
 
-    /// All that later steps depend on.
     pub fn checkpoint(&self) -> Checkpoint<S> {
         let mut checkpoint = Checkpoint::default();
         self.checkpoint_in(&mut checkpoint);
         checkpoint
     }
 
-    /// The same in the memory of another checkpoint.
     pub fn checkpoint_in(&self, checkpoint: &mut Checkpoint<S>) {
         checkpoint.between.clone_from(&self.between);
         for (newton, kept) in [&self.acceleration, &self.stage].into_iter().zip(&mut checkpoint.kept) {
@@ -188,9 +172,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Goes on from a checkpoint: the steps that follow are those of the run that left it, bit by bit.
-    ///
-    /// # Errors
-    /// [`RunError::Singular`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
         self.between.clone_from(&checkpoint.between);
         if self.between.chosen_anew {
@@ -200,10 +181,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.select(&checkpoint.between.dropped)?;
         let newtons = [&mut self.acceleration, &mut self.stage];
         for (newton, kept) in newtons.into_iter().zip(&checkpoint.kept) {
-            newton.resume(kept, &self.problem.p).map_err(|singular| RunError::Singular {
-                place: format!("checkpoint before step {}", checkpoint.between.step + 1),
-                unknown: newton.system.unknown_name(singular.unknown, &newton.jacobian),
-                hint: "the checkpoint belongs to another problem".into(),
+            newton.resume(kept, &self.problem.p).map_err(|singular| {
+                let place = format!("checkpoint before step {}", checkpoint.between.step + 1);
+                let unknown = newton.system.unknown_name(singular.unknown, &newton.jacobian);
+                RunError::singular(place, &unknown, "the checkpoint belongs to another problem")
             })?;
         }
         Ok(())
@@ -220,10 +201,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
     }
 
-    /// Goes on from a pause, whose counts go on, too.
-    ///
-    /// # Errors
-    /// As for [`Stepper::resume`].
     pub(super) fn take_up(&mut self, pause: &Pause<S>) -> Result<(), RunError> {
         self.resume(&pause.checkpoint)?;
         self.resolution.errors.clone_from(&pause.errors);
@@ -236,9 +213,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Projects the start if the plan says so and solves for the first acceleration; before equilibria neither is needed: the first
     /// load step closes the joints, and what it starts from has no reactions yet.
-    ///
-    /// # Errors
-    /// [`RunError`] with what could not be solved.
     pub fn start(&mut self, t: f64, plan: &StartPlan, guide: Option<&StartRecord<f64>>) -> Result<StartRecord<S>, RunError> {
         let model = self.problem.model;
         let InitialState { mut q, mut v } = self.problem.start.clone();
@@ -261,7 +235,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if let Some(clock) = self.clock {
             v.iter_mut().for_each(|v| *v *= clock.length());
         }
-        let mut first = SolveRecord::empty();
+        let mut first = SolveRecord::default();
         let mut guessed = Vec::new();
         if is_static {
             first.t = t;
@@ -308,29 +282,22 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_closed: bool,
         guide: Option<&StartRecord<f64>>,
     ) -> Result<[Option<SolveRecord<S>>; 2], RunError> {
-        let place = || "projection of the start (t = 0 s)".to_string();
-        let zeros = || vec![S::zero(); self.problem.model.dofs];
-        let p = &self.problem.p;
-        let mut first = None;
-        if !is_closed {
-            let first = first.insert(SolveRecord::empty());
-            first.equations = Equations::initial_position_projection();
-            first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-            let from = InitialGuess::guided(guide.and_then(|start| start.position_projection.as_ref()));
-            solve(&mut self.start, first, from, p, &place)?;
-            add_scaled(q, &first.unknowns.x, 1.0);
+        let (zeros, mut made) = (vec![S::zero(); self.problem.model.dofs], [None, None]);
+        let kinds = [Equations::initial_position_projection(), Equations::initial_velocity_projection()];
+        for (order, equations) in kinds.into_iter().enumerate().skip(usize::from(is_closed)) {
+            let velocities = if order == 0 { &zeros } else { &*v };
+            let own = made[order].insert(SolveRecord::default());
+            own.equations = equations;
+            own.base = VectorsAvq { a: zeros.clone(), v: velocities.clone(), q: q.clone() };
+            let guides = guide.map(|start| [&start.position_projection, &start.velocity_projection]);
+            let from = InitialGuess::guided(guides.and_then(|guides| guides[order].as_ref()));
+            solve(&mut self.start, own, from, &self.problem.p, &|| "projection of the start (t = 0 s)".into())?;
+            add_scaled(if order == 0 { &mut *q } else { &mut *v }, &own.unknowns.x, 1.0);
         }
-        let mut second = SolveRecord::empty();
-        second.equations = Equations::initial_velocity_projection();
-        second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
-        let from = InitialGuess::guided(guide.and_then(|start| start.velocity_projection.as_ref()));
-        solve(&mut self.start, &mut second, from, p, &place)?;
-        add_scaled(v, &second.unknowns.x, 1.0);
         release(&mut self.start)?;
-        Ok([first, Some(second)])
+        Ok(made)
     }
 
-    /// Moves coordinates and states to the equilibrium near them.
     fn come_to_rest(
         &mut self,
         plan: &RestingPlan,
@@ -355,7 +322,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         steady_turn::check(problem.model, &problem.p, [&problem.start.q, &problem.start.v])
     }
 
-    /// The end of a run.
     pub(super) fn end(self, rejected: usize) -> Run<S> {
         let counters = self.counters();
         let q = self.between.carried.into_iter().next().unwrap_or_default();
@@ -364,13 +330,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Run { q, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
     }
 
-    /// Takes note of the estimated error of the step made last.
     pub(super) fn note_error(&mut self) {
-        let (table, Newton { coordinate_scales, length, .. }) = (&self.method.table, &self.stage);
-        let error_factors = *self.error_factors.get_or_insert_with(|| table.error_factors());
-        let (length, round_off) = (*length, self.stage.measured_round_off());
-        let measures = Measures { scales: coordinate_scales, length, round_off, error_factors };
-        self.resolution.note(table, self.between.step, &self.record, &measures);
+        let (stage, round_off) = (&self.stage, self.stage.measured_round_off());
+        let measures = Measures { scales: &stage.coordinate_scales, length: stage.length, round_off };
+        self.resolution.note(&self.method.table, self.between.step, &self.record, &measures);
         self.note_side(self.record.t + self.record.h);
     }
 
@@ -385,12 +348,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         stability.is_some_and(|end| end.verdict() == Verdict::Unstable && end.negative > before)
     }
 
-    /// Takes note of the stability at the end of the step made last.
     pub(super) fn note_stability(&mut self, stability: Option<Stability>) {
-        let (loads, step) = ([self.record.t, self.record.t + self.record.h], self.between.step);
-        if let Some(end) = stability {
-            StabilityCourse::note(&mut self.resolution.errors.stability, end, loads, step);
-        }
+        let Some(end) = stability else { return };
+        let here = ([self.record.t, self.record.t + self.record.h], self.between.step);
+        let course = &mut self.resolution.errors.stability;
+        let lost = course.and_then(|course| course.lost);
+        let is_unstable = end.verdict() == Verdict::Unstable;
+        *course = Some(StabilityCourse { end, lost: lost.or(is_unstable.then_some(here)) });
     }
 
     /// Takes note of the branch on which a driven mechanism is, where the step made last may have left it.
@@ -418,15 +382,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.resolution.note_sides([start, end], (t, self.between.step));
     }
 
-    /// The step made last.
     pub fn record(&self) -> &StepRecord<S> {
         &self.record
     }
 
-    /// Takes the next step of a grid.
-    ///
-    /// # Errors
-    /// [`RunError`] with step and time.
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let scheme = self.method.table.scheme_at(grid, index);
@@ -514,7 +473,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
-    /// Are the equations that were left out violated?
     fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
         let StepState { step, dropped, carried, .. } = &self.between;
         let worst = self.watch.worst(self.problem.model, &self.problem.p, dropped, &carried[0], t);
@@ -522,12 +480,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             .map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {} s)", shortest(t)), worst)))
     }
 
-    /// Leaves out other redundant equations.
     fn select(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         if self.acceleration.system.options.dropped == dropped { Ok(()) } else { self.renew(dropped) }
     }
 
-    /// New solvers, without these equations.
     fn renew(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         self.earlier = self.counters();
         [self.acceleration, self.stage, self.start] =
@@ -562,7 +518,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(), RunError> {
         let method = self.method;
         let mut state = std::mem::take(&mut self.between);
-        let mut record = std::mem::replace(&mut self.record, StepRecord::empty());
+        let mut record = std::mem::take(&mut self.record);
         let index = state.step;
         self.change_clock(&mut state);
         self.stage.residual.clock = self.clock;
@@ -575,7 +531,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             state.expect_in_proportion(t, h, breakpoint);
         } else if solves {
             let first = InitialGuess::guided(guided.and_then(|step| step.restart.as_ref()));
-            let mut solved = SolveRecord::empty();
+            let mut solved = SolveRecord::default();
             self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
             state.set_acceleration(&table.carried, &solved);
             record.restart = Some(solved);
@@ -653,7 +609,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         self.stage.trusted.clear();
         self.stage.trusted.extend(record.carried[0].iter().map(|q| q.value()));
-        record.stages.resize_with(table.stages.len(), StageRecord::empty);
+        record.stages.resize_with(table.stages.len(), StageRecord::default);
         for index in 0..table.stages.len() {
             record.begin_stage(rule, index);
             let StageRecord { solve: own, known } = &mut record.stages[index];
@@ -683,7 +639,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(change)
     }
 
-    /// What all steps have in common.
     pub(super) fn rule(&self) -> StepRule<'m> {
         StepRule { method: self.method, constrained: self.constrained }
     }

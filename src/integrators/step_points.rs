@@ -10,12 +10,10 @@ use crate::elements::RunScalar;
 #[derive(Clone, Copy)]
 pub struct StepRule<'r> {
     pub method: &'r Method,
-    /// Whether there is any constraint.
     pub constrained: bool,
 }
 
 impl<'r> StepRule<'r> {
-    /// The table by which a step is made.
     pub fn table<S>(&self, step: &StepRecord<S>) -> &'r Table {
         self.method.table.scheme(step.scheme)
     }
@@ -59,7 +57,7 @@ impl<S: RunScalar> StepRecord<S> {
             0 => (&mut self.position_projection, Equations::position_projection(shift)),
             _ => (&mut self.velocity_projection, Equations::velocity_projection(shift)),
         };
-        let own = own.get_or_insert_with(SolveRecord::empty);
+        let own = own.get_or_insert_with(SolveRecord::default);
         (own.t, own.equations) = (self.end, equations);
         let a = self.stages.last().map_or(&[][..], |last| &last.solve.unknowns.x);
         for (base, values) in [(&mut own.base.a, a), (&mut own.base.v, v), (&mut own.base.q, q)] {
@@ -69,7 +67,6 @@ impl<S: RunScalar> StepRecord<S> {
         own
     }
 
-    /// Adds a projection to what it projects.
     pub(super) fn end_projection(projection: &SolveRecord<S>, order: usize, [q, v]: [&mut [S]; 2]) {
         let shift = projection.equations.constraint;
         let x = &projection.unknowns.x;

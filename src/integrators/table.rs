@@ -53,7 +53,7 @@ pub struct Stage {
 ///
 /// q_i = sum U_q Y + h^2 sum A_q x_j,  v_i = sum U_v Y + h sum A_v x_j,  a_i = sum U_a Y + sum A_a x_j,
 /// Y' = sum V Y + sum B x_j, with R(a_i, v_i, q_i, p, t_i) = 0 for the unknown x_i.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Name on the command line.
     pub name: String,

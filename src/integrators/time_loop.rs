@@ -1,36 +1,32 @@
 //! The time loop of a run, whatever selects the step sizes.
 
 use super::march::{Method, Problem, Run};
-use super::record::{Recorder, StepRecord};
-use super::restart::Resumed;
+use super::record::{Observer, StepRecord};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
 use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord};
 use crate::elements::RunScalar;
 
-/// A trial step.
 pub(super) struct TrialStep<'g> {
     /// About its size \[s\]; it is fitted to the stretch.
     pub h: f64,
     pub scheme: Scheme,
-    /// That of a finished real run.
     pub guided: Option<&'g StepRecord<f64>>,
 }
 
-/// What came of a trial step.
 pub(super) struct TrialOutcome {
     /// Start and end as elements saw them \[s\].
     pub span: (f64, f64),
-    /// Its end \[s\].
     pub reached: f64,
-    /// Whether its systems were solved.
     pub made: Result<(), RunError>,
 }
 
 /// How a run selects its step sizes. What goes from one step to the next stands in the state of the interval, which resumed runs keep.
 pub(super) trait StepSelection<S> {
     /// Whether a step may be tried anew: only then is kept what it takes to go back.
-    const GOES_BACK: bool;
+    fn goes_back(&self) -> bool {
+        true
+    }
 
     /// Looks for the first size, where the run is not taken up; the stepper is then as it was.
     fn begin(
@@ -42,13 +38,9 @@ pub(super) trait StepSelection<S> {
         Ok(())
     }
 
-    /// The next trial step.
     fn next(&mut self, interval: &mut RunInterval, stepper: &Stepper<S>) -> Result<TrialStep<'_>, RunError>;
 
     /// Whether a trial step is accepted; otherwise another one is tried from its start.
-    ///
-    /// # Errors
-    /// Why no step could be taken there.
     fn accepts(
         &mut self,
         trial: TrialOutcome,
@@ -58,19 +50,10 @@ pub(super) trait StepSelection<S> {
     ) -> Result<bool, RunError>;
 }
 
-/// The start of a run.
 pub(super) struct RunStart<'r, S> {
     pub plan: &'r StartPlan,
     pub clocks: Option<&'r Clocks<S>>,
-    /// The start of a finished real run.
     pub guided: Option<&'r StartRecord<f64>>,
-}
-
-impl<'r, S> RunStart<'r, S> {
-    /// By a plan alone.
-    pub fn of(plan: &'r StartPlan) -> Self {
-        RunStart { plan, clocks: None, guided: None }
-    }
 }
 
 /// Runs a problem to the end of a interval and hands every step that is taken to the recorder.
@@ -79,27 +62,33 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     method: &Method,
     RunStart { plan, clocks, guided }: RunStart<S>,
     (mut selection, mut interval): (C, RunInterval),
-    recorder: &mut dyn Recorder<S>,
+    recorder: &mut dyn Observer<S>,
 ) -> Result<Run<S>, RunError> {
     let system = method.system(problem.model, &plan.dropped);
     let mut stepper = Stepper::new(problem, method, &system, plan)?;
     if let Some(clocks) = clocks {
         stepper.clocks.clone_from(clocks);
     }
-    recorder.start(stepper.start(interval.t(), plan, guided)?)?;
+    recorder.start(&stepper.start(interval.t(), plan, guided)?)?;
     let mut before = Checkpoint::default();
-    if let Some(resumed) = Resumed::by(&mut stepper, recorder)? {
-        resumed.follow(&mut interval);
-        before = resumed.pause.checkpoint;
-    } else if C::GOES_BACK {
+    let mut begins = Vec::new();
+    let pause = recorder.take_up(stepper.rule(), &mut |step| {
+        begins.push(step.t);
+        Ok(true)
+    })?;
+    if let Some(pause) = pause {
+        stepper.take_up(&pause)?;
+        let ends = begins.iter().skip(1).chain([&pause.t]);
+        ends.take(begins.len()).for_each(|&end| interval.advance(end));
+        interval.step_size = pause.step_size;
+        before = pause.checkpoint;
+    } else if selection.goes_back() {
         stepper.checkpoint_in(&mut before);
         selection.begin(&mut interval, &mut stepper, &before)?;
     }
     while !interval.at_end() {
         let index = stepper.next_step();
-        if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(stepper.pause(interval.t(), interval.step_size))?;
-        }
+        recorder.checkpoint(index, &|| stepper.pause(interval.t(), interval.step_size))?;
         let reached = loop {
             let TrialStep { h, scheme, guided } = selection.next(&mut interval, &stepper)?;
             let (span, reached) = interval.span(h);
@@ -110,7 +99,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             stepper.resume(&before)?;
         };
         interval.advance(reached);
-        if C::GOES_BACK {
+        if selection.goes_back() {
             stepper.checkpoint_in(&mut before);
         }
         if !recorder.step(stepper.record())? {

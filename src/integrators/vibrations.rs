@@ -16,10 +16,11 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::amplitudes::entries;
 use super::krylov::{Space, add, all_pairs, dot, in_order, largest_pairs, magnitude};
 use super::march::{Method, Problem};
 use super::newton::Newton;
-use super::{RunError, Stability, StartPlan};
+use super::{RunError, Stability, StartPlan, Stop};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::linalg::Eigenpair;
 
@@ -68,7 +69,6 @@ pub(crate) struct Modes {
 }
 
 impl Modes {
-    /// The first ones.
     pub(super) fn first(mut list: Vec<Mode>, count: usize, proved: bool) -> Self {
         list.sort_by(|a, b| a.rank().total_cmp(&b.rank()).then(a.growth.total_cmp(&b.growth)));
         list.truncate(count);
@@ -77,8 +77,7 @@ impl Modes {
 }
 
 /// First shift, as a share of the largest ratio of stiffness and inertia.
-pub(super) const FIRST_SHIFT: f64 = 1e-8;
-/// Most shifts that are tried.
+const FIRST_SHIFT: f64 = 1e-8;
 const MOST_SHIFTS: usize = 6;
 /// A shift this much smaller or larger than the lowest mode that is not rigid is chosen anew.
 const FAR: [f64; 2] = [1e-2, 10.0];
@@ -94,9 +93,7 @@ pub(super) const NOISE: f64 = 1e3 * f64::EPSILON;
 const AWAY: f64 = 1e-7;
 /// Displacement that is round-off, likewise.
 const LAST_DIGITS: f64 = 100.0 * f64::EPSILON;
-/// Corrections of each solution against the matrix.
 const REFINEMENTS: usize = 2;
-/// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 /// Distance of a bound from the last mode below which others are counted, as a share of its omega^2.
 const BESIDE: f64 = 1e-6;
@@ -105,21 +102,18 @@ const ABOVE: f64 = 1e4;
 /// Searches, each from more vectors than the one before, until no mode is missing.
 const MOST_SEARCHES: usize = 4;
 
-/// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`: the first `count`, fewer where there are no
-/// more.
-///
-/// # Errors
-/// [`RunError::Input`]: a start that is no equilibrium, an initial velocity, a constraint on velocities, no modes asked for; modes that are
-/// there by their count, but were not found;
-/// [`RunError::Singular`]: a coordinate with neither inertia nor stiffness.
-pub(crate) fn vibrations(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-    count: usize,
-) -> Result<Modes, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, count))?;
+/// A problem whose start must be an equilibrium at a time, or load factor.
+#[derive(Clone, Copy)]
+pub(crate) struct RestingProblem<'m> {
+    pub problem: &'m Problem<'m, f64>,
+    pub method: &'m Method,
+    pub plan: &'m StartPlan,
+    pub t: f64,
+}
+
+/// The modes about an equilibrium: the first `count`, fewer where there are no more.
+pub(crate) fn vibrations(resting: RestingProblem, count: usize) -> Result<Modes, RunError> {
+    let mut operator = Operator::new(resting, count)?;
     if operator.nodes == 0 {
         return Ok(Modes { list: Vec::new(), proved: true });
     }
@@ -155,16 +149,10 @@ pub(crate) fn vibrations(
             let least = f64::EPSILON * own.basis.len() as f64;
             let place = |pair: &Eigenpair, shift: f64| {
                 let [re, im] = square(pair, shift);
-                let is_infinite = magnitude(pair) * shift <= least;
-                match is_infinite {
+                match magnitude(pair) * shift <= least {
                     true => f64::INFINITY,
-                    false => {
-                        if im == 0.0 {
-                            re
-                        } else {
-                            re.hypot(im)
-                        }
-                    }
+                    false if im == 0.0 => re,
+                    false => re.hypot(im),
                 }
             };
             (in_order((ritz, shift), (count, RANGE), &place, &mut |shift| find(&mut operator, shift))?, true)
@@ -188,30 +176,16 @@ pub(crate) fn vibrations(
     Ok(Modes::first(pairs.iter().map(mode).collect(), count, proved))
 }
 
-/// The start of a problem as an equilibrium at time (or load factor) `t`, states of first order with it.
-///
-/// # Errors
-/// As for [`vibrations`].
-pub(crate) fn equilibrium_at(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    t: f64,
-) -> Result<Vec<f64>, RunError> {
-    let mut operator = Operator::new(problem, method, plan, (t, 1))?;
-    let largest = operator.largest_ratio();
-    let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
-    operator.set_shift([shift, shift.sqrt()])?;
-    Ok(operator.base.q)
+/// The equilibrium, states of first order with it.
+pub(crate) fn equilibrium_at(resting: RestingProblem) -> Result<Vec<f64>, RunError> {
+    Ok(Operator::at_equilibrium(resting)?.base.q)
 }
 
-/// Where an error is met.
 const PLACE: &str = "vibrations";
 
 /// The error of an unknown that K + s M does not determine.
 fn undetermined(unknown: String) -> RunError {
-    let hint = "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into();
-    RunError::Singular { place: PLACE.into(), unknown, hint }
+    RunError::singular(PLACE, &unknown, "it has neither inertia nor stiffness: give it a mass, a spring or a joint")
 }
 
 /// A shift that suits omega^2 that were found with another one better, and what of them is rigid; half of the least where some are on the side of
@@ -243,12 +217,9 @@ pub(super) struct Operator<'m> {
     pub mass: Jacobian,
     /// Unknowns of nodes, in front of multipliers.
     pub nodes: usize,
-    /// The equilibrium.
     pub base: VectorsAvq<f64>,
-    /// Its reactions, without displacements.
     pub reactions: Unknowns<f64>,
     t: f64,
-    /// Whether K is.
     is_symmetric: bool,
 }
 
@@ -272,15 +243,7 @@ impl Space for Operator<'_> {
 
 impl<'m> Operator<'m> {
     /// At the start, where nothing may move, for so many modes.
-    ///
-    /// # Errors
-    /// As for [`vibrations`].
-    pub fn new(
-        problem: &'m Problem<'m, f64>,
-        method: &Method,
-        plan: &StartPlan,
-        (t, count): (f64, usize),
-    ) -> Result<Self, RunError> {
+    pub fn new(RestingProblem { problem, method, plan, t }: RestingProblem<'m>, count: usize) -> Result<Self, RunError> {
         if count == 0 {
             return Err(RunError::Input("0 modes are asked for; it must be at least 1".into()));
         }
@@ -298,10 +261,19 @@ impl<'m> Operator<'m> {
         let newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         let system = newton.system.clone();
         let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());
-        let zeros = vec![0.0; problem.model.dofs];
-        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: problem.start.q.clone() };
+        let base = VectorsAvq { q: problem.start.q.clone(), ..VectorsAvq::zeros(problem.model.dofs) };
         let (mass, reactions) = (Jacobian::default(), Unknowns::default());
         Ok(Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false })
+    }
+
+    /// Where states of first order have come to rest, too.
+    pub fn at_equilibrium(resting: RestingProblem<'m>) -> Result<Self, RunError> {
+        let mut operator = Operator::new(resting, 1)?;
+        let largest = operator.largest_ratio();
+        let shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
+        // states that integrate what moves have a place in C alone
+        operator.set_shift([shift, shift.sqrt()])?;
+        Ok(operator)
     }
 
     /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2.
@@ -319,7 +291,7 @@ impl<'m> Operator<'m> {
 
     /// K with the reactions that are known, and the constraints.
     pub fn stiffness(&mut self) -> Jacobian {
-        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
+        let equations = Equations::EQUILIBRIUM;
         let Operator { newton: Newton { system, residual, .. }, base, reactions, problem: Problem { p, .. }, t, .. } = self;
         let mut stiffness = Jacobian::default();
         residual.evaluate(system, StageSystem { equations: &equations, base, p, t: *t }, reactions);
@@ -364,7 +336,7 @@ impl<'m> Operator<'m> {
             let heavy = Equations::stage(StageCoefficients::new(gamma / FIRST_SHIFT, beta, 1.0), Level::Position);
             unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
             let is_regular = self.newton.linearize(StageSystem { equations: &heavy, ..stage }, &mut unknowns).is_ok();
-            if matches!(why, RunError::NotFinite { .. }) || !is_regular {
+            if why.is(&[Stop::NotFinite]) || !is_regular {
                 return Err(why);
             }
             let moved = self.newton.correction().x;
@@ -447,15 +419,10 @@ impl<'m> Operator<'m> {
     pub fn along(&self, matrix: &Jacobian, vector: &[Vec<f64>; 2]) -> [f64; 2] {
         let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
         let ([re, im], mut sums) = (vector, [0.0; 3]);
-        for column in 0..nodes {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                let (row, value) = (pattern.rows[place] as usize, matrix.values[place]);
-                if row < nodes {
-                    sums[0] += value * (re[row] * re[column] + im[row] * im[column]);
-                    sums[1] += value * (re[row] * im[column] - im[row] * re[column]);
-                    sums[2] += value.abs() * re[row].hypot(im[row]) * re[column].hypot(im[column]);
-                }
-            }
+        for (row, column, value) in entries(pattern, &matrix.values).filter(|own| own.0 < nodes && own.1 < nodes) {
+            sums[0] += value * (re[row] * re[column] + im[row] * im[column]);
+            sums[1] += value * (re[row] * im[column] - im[row] * re[column]);
+            sums[2] += value.abs() * re[row].hypot(im[row]) * re[column].hypot(im[column]);
         }
         [sums[0].hypot(sums[1]), sums[2]]
     }
@@ -466,26 +433,18 @@ impl<'m> Operator<'m> {
         own <= NOISE * terms
     }
 
-    /// M x.
     pub fn times_mass(&self, x: &[f64]) -> Vec<f64> {
         self.times(&self.mass, x)
     }
 
-    /// A matrix of the nodes' unknowns times x.
     pub fn times(&self, matrix: &Jacobian, x: &[f64]) -> Vec<f64> {
-        let pattern = &self.newton.system.pattern;
-        let mut product = vec![0.0; self.nodes];
-        for (column, &x) in x.iter().enumerate() {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if (pattern.rows[place] as usize) < self.nodes {
-                    product[pattern.rows[place] as usize] += matrix.values[place] * x;
-                }
-            }
-        }
+        let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
+        let mut product = vec![0.0; nodes];
+        let among_nodes = entries(pattern, &matrix.values).filter(|own| own.0 < nodes && own.1 < nodes);
+        among_nodes.for_each(|(row, column, value)| product[row] += value * x[column]);
         product
     }
 
-    /// Solves with forces on nodes alone.
     pub fn solve_nodes(&mut self, forces: &[f64]) -> Vec<f64> {
         let mut rhs = vec![0.0; self.newton.system.size()];
         rhs[..self.nodes].copy_from_slice(forces);
@@ -502,11 +461,7 @@ impl<'m> Operator<'m> {
             factorization.solve(&mut left);
             add(&mut x, 1.0, &left);
             left.copy_from_slice(rhs);
-            for (column, &x) in x.iter().enumerate() {
-                for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                    left[pattern.rows[place] as usize] -= jacobian.values[place] * x;
-                }
-            }
+            entries(pattern, &jacobian.values).for_each(|(row, column, value)| left[row] -= value * x[column]);
         }
         x.truncate(self.nodes);
         x
@@ -514,15 +469,10 @@ impl<'m> Operator<'m> {
 
     /// Moves a vector back onto the constraints, A x = 0.
     pub fn obey(&mut self, vector: &mut [f64]) {
-        let pattern = &self.newton.system.pattern;
+        let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
         let mut rhs = vec![0.0; self.newton.system.size()];
-        for (column, &x) in vector.iter().enumerate() {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if (pattern.rows[place] as usize) >= self.nodes {
-                    rhs[pattern.rows[place] as usize] -= self.mass.values[place] * x;
-                }
-            }
-        }
+        let of_constraints = entries(pattern, &self.mass.values).filter(|own| own.0 >= nodes && own.1 < nodes);
+        of_constraints.for_each(|(row, column, value)| rhs[row] -= value * vector[column]);
         add(vector, 1.0, &self.solve(&rhs));
     }
 

@@ -3,6 +3,7 @@
 //! Of the motions Z y that obey the constraints, A Z = 0, those with inertia are what Z^T M Z does not take to zero. Of the others those count that
 //! dampers see, or that are states of first order: what Z^T C Z does not take to zero. What is left follows without a value of its own.
 
+use super::amplitudes::entries;
 use super::krylov::WholeBasis;
 use super::vibrations::Operator;
 use crate::assembly::Jacobian;
@@ -75,15 +76,10 @@ impl Operator<'_> {
         let (pattern, nodes) = (&self.newton.system.pattern, self.nodes);
         let constraints = pattern.size - nodes;
         let mut both = DMatrix::zeros(nodes, constraints + nodes);
-        for column in 0..nodes {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                let row = pattern.rows[place] as usize;
-                if row >= nodes {
-                    both[(column, row - nodes)] = self.mass.values[place];
-                }
-            }
-            both[(column, constraints + column)] = 1.0;
+        for (row, column, value) in entries(pattern, &self.mass.values).filter(|own| own.0 >= nodes && own.1 < nodes) {
+            both[(column, row - nodes)] = value;
         }
+        (0..nodes).for_each(|column| both[(column, constraints + column)] = 1.0);
         for mut row in both.columns_mut(0, constraints).column_iter_mut() {
             let size = row.norm();
             if size > 0.0 {

@@ -3,7 +3,7 @@
 use super::{Conditions, DesignHistory, DesignPoint, Ended, Optimized, Point, Reason, Values, Work};
 use crate::exchange::{sent_by_fields, sent_by_variants};
 use crate::functionals::{Extreme, Extremes};
-use crate::integrators::{Counters, RunError};
+use crate::integrators::{Counters, RunError, Stop};
 
 sent_by_fields!(Extreme { value, t, element });
 sent_by_fields!(Extremes { smallest, largest });
@@ -50,15 +50,8 @@ sent_by_fields!(Ended { reason, best, conditions, iterations, evaluations, gradi
 sent_by_fields!(Optimized { ended, history, failure });
 sent_by_variants!(RunError {
     0 Input { 0: message },
-    1 Singular { place: place, unknown: unknown, hint: hint },
-    2 NoConvergence {
-        place: place, how: how, iterations: iterations, correction: correction, limit: limit, row: row, residual: residual,
-        hint: hint
-    },
-    3 NotFinite { place: place, cause: cause },
-    4 Redundant { place: place, equation: equation, violation: violation },
-    5 StepSize { step: step, t: t, h: h },
-    6 NoEquilibrium { t: t, h: h, hint: hint, cause: cause },
-    7 History { place: place, cause: cause, hint: hint },
-    8 Interrupted { steps: steps },
+    1 Stopped { reason: reason, place: place, cause: cause, hint: hint },
+    2 NoEquilibrium { t: t, h: h, hint: hint, cause: cause },
+    3 Interrupted { steps: steps },
 });
+sent_by_variants!(Stop { 0 Singular {}, 1 NoConvergence {}, 2 NotFinite {}, 3 Redundant {}, 4 StepSize {}, 5 History {} });

@@ -2,8 +2,8 @@ use super::{ModeMeasure, Prepared};
 use crate::assembly::RestingModel;
 use crate::design::{DesignChain, ModelNumbers};
 use crate::integrators::{
-    Mode, ModeGroup, Modes, Problem, RunError, SAME_MODE, complex_modes, is_cut, mode_vectors, staying_states, value_of,
-    vibrations,
+    Mode, ModeGroup, Modes, Problem, RestingProblem, RunError, SAME_MODE, complex_modes, is_cut, mode_vectors,
+    staying_states, value_of, vibrations,
 };
 use crate::scalar::Complex64;
 use crate::sensitivity::{Still, ValueSeeds, value_rates};
@@ -49,15 +49,16 @@ impl Prepared<'_> {
         let vibrating = if is_damped { frame.model.clone() } else { frame.model.with_states_held() };
         let problem = Problem { model: &vibrating, p: frame.parameters(&self.mechanism.numbers.p), start };
         let find = if is_damped { complex_modes } else { vibrations };
+        let resting = RestingProblem { problem: &problem, method: &self.method, plan: &plan, t };
         let mut sought = count + BEYOND;
-        let mut found = find(&problem, &self.method, &plan, t, sought)?;
+        let mut found = find(resting, sought)?;
         while found.list.len() >= sought && is_cut(&found.list, count) {
             sought *= 2;
-            found = find(&problem, &self.method, &plan, t, sought)?;
+            found = find(resting, sought)?;
         }
         let Modes { list: mut modes, proved } = found;
         let asked = count.min(modes.len());
-        let vectors = mode_vectors(&problem, &self.method, &plan, t, (&modes, asked), is_damped)?;
+        let vectors = mode_vectors(resting, (&modes, asked), is_damped)?;
         let chain = self.analysis().checked_chain(&self.x)?;
         let is_free = !staying_states(&self.problem()).is_empty();
         let still = Still {

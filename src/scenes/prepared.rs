@@ -177,7 +177,7 @@ impl<'s> Prepared<'s> {
     /// The solver of the linear systems of stages, and what it takes.
     ///
     /// # Errors
-    /// [`RunError::Singular`] if no numbers could make the equations regular.
+    /// [`RunError::Stopped`] if no numbers could make the equations regular.
     pub fn linear_solver(&self) -> Result<SolverPlan, RunError> {
         let system = self.method.system(self.model(), &self.plan.dropped);
         let factorization = Factorization::new(&system.pattern, self.method.backend);

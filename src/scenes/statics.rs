@@ -2,8 +2,8 @@ use super::{DifferentiatedModes, Prepared};
 use crate::assembly::{Model, RestingModel, VectorsAvq};
 use crate::functionals::{Functional, Sample};
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Modes, Path, Problem, Recorder, Response, RunError, StabilityCourse, StartPlan,
-    StartRecord, StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
+    ArcLength, InitialState, Mode, Modes, Observer, Path, Problem, Response, RestingProblem, RunError, StabilityCourse,
+    StartPlan, StepRecord, Vibration, complex_modes, equilibrium_at, follow_path, forces_turn, harmonic_response, march,
     march_adaptive, march_dividing, resting_start, vibrations,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, SpatialVector, Vector3};
@@ -26,10 +26,7 @@ pub struct Equilibrium {
     pub stability: Option<StabilityCourse>,
 }
 
-impl Recorder<f64> for Equilibrium {
-    fn start(&mut self, _start: StartRecord<f64>) -> Result<(), RunError> {
-        Ok(())
-    }
+impl Observer for Equilibrium {
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.load = step.t + step.h;
         self.q.clone_from(&step.q);
@@ -121,7 +118,8 @@ impl Prepared<'_> {
         let vibrating = if damped { frame.model.clone() } else { frame.model.with_states_held() };
         let problem = self.vibrating(&frame, &vibrating, start);
         let find = if damped { complex_modes } else { vibrations };
-        let Modes { list, proved } = find(&problem, &self.method, &plan, load, count)?;
+        let resting = RestingProblem { problem: &problem, method: &self.method, plan: &plan, t: load };
+        let Modes { list, proved } = find(resting, count)?;
         Ok(DifferentiatedModes { q: problem.start.q, modes: list, gradients: Vec::new(), proved })
     }
 
@@ -152,7 +150,8 @@ impl Prepared<'_> {
         forces_turn(self.model(), &changed, [&q, &v])
             .map_err(|error| RunError::Input(format!("with more of \"{variable}\" {error}")))?;
         let problem = self.vibrating(&frame, &frame.model, start);
-        let response = harmonic_response(&problem, &frame.parameters(&varied), &self.method, &plan, load, rates)?;
+        let resting = RestingProblem { problem: &problem, method: &self.method, plan: &plan, t: load };
+        let response = harmonic_response(resting, &frame.parameters(&varied), rates)?;
         let all = rates.iter().zip(&response.vibrations);
         Ok(all
             .map(|(&omega, own)| self.measured_amplitudes(&frame, (&response, &plan.dropped, load), &varied, (omega, own)))
@@ -226,7 +225,7 @@ impl Prepared<'_> {
         if self.model().state_dofs().next().is_some() {
             // undamped modes leave states where they are
             let problem = self.vibrating(&frame, &frame.model, start.clone());
-            start.q = equilibrium_at(&problem, &self.method, &plan, load)?;
+            start.q = equilibrium_at(RestingProblem { problem: &problem, method: &self.method, plan: &plan, t: load })?;
         }
         Ok((frame, start, plan, load))
     }

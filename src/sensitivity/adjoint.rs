@@ -10,7 +10,7 @@ use crate::design::ModelNumbers;
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
-use crate::history::{History, Rerun};
+use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RestingPlan, RunError, SolveRecord, StartRecord, StepRecord, Table,
 };
@@ -24,7 +24,6 @@ use std::time::{Duration, Instant};
 pub struct AdjointRun {
     /// df/dp, df/dq0, df/dv0 for each functional.
     pub gradients: Vec<ModelNumbers<f64>>,
-    /// Work done.
     pub counters: Counters,
 }
 
@@ -50,10 +49,6 @@ fn distribute(
 
 /// Discrete adjoint of a recorded run for several functionals at once; `totals` are their sums in that run, `active` says of which
 /// parameters derivatives are asked for (others get what functionals themselves make of them).
-///
-/// # Errors
-/// [`RunError::Singular`] if the motion passes a pose in which a system is singular; what the history says where it can't give
-/// a step; [`RunError::Input`] without a history.
 pub fn adjoint(
     rerun: &Rerun,
     history: &dyn History,
@@ -126,7 +121,9 @@ impl<'m> Sweep<'m> {
         solvers.end_steps(&mut self.counters);
         let seeds = self.start_bars(start, &mut back);
         if !self.method.table.is_static() {
-            self.acceleration(&start.acceleration, seeds, &mut back, &mut solvers)?;
+            let record = &start.acceleration;
+            let bases = solvers.plain().through(record, &self.problem.p, &seeds, &mut back, &mut self.counters)?;
+            carry(bases, &mut back);
         }
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
@@ -182,7 +179,6 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// Back through all steps, one after the other.
     fn steps(
         &mut self,
         rerun: &Rerun,
@@ -190,7 +186,7 @@ impl<'m> Sweep<'m> {
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let mut steps = history.backward(rerun)?;
+        let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
         while let Some(step) = steps.next()? {
@@ -212,7 +208,7 @@ impl<'m> Sweep<'m> {
         mut ahead: StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let p = &self.problem.p;
-        let mut steps = history.backward(rerun)?;
+        let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
         // whether this thread factored the systems of a step; it takes the first of two pieces of work
@@ -250,7 +246,6 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// Leaves out the redundant equations that a step left out.
     fn select(
         &mut self,
         dropped: &[usize],
@@ -282,7 +277,6 @@ impl<'m> Sweep<'m> {
         }
     }
 
-    /// When functional `k` reads.
     fn times(&self, k: usize) -> Times {
         self.functionals[k].functional.over.times()
     }
@@ -316,19 +310,6 @@ impl<'m> Sweep<'m> {
             }
         }
         seeds
-    }
-
-    /// Back through an acceleration that was solved for given (q, v).
-    fn acceleration(
-        &mut self,
-        record: &SolveRecord<f64>,
-        seeds: Vec<SolutionSeed>,
-        back: &mut [Backward],
-        solvers: &mut StepSolvers<'m>,
-    ) -> Result<(), RunError> {
-        let bases = solvers.plain().through(record, &self.problem.p, &seeds, back, &mut self.counters)?;
-        carry(bases, back);
-        Ok(())
     }
 
     /// Back through one step, whose stages have these weights in an integral; `last_step` if the run ends with it.
@@ -382,7 +363,8 @@ impl<'m> Sweep<'m> {
         }
         if let Some(restart) = &step.restart {
             let seeds = take_carried_acceleration(table, back);
-            self.acceleration(restart, seeds, back, solvers)?;
+            let bases = solvers.plain().through(restart, &self.problem.p, &seeds, back, &mut self.counters)?;
+            carry(bases, back);
         }
         self.stages = stages;
         Ok(())
@@ -509,14 +491,12 @@ fn join_awake<A: Send, B: Send>(first: impl FnOnce() -> A + Send, second: impl F
     )
 }
 
-/// Adjoints of what a functional reads at a sample.
 #[derive(Default)]
 struct Measured {
     at: VectorsAvq<f64>,
     mu: Vec<f64>,
 }
 
-/// Takes over a step, into the memory of the one that was there.
 fn keep(own: &mut Option<StepRecord<f64>>, step: Option<&StepRecord<f64>>) {
     match (own.as_mut(), step) {
         (Some(own), Some(step)) => own.clone_from(step),

@@ -7,14 +7,14 @@ use crate::assembly::{Model, StructuralSignature};
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values};
-use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
+use crate::history::{Direction, History, Keep, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
-    Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
-    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, SwitchWatch, TimeGrid, march,
-    march_adaptive, march_along, march_dividing,
+    Clocks, Counters, Crossing, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
+    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, Steps, SwitchWatch, TimeGrid,
+    march, march_adaptive, march_along, march_dividing, unit_part,
 };
 use crate::program::Digest;
-use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
+use crate::scalar::{Complex64, Tangents};
 use std::hash::Hasher;
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
@@ -70,7 +70,6 @@ pub struct Forward {
     pub crossings: Vec<Crossing>,
     /// Work done.
     pub counters: Counters,
-    /// What it follows from.
     pub(super) signature: Signature,
 }
 
@@ -89,22 +88,13 @@ const MAP_LIMIT: f64 = 1e-9;
 /// Numbers below this are what cancelling terms of order one leave.
 const MAP_FLOOR: f64 = 1e-5;
 
-/// A design with derivatives along eight of its variables at a time, and along how many.
-pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Tangents>, usize)> {
-    (0..x.len()).step_by(TANGENTS).map(|first| {
-        let lanes = TANGENTS.min(x.len() - first);
-        let mut seeded: Vec<Tangents> = x.iter().map(|&x| Tangents::from(x)).collect();
-        (0..lanes).for_each(|lane| seeded[first + lane] = seeded[first + lane].derivative(lane));
+/// A design with derivatives along as many of its variables at a time as a number has parts, and along how many.
+pub(super) fn seeded_designs<S: RunScalar>(x: &[f64]) -> impl Iterator<Item = (Vec<S>, usize)> {
+    (0..x.len()).step_by(S::PARTS).map(|first| {
+        let lanes = S::PARTS.min(x.len() - first);
+        let mut seeded: Vec<S> = x.iter().map(|&x| S::from(x)).collect();
+        (0..lanes).for_each(|lane| seeded[first + lane].add_to_part(lane, unit_part::<S>()));
         (seeded, lanes)
-    })
-}
-
-/// A design with a complex step along one of its variables at a time.
-pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex64>> {
-    (0..x.len()).map(|variable| {
-        let mut perturbed: Vec<Complex64> = x.iter().map(|&x| Complex64::from(x)).collect();
-        perturbed[variable].im = COMPLEX_STEP;
-        perturbed
     })
 }
 
@@ -122,7 +112,11 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map, of the run and of the history.
     pub fn forward(&self, x: &[f64]) -> Result<Forward, RunError> {
-        let (forward, stopped) = self.observed(x, &mut Watch(|_: &StepRecord<f64>| true))?;
+        self.finished(self.observed(x, &mut Watch(|_: &StepRecord<f64>| true))?)
+    }
+
+    /// A run that reached its end, with the values of functionals.
+    fn finished(&self, (forward, stopped): (Forward, Option<RunError>)) -> Result<Forward, RunError> {
         stopped.map_or(Ok(()), Err)?;
         self.check_values(&forward)?;
         Ok(forward)
@@ -176,9 +170,8 @@ impl<'m> Analysis<'m> {
                 (steps, run)
             }
         };
-        let Measuring { values, mut history, switches, .. } = recorder;
+        let Measuring { values, history, switches, .. } = recorder;
         let crossings = switches.finish();
-        let run = run.and_then(|run| history.finish().map(|()| run));
         let (values, totals, extremes) = values.finish();
         let (counters, rejected, error, leap, stability, stopped) = match run {
             Ok(run) => (run.counters, run.rejected, run.error, run.leap, run.stability, None),
@@ -220,10 +213,7 @@ impl<'m> Analysis<'m> {
         self.check_exactness()?;
         let own = Analysis { keep: &Keep::Nothing, ..*self };
         let numbers = self.map.nearby(x).map_err(RunError::Input)?;
-        let (forward, stopped) = own.run(x, numbers, &mut Watch(|_: &StepRecord<f64>| true))?;
-        stopped.map_or(Ok(()), Err)?;
-        self.check_values(&forward)?;
-        Ok(forward.values)
+        Ok(own.finished(own.run(x, numbers, &mut Watch(|_: &StepRecord<f64>| true))?)?.values)
     }
 
     /// The same analysis on the steps of a run: what its gradients are the derivative of.
@@ -252,7 +242,7 @@ impl<'m> Analysis<'m> {
         self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
-        let mut steps = forward.history.forward(&rerun)?;
+        let mut steps = forward.history.read(&rerun, Direction::Forward)?;
         let start = forward.history.start_record();
         let start = start.ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;
         let mut sample = Sample::initial(start);
@@ -353,9 +343,9 @@ impl<'m> Analysis<'m> {
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();
         let mut run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
-        let moved = self.by_moving_steps(forward, &chain, &active)?;
+        let (breakpoints, moved) = self.by_moving_steps(forward, &chain, &active)?;
         for (&k, bar) in places.iter().zip(&mut run.gradients) {
-            moved.iter().for_each(|moved| moved.add_to(k, &mut bar.p));
+            moved.get(k).into_iter().for_each(|rates| breakpoints.add_transposed(rates, &mut bar.p));
         }
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
         let mut by_parameters = vec![Vec::new(); self.functionals.len()];
@@ -372,16 +362,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
-        self.check_forward(x, forward)?;
-        let mut gradient = self.empty_gradient();
-        for (seeded, lanes) in seeded_designs(x) {
-            let (values, counters) = self.perturbed_values(&seeded, forward)?;
-            gradient.counters += counters;
-            for (row, value) in gradient.rows.iter_mut().zip(values) {
-                row.extend((0..lanes).map(|lane| value.part(lane)));
-            }
-        }
-        self.checked(gradient)
+        self.by_perturbed_runs::<Tangents>(x, forward)
     }
 
     /// Gradients by complex-step runs of the whole simulation, one for each variable.
@@ -389,16 +370,20 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.by_perturbed_runs::<Complex64>(x, forward)
+    }
+
+    fn by_perturbed_runs<S: RunScalar>(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         self.check_forward(x, forward)?;
-        let mut gradient = self.empty_gradient();
-        for perturbed in complex_designs(x) {
-            let (values, counters) = self.perturbed_values(&perturbed, forward)?;
-            gradient.counters += counters;
-            for (row, value) in gradient.rows.iter_mut().zip(values) {
-                row.push(value.im / COMPLEX_STEP);
+        let (mut rows, mut counters) = (vec![Vec::new(); self.functionals.len()], Counters::default());
+        for (seeded, lanes) in seeded_designs::<S>(x) {
+            let (values, own) = self.perturbed_values(&seeded, forward)?;
+            counters += own;
+            for (row, value) in rows.iter_mut().zip(values) {
+                row.extend((0..lanes).map(|lane| value.part(lane) / unit_part::<S>()));
             }
         }
-        self.checked(gradient)
+        self.checked(Gradient { rows, counters })
     }
 
     /// Derivatives along one direction by central differences of separate real runs, extrapolated once (error of order h^4).
@@ -424,7 +409,6 @@ impl<'m> Analysis<'m> {
         Ok(chain)
     }
 
-    /// A gradient all of whose entries are numbers.
     fn checked(&self, gradient: Gradient) -> Result<Gradient, RunError> {
         for (functional, row) in self.functionals.iter().zip(&gradient.rows) {
             let Some(variable) = row.iter().position(|entry| !entry.is_finite()) else { continue };
@@ -439,15 +423,8 @@ impl<'m> Analysis<'m> {
         Ok(gradient)
     }
 
-    fn empty_gradient(&self) -> Gradient {
-        Gradient { rows: vec![Vec::new(); self.functionals.len()], counters: Counters::default() }
-    }
-
     /// (p, q0, v0) of a design with derivative parts: computed with these, and then given the parts that the recorded map has, from which
     /// they differ by round-off. A stiff member turns a rounding of its length against that of its ends into a force.
-    ///
-    /// # Errors
-    /// Those of the map; [`RunError::Input`] if the two differ by more than round-off.
     pub(crate) fn numbers_with_parts<S: RunScalar>(&self, x: &[S]) -> Result<ModelNumbers<S>, RunError> {
         let real: Vec<f64> = x.iter().map(|x| x.value()).collect();
         let chain = DesignChain::record(self.map, &real).map_err(RunError::Input)?;
@@ -481,9 +458,6 @@ impl<'m> Analysis<'m> {
     }
 
     /// Whether a run follows from the laws, the method and the functionals of this analysis.
-    ///
-    /// # Errors
-    /// [`RunError::Input`] with what differs.
     pub(super) fn check_signature(&self, forward: &Forward) -> Result<(), RunError> {
         let why = Signature::of(self).difference(&forward.signature, self);
         why.map_or(Ok(()), |why| {
@@ -504,24 +478,22 @@ impl<'m> Analysis<'m> {
         )))
     }
 
-    /// Values of the functionals with derivative parts.
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
         let clocks = self.clocks(&numbers.p, forward)?;
         self.values_along(&numbers, &clocks, forward)
     }
 
-    /// The same for numbers and ends of steps with derivative parts.
     pub(super) fn values_along<S: RunScalar>(
         &self,
         numbers: &ModelNumbers<S>,
         clocks: &Clocks<S>,
         forward: &Forward,
     ) -> Result<(Vec<S>, Counters), RunError> {
-        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals, clocks);
-        let mut recorder = Perturbation(values);
-        let counters = self.perturbed_run(numbers, clocks, forward, &mut recorder)?;
-        Ok((recorder.0.finish().0, counters))
+        let mut values =
+            Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals, clocks);
+        let counters = self.perturbed_run(numbers, clocks, forward, &mut values)?;
+        Ok((values.finish().0, counters))
     }
 
     /// A run with derivative parts along the states of the real run: round-off of a second solution would be magnified into
@@ -531,19 +503,18 @@ impl<'m> Analysis<'m> {
         numbers: &ModelNumbers<S>,
         clocks: &Clocks<S>,
         forward: &Forward,
-        recorder: &mut dyn Recorder<S>,
+        recorder: &mut dyn Observer<S>,
     ) -> Result<Counters, RunError> {
         self.check_exactness()?;
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
-        let mut steps = forward.history.forward(&rerun)?;
-        let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
+        let mut steps = forward.history.read(&rerun, Direction::Forward)?;
+        let guide = forward.history.start_record().map(|start| (start, &mut *steps as &mut dyn Steps));
         let steps = (&forward.grid, clocks);
         Ok(march_along(&self.problem(numbers), self.method, steps, self.plan, guide, recorder)?.counters)
     }
 }
 
-/// Whether a run is that of a design with these numbers.
 fn check_belonging(x: &[f64], numbers: &ModelNumbers<f64>, forward: &Forward) -> Result<(), RunError> {
     let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
     let why = match differing {
@@ -565,11 +536,11 @@ struct Measuring<'f, 'o> {
     p: &'f [f64],
 }
 
-impl Recorder<f64> for Measuring<'_, '_> {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
-        self.values.start(&start);
-        self.switches.start(&start, self.p);
-        self.observer.start(&start)?;
+impl Observer for Measuring<'_, '_> {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.values.start(start);
+        self.switches.start(start, self.p);
+        self.observer.start(start)?;
         self.history.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
@@ -578,11 +549,8 @@ impl Recorder<f64> for Measuring<'_, '_> {
         let wanted = self.observer.step(step)?;
         Ok(self.history.step(step)? && wanted)
     }
-    fn wants_checkpoint(&self, index: usize) -> bool {
-        self.history.wants_checkpoint(index)
-    }
-    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
-        self.history.checkpoint(pause)
+    fn checkpoint(&mut self, index: usize, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        self.history.checkpoint(index, pause)
     }
     fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
         self.history.end(pause)
@@ -597,16 +565,13 @@ impl Recorder<f64> for Measuring<'_, '_> {
     }
 }
 
-/// Evaluates functionals and keeps nothing.
-struct Perturbation<'f, S>(Values<'f, S>);
-
-impl<S: RunScalar> Recorder<S> for Perturbation<'_, S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
-        self.0.start(&start);
+impl<S: RunScalar> Observer<S> for Values<'_, S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
+        Values::start(self, start);
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        self.0.step(step);
+        Values::step(self, step);
         Ok(true)
     }
 }

@@ -23,17 +23,12 @@ pub(crate) struct Breakpoint {
     pub at: SwitchTime,
     /// What the formula does there, in the state of the start; `None` where it goes on smoothly.
     pub kind: Option<SwitchKind>,
-    /// Name of the element, joint or functional.
     pub part: String,
-    /// Whether that is a joint.
     pub is_constraint: bool,
 }
 
 impl Breakpoints {
     /// Those within a run from 0 to `end`, and at both.
-    ///
-    /// # Errors
-    /// A part with too many of them, with its name.
     pub fn of(model: &Model, functionals: &[Functional], numbers: &ModelNumbers<f64>, end: f64) -> Result<Self, String> {
         let (switches, known) = (HashMap::new(), HashMap::new());
         let mut search = Search { numbers, end, switches, known, found: Vec::new(), failed: None };
@@ -44,12 +39,10 @@ impl Breakpoints {
         search.failed.map_or(Ok(Breakpoints(search.found)), Err)
     }
 
-    /// All of them.
     pub fn all(&self) -> &[Breakpoint] {
         &self.0
     }
 
-    /// Their times \[s\].
     pub fn times(&self) -> Vec<f64> {
         self.0.iter().map(|own| own.at.t).collect()
     }

@@ -37,16 +37,13 @@ const SETTLED: f64 = 1e-15;
 /// ... or at least this one.
 const UNSETTLED: f64 = 1e-10;
 
-/// An equilibrium with its modes.
 pub(crate) struct Still<'a> {
     pub vectors: &'a ModeVectors,
     /// The equations of the equilibrium: states of first order are among its unknowns, whether modes move them or not.
     pub system: Arc<System<'a>>,
     pub p: &'a [f64],
-    /// Parameters whose derivatives are asked for.
     pub active: &'a [bool],
     pub method: &'a Method,
-    /// Time, or the load factor.
     pub t: f64,
     /// With whatever depends on velocities.
     pub is_damped: bool,
@@ -61,7 +58,6 @@ pub(crate) struct ValueSeeds {
     pub q: [Vec<f64>; 2],
 }
 
-/// The gradient of w^T B z.
 struct AdjointSeeds {
     q: Vec<Complex64>,
     mu: Vec<Complex64>,
@@ -70,9 +66,6 @@ struct AdjointSeeds {
 
 impl Still<'_> {
     /// For each group of modes the gradients of w_i^T B z_j, row by row, through the equilibrium.
-    ///
-    /// # Errors
-    /// An equilibrium that does not follow from its equations.
     pub fn gradients(&self) -> Result<Vec<Vec<ValueSeeds>>, RunError> {
         let groups = &self.vectors.groups;
         let mut products = Products::<Complex64>::new(self.active);
@@ -112,11 +105,10 @@ impl Still<'_> {
         let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
         // states that integrate what moves have a place in C alone; half the lowest value is none of a mode, where the matrix would be singular
         let rate = if model.state_dofs().next().is_some() { 2.0 * shift / lowest.sqrt() } else { 0.0 };
-        let zeros = || vec![0.0; model.dofs];
         let record = SolveRecord {
             t: self.t,
             equations: Equations::stage(StageCoefficients::new(shift, rate, 1.0), Level::Position),
-            base: VectorsAvq { a: zeros(), v: zeros(), q: self.vectors.q.clone() },
+            base: VectorsAvq { q: self.vectors.q.clone(), ..VectorsAvq::zeros(model.dofs) },
             unknowns: self.vectors.reactions.clone(),
         };
         let mut solver = TransposedSolver::new(self.system.clone(), self.method, self.active)?;
@@ -160,7 +152,7 @@ impl Still<'_> {
     ) -> AdjointSeeds {
         let system = &*self.system;
         let dofs = system.model.dofs;
-        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
+        let equations = Equations::EQUILIBRIUM;
         let lift = |list: &[f64]| list.iter().map(|&own| Complex64::from(own)).collect::<Vec<_>>();
         let p = lift(self.p);
         let adjoints = [(|own| own.re) as fn(&Complex64) -> f64, |own| own.im].map(|part| Adjoints {

@@ -9,37 +9,16 @@ use crate::program::SwitchKind;
 use crate::scalar::{TANGENTS, Tangents};
 use std::collections::HashSet;
 
-/// What functionals change by where breakpoints move and parameters stay.
-pub(super) struct MovingSteps {
-    map: Breakpoints,
-    /// `rates[functional][breakpoint]`.
-    rates: Vec<Vec<f64>>,
-}
-
 /// Relative difference up to which breakpoints that coincide move together.
 const TOGETHER: f64 = 1e-9;
 
-impl MovingSteps {
-    /// Adds the derivatives of a functional by the parameters on which breakpoints depend.
-    pub fn add_to(&self, functional: usize, p_bar: &mut [f64]) {
-        self.map.add_transposed(&self.rates[functional], p_bar);
-    }
-}
-
 impl Analysis<'_> {
-    /// Times at which steps end for given parameters.
-    ///
-    /// # Errors
-    /// A part with too many of them.
     pub(super) fn breakpoints(&self, numbers: &ModelNumbers<f64>) -> Result<Breakpoints, RunError> {
         let end = self.grid.times[self.grid.steps()];
         Breakpoints::of(self.model, self.functionals, numbers, end).map_err(RunError::Input)
     }
 
     /// How time goes between the breakpoints of a run for parameters with derivative parts.
-    ///
-    /// # Errors
-    /// Breakpoints that coincide and move apart.
     pub(super) fn clocks<S: RunScalar>(&self, p: &[S], forward: &Forward) -> Result<Clocks<S>, RunError> {
         if forward.grid.breakpoints.is_empty() {
             return Ok(Vec::new());
@@ -48,21 +27,21 @@ impl Analysis<'_> {
         forward.grid.clocks(&parts).map_err(RunError::Input)
     }
 
-    /// Derivatives of all functionals by those breakpoints that depend on an active parameter, by a tangent run for eight of them; `None` if none does.
-    /// Of breakpoints that coincide the first one stands for all.
+    /// The breakpoints of a run, and the derivatives of each functional by those that depend on an active parameter while parameters stay, by a tangent
+    /// run for eight of them; no lists if none does. Of breakpoints that coincide the first one stands for all.
     pub(super) fn by_moving_steps(
         &self,
         forward: &Forward,
         chain: &DesignChain,
         active: &[bool],
-    ) -> Result<Option<MovingSteps>, RunError> {
+    ) -> Result<(Breakpoints, Vec<Vec<f64>>), RunError> {
         let map = self.breakpoints(&forward.numbers)?;
         refuse_moved_ends(&map, &forward.grid, active)?;
         let reads = |numbers: &[usize]| numbers.iter().any(|&number| map.all()[number].reads(active));
         let moving: Vec<(&usize, &Vec<usize>)> =
             forward.grid.breakpoints.iter().filter(|(_, numbers)| reads(numbers)).collect();
         if moving.is_empty() {
-            return Ok(None);
+            return Ok((map, Vec::new()));
         }
         for &(&index, numbers) in &moving {
             if numbers[1..].iter().any(|&other| !move_together(&map, chain, [numbers[0], other])) {
@@ -85,14 +64,11 @@ impl Analysis<'_> {
                 chunk.iter().enumerate().for_each(|(lane, (_, numbers))| rates[numbers[0]] = value.part(lane));
             }
         }
-        Ok(Some(MovingSteps { map, rates }))
+        Ok((map, rates))
     }
 }
 
 /// That no variable moves a jump that lies at the start or at the end of a run.
-///
-/// # Errors
-/// Otherwise, in words: to one side the run has the jump, to the other it has not.
 fn refuse_moved_ends(map: &Breakpoints, grid: &TimeGrid, active: &[bool]) -> Result<(), RunError> {
     let within: HashSet<usize> = grid.breakpoints.values().flatten().copied().collect();
     let mut all = (0..).zip(map.all()).filter(|(number, _)| !within.contains(number));

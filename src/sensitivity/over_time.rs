@@ -1,12 +1,12 @@
 //! Sensitivities over time: what functionals measure, and its derivatives, at every step.
 
-use super::analysis::{complex_designs, seeded_designs};
+use super::analysis::seeded_designs;
 use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
 use crate::functionals::{Functional, Sample, StepEnds};
-use crate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord};
-use crate::scalar::COMPLEX_STEP;
+use crate::integrators::{Counters, Observer, RunError, StartRecord, StepRecord, unit_part};
+use crate::scalar::{Complex64, Tangents};
 
 /// What functionals measure, with its derivatives, at the start and at the end of each step; what they make of it over time is left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,18 +28,7 @@ impl Analysis<'_> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent_over_time(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
-        self.check_forward(x, forward)?;
-        let mut course = GradientCourse::empty(self.functionals.len());
-        for (seeded, lanes) in seeded_designs(x) {
-            let (measured, counters) = self.measured_over_time(&seeded, forward, &mut course.times)?;
-            for (functional, measured) in measured.iter().enumerate() {
-                course.values[functional] = measured.iter().map(|value| value.re).collect();
-                let of_lane = |lane: usize| measured.iter().map(|value| value.part(lane)).collect();
-                course.derivatives[functional].extend((0..lanes).map(of_lane));
-            }
-            course.counters += counters;
-        }
-        Ok(course)
+        self.over_time::<Tangents>(x, forward)
     }
 
     /// The same by complex-step runs of the whole simulation, one for each variable.
@@ -47,13 +36,20 @@ impl Analysis<'_> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step_over_time(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
+        self.over_time::<Complex64>(x, forward)
+    }
+
+    fn over_time<S: RunScalar>(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
         self.check_forward(x, forward)?;
-        let mut course = GradientCourse::empty(self.functionals.len());
-        for perturbed in complex_designs(x) {
-            let (measured, counters) = self.measured_over_time(&perturbed, forward, &mut course.times)?;
+        let count = self.functionals.len();
+        let (values, derivatives) = (vec![Vec::new(); count], vec![Vec::new(); count]);
+        let mut course = GradientCourse { values, derivatives, ..GradientCourse::default() };
+        for (seeded, lanes) in seeded_designs::<S>(x) {
+            let (measured, counters) = self.measured_over_time(&seeded, forward, &mut course.times)?;
             for (functional, measured) in measured.iter().enumerate() {
-                course.values[functional] = measured.iter().map(|value| value.re).collect();
-                course.derivatives[functional].push(measured.iter().map(|value| value.im / COMPLEX_STEP).collect());
+                course.values[functional] = measured.iter().map(|value| value.value()).collect();
+                let of_lane = |lane: usize| measured.iter().map(|own| own.part(lane) / unit_part::<S>()).collect();
+                course.derivatives[functional].extend((0..lanes).map(of_lane));
             }
             course.counters += counters;
         }
@@ -93,14 +89,6 @@ impl Analysis<'_> {
     }
 }
 
-impl GradientCourse {
-    fn empty(functionals: usize) -> Self {
-        let (values, derivatives) = (vec![Vec::new(); functionals], vec![Vec::new(); functionals]);
-        GradientCourse { values, derivatives, ..Self::default() }
-    }
-}
-
-/// Reads what functionals measure while a run goes on.
 struct Reading<'f, S> {
     functionals: &'f [Functional],
     model: &'f Model,
@@ -122,9 +110,9 @@ impl<S: RunScalar> Reading<'_, S> {
     }
 }
 
-impl<S: RunScalar> Recorder<S> for Reading<'_, S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
-        self.read(Sample::initial(&start));
+impl<S: RunScalar> Observer<S> for Reading<'_, S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
+        self.read(Sample::initial(start));
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {

@@ -3,7 +3,7 @@
 use super::{Analysis, Forward};
 use crate::assembly::{Residual, StageSystem, last_bit};
 use crate::functionals::Values;
-use crate::history::Rerun;
+use crate::history::{Direction, Rerun};
 use crate::integrators::{ConstraintLevel, RunError, SolveRecord, coordinate_scales};
 
 /// Patterns of signs that are tried: in one alone, changes may cancel.
@@ -74,7 +74,7 @@ impl Analysis<'_> {
             (values, Rounding { scales: scales.clone(), pattern, ..Rounding::default() })
         };
         let mut all: Vec<_> = (0..PATTERNS).map(begin).collect();
-        let mut steps = forward.history.forward(&rerun)?;
+        let mut steps = forward.history.read(&rerun, Direction::Forward)?;
         let mut residual = Residual::default();
         for (values, rounding) in &mut all {
             let Some(mut start) = forward.history.start_record().cloned() else { continue };

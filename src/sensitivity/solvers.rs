@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// employ all threads themselves and take most of the memory, share one, also with what has the same pattern beside them; so do the tiny
 /// ones, and those of a linear system, whose matrix is factored once.
 pub(super) struct StepSolvers<'m> {
-    /// Whether each stage has a solver of its own.
     pub are_apart: bool,
     /// Of projections and accelerations, where they do not share that of the stages: both projections of a step mostly have the same matrix.
     plain: Option<TransposedSolver<'m>>,
@@ -29,13 +28,9 @@ pub(super) struct StepSolvers<'m> {
 const SHARED: f64 = 2.5e5;
 
 impl<'m> StepSolvers<'m> {
-    /// Solvers for the equations of a run.
-    ///
-    /// # Errors
-    /// A pattern that no numbers could make regular.
     pub fn new(system: &Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(system.clone(), method, active)?;
-        let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
+        let are_apart = !stage.is_alone && rayon::current_num_threads() > 1;
         let are_shared = rayon::current_num_threads() > 2 || stage.multiplications() > SHARED;
         let plain = if stage.is_large() { None } else { Some(stage.clone_analysis()?) };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, are_shared, has_care: false };
@@ -48,10 +43,6 @@ impl<'m> StepSolvers<'m> {
         Ok(solvers)
     }
 
-    /// The same for another step.
-    ///
-    /// # Errors
-    /// As for [`StepSolvers::new`].
     pub fn clone_analysis(&self) -> Result<Self, RunError> {
         let stages = self.stages.iter().map(TransposedSolver::clone_analysis).collect::<Result<Vec<_>, _>>()?;
         let plain = self.plain.as_ref().map(TransposedSolver::clone_analysis).transpose()?;
@@ -61,7 +52,7 @@ impl<'m> StepSolvers<'m> {
     /// Takes over from the solvers of the step before what they have learned.
     pub fn learn_from(&mut self, others: &Self) {
         let solvers = self.stages.iter_mut().chain(&mut self.plain);
-        solvers.zip(others.stages.iter().chain(&others.plain)).for_each(|(own, other)| own.learn_from(other));
+        solvers.zip(others.stages.iter().chain(&others.plain)).for_each(|(own, other)| own.trials = other.trials);
     }
 
     /// After the first step: matrices of stages are scaled with the care that the one solved last needed, the first stage's, whichever solver
@@ -77,17 +68,15 @@ impl<'m> StepSolvers<'m> {
         }
         for solvers in ahead.into_iter().chain([self]) {
             solvers.has_care = true;
-            solvers.stages.iter_mut().for_each(|solver| solver.take_care(of_stages.unwrap_or(false)));
-            solvers.plain.iter_mut().for_each(|solver| solver.take_care(of_plain.unwrap_or(false)));
+            solvers.stages.iter_mut().for_each(|solver| solver.refined_scaling = of_stages.unwrap_or(false));
+            solvers.plain.iter_mut().for_each(|solver| solver.refined_scaling = of_plain.unwrap_or(false));
         }
     }
 
-    /// The solver of a stage.
     pub fn stage(&mut self, stage: usize) -> &mut TransposedSolver<'m> {
         &mut self.stages[if self.are_apart { stage } else { 0 }]
     }
 
-    /// The solver of projections and accelerations.
     pub fn plain(&mut self) -> &mut TransposedSolver<'m> {
         match &mut self.plain {
             Some(plain) => plain,
@@ -102,7 +91,7 @@ impl<'m> StepSolvers<'m> {
         let projection = step.velocity_projection.as_ref().or(step.position_projection.as_ref());
         let all = self.stages.iter_mut().zip(stages).chain(self.plain.iter_mut().map(|solver| (solver, projection)));
         let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
-            all.filter(|(solver, _)| solver.was_needed()).filter_map(|(solver, record)| Some((solver, record?))).collect();
+            all.filter(|(solver, _)| solver.needed).filter_map(|(solver, record)| Some((solver, record?))).collect();
         if self.are_shared {
             needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
         } else {

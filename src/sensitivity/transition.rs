@@ -4,8 +4,8 @@ use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::design::ModelNumbers;
 use crate::elements::RunScalar;
-use crate::history::{Keep, Observer};
-use crate::integrators::{Crossing, Recorder, RunError, StartPlan, StartRecord, StepRecord};
+use crate::history::Keep;
+use crate::integrators::{Crossing, Observer, RunError, StartPlan, StartRecord, StepRecord};
 use crate::scalar::{TANGENTS, Tangents};
 use nalgebra::DMatrix;
 
@@ -13,7 +13,6 @@ use nalgebra::DMatrix;
 pub(crate) struct Transition {
     /// Places of the coordinates, and of the velocities, that may change.
     pub places: [Vec<usize>; 2],
-    /// Coordinates and velocities at the start and at the end.
     pub ends: [ModelNumbers<f64>; 2],
     /// Changes of the start that keep all constraints, orthogonal and of length one.
     pub basis: DMatrix<f64>,
@@ -31,9 +30,6 @@ const MOST_COORDINATES: usize = 1000;
 
 impl<'m> Analysis<'m> {
     /// Of the run of a problem with these numbers.
-    ///
-    /// # Errors
-    /// Those of the run; a mechanism with too many coordinates.
     pub(crate) fn transition(&self, numbers: &ModelNumbers<f64>) -> Result<Transition, RunError> {
         let places = changing_places(self.model);
         if places[1].len() > MOST_COORDINATES {
@@ -42,11 +38,11 @@ impl<'m> Analysis<'m> {
                 places[1].len()
             )));
         }
-        let mut begun = Ends::default();
+        let mut begun = Ends { stops: true, ..Ends::default() };
         // runs with derivative parts go along its steps
         let keep = Keep::default();
         let without = Analysis { functionals: &[], keep: &keep, ..*self };
-        match without.run(&[], numbers.clone(), &mut FirstStep(&mut begun))?.1 {
+        match without.run(&[], numbers.clone(), &mut begun)?.1 {
             None | Some(RunError::Interrupted { .. }) => {}
             Some(error) => return Err(error),
         }
@@ -81,11 +77,9 @@ impl<'m> Analysis<'m> {
         for first in (0..given.ncols()).step_by(TANGENTS) {
             let lanes = TANGENTS.min(given.ncols() - first);
             let numbers = seeded(&forward.numbers, places, given, first..first + lanes);
-            let mut ends = Ends::default();
-            let mut first_step = FirstStep(&mut ends);
-            let recorder: &mut dyn Recorder<Tangents> = if whole { first_step.0 } else { &mut first_step };
+            let mut ends = Ends::<Tangents> { stops: !whole, ..Ends::default() };
             let clocks = self.clocks(&numbers.p, forward)?;
-            match self.perturbed_run(&numbers, &clocks, forward, recorder) {
+            match self.perturbed_run(&numbers, &clocks, forward, &mut ends) {
                 Err(RunError::Interrupted { .. }) if !whole => {}
                 run => drop(run?),
             }
@@ -126,16 +120,17 @@ fn changing_places(model: &Model) -> [Vec<usize>; 2] {
     [moving.flat_map(|node| node.dofs.clone()).collect(), free().flat_map(|node| node.dofs.clone()).collect()]
 }
 
-/// Keeps the states at the start and at the end of a run.
 struct Ends<S> {
     start: ModelNumbers<S>,
     end: ModelNumbers<S>,
+    /// Whether the run stops behind its first step.
+    stops: bool,
 }
 
-crate::assembly::empty_fields!(Ends { start, end });
+crate::assembly::empty_fields!(Ends { start, end, stops });
 
-impl<S: RunScalar> Recorder<S> for Ends<S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
+impl<S: RunScalar> Observer<S> for Ends<S> {
+    fn start(&mut self, start: &StartRecord<S>) -> Result<(), RunError> {
         let point = start.acceleration.point();
         self.start = ModelNumbers { p: Vec::new(), q: point.q, v: point.v };
         Ok(())
@@ -143,37 +138,6 @@ impl<S: RunScalar> Recorder<S> for Ends<S> {
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
         self.end.q.clone_from(&step.q);
         self.end.v.clone_from(&step.v);
-        Ok(true)
-    }
-}
-
-impl Observer for Ends<f64> {
-    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
-        Recorder::start(self, start.clone())
-    }
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        Recorder::step(self, step)
-    }
-}
-
-/// The same of the first step alone, behind which the run stops.
-struct FirstStep<'e, S>(&'e mut Ends<S>);
-
-impl<S: RunScalar> Recorder<S> for FirstStep<'_, S> {
-    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
-        self.0.start(start)
-    }
-    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        self.0.step(step)?;
-        Ok(false)
-    }
-}
-
-impl Observer for FirstStep<'_, f64> {
-    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
-        Recorder::start(self.0, start.clone())
-    }
-    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
-        Recorder::step(self, step)
+        Ok(!self.stops)
     }
 }

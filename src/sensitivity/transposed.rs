@@ -1,11 +1,11 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Equations, Jacobian, Level, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
-    Term, TermPoint, Unknowns, VectorsAvq,
+    Adjoints, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System, Term,
+    TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
-use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
+use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord, kind};
 use crate::linalg::{Factorization, SMALL_FILL, Singular, SolverPlan, TransposedSolution};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -44,12 +44,10 @@ const OF_USE: f64 = 1e-13;
 const NEGLIGIBLE: f64 = 1e-250;
 
 impl Backward {
-    /// Of parameters alone.
     pub fn of_parameters(parameters: usize) -> Self {
         Backward { p: vec![0.0; parameters], ..Backward::default() }
     }
 
-    /// Sets what is negligible to zero.
     pub fn drop_negligible(&mut self) {
         let carried = self.carried.iter_mut().flatten();
         for bar in carried.chain(&mut self.mu).filter(|bar| bar.abs() < NEGLIGIBLE) {
@@ -64,22 +62,18 @@ impl Backward {
 pub(super) struct Trial {
     /// Systems to go by.
     left: usize,
-    /// How many went by last.
     waited: usize,
 }
 
-/// Most systems that go by.
 const LONGEST_WAIT: usize = 64;
 
 impl Trial {
-    /// Whether it is tried now.
     fn is_due(&mut self) -> bool {
         let due = self.left == 0;
         self.left = self.left.saturating_sub(1);
         due
     }
 
-    /// Takes note of whether it was of use.
     fn learn(&mut self, was_of_use: bool) {
         self.waited = if was_of_use { 0 } else { (2 * self.waited + 1).min(LONGEST_WAIT) };
         self.left = self.waited;
@@ -94,29 +88,27 @@ pub(super) struct TransposedSolver<'m> {
     factorization: Factorization,
     /// The solution, with the multipliers inside nodes that follow from it.
     unknowns: Unknowns<f64>,
-    /// Parameters whose derivatives are asked for.
     active: &'m [bool],
     products: Products,
     /// The system that was factored, until its adjoint is asked for.
     factored: Option<Factored>,
     /// The equations of the factored matrix, and whether it is the same for all states and times.
     constant: Option<(Equations, bool)>,
-    /// Of the factors of an earlier matrix: for stages, and for projections of coordinates and of velocities.
-    trials: [Trial; 3],
-    /// See [`TransposedSolver::is_alone`].
-    is_alone: bool,
+    /// Of the factors of an earlier matrix: for projections of coordinates, of velocities, and for stages.
+    pub trials: [Trial; 3],
+    /// Whether one solver has all stages, on any number of threads: factors, and what is learned of them, go from each system to the next.
+    /// Otherwise the numbers of a system must not depend on which one the solver had before, but for projections at the same time.
+    pub is_alone: bool,
     /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::refined_scaling`].
-    refined_scaling: bool,
+    pub refined_scaling: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
     has_projection: Option<(bool, f64)>,
     /// Whether an adjoint of the last system was not zero.
-    needed: bool,
-    /// Work that is not counted yet.
+    pub needed: bool,
     work: Counters,
     /// Right-hand sides, then solutions, in the unknowns of the matrix.
     reduced: Vec<f64>,
     sweep: Sweep,
-    /// Adjoints of the base point.
     bases: Vec<VectorsAvq<f64>>,
 }
 
@@ -132,7 +124,6 @@ struct Sweep {
     moved: VectorsAvq<f64>,
 }
 
-/// A system that was factored.
 struct Factored {
     t: f64,
     equations: Equations,
@@ -144,16 +135,10 @@ struct Factored {
 impl<'m> TransposedSolver<'m> {
     pub fn new(system: Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let factorization =
-            Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
+            Factorization::new(&system.pattern, method.backend).map_err(|s| RunError::of_pattern("adjoint", s))?;
         let plan = factorization.plan();
         let is_alone = plan.unknowns < APART || is_large(plan) || Jacobian::is_constant_in_stages(&system);
         Ok(Self::of(system, factorization, active, is_alone, Counters::measuring(method.measures_phases)))
-    }
-
-    /// Whether one solver has all stages, on any number of threads: factors, and what is learned of them, go from each system to the next.
-    /// Otherwise the numbers of a system must not depend on which one the solver had before, but for projections at the same time.
-    pub fn is_alone(&self) -> bool {
-        self.is_alone
     }
 
     /// Whether the factors take more than a few megabytes.
@@ -166,9 +151,8 @@ impl<'m> TransposedSolver<'m> {
         self.factorization.plan().work.map_or(0.0, |work| work.multiplications)
     }
 
-    /// Another one for the same system.
     pub fn clone_analysis(&self) -> Result<Self, RunError> {
-        let factorization = self.factorization.clone_analysis().map_err(|s| singular(s.unknown, "adjoint"))?;
+        let factorization = self.factorization.clone_analysis().map_err(|s| RunError::of_pattern("adjoint", s))?;
         let work = Counters::measuring(self.work.nanoseconds.is_some());
         Ok(Self::of(self.system.clone(), factorization, self.active, self.is_alone, work))
     }
@@ -248,24 +232,9 @@ impl<'m> TransposedSolver<'m> {
         }
     }
 
-    /// Takes over from the solver of the step before what it has learned of factors on trial.
-    pub fn learn_from(&mut self, other: &Self) {
-        self.trials = other.trials;
-    }
-
     /// Whether the last matrix needed care to be scaled, if any was factored.
     pub fn has_needed_care(&self) -> Option<bool> {
         self.has_projection.map(|_| self.factorization.refined_scaling())
-    }
-
-    /// From now on matrices are scaled with such care.
-    pub fn take_care(&mut self, refined_scaling: bool) {
-        self.refined_scaling = refined_scaling;
-    }
-
-    /// Whether an adjoint of the last system was not zero.
-    pub fn was_needed(&self) -> bool {
-        self.needed
     }
 
     /// Forgets a system for whose adjoint nobody has asked, and counts the work done so far.
@@ -445,7 +414,6 @@ impl<'m> TransposedSolver<'m> {
         }
     }
 
-    /// Adds the products with what is inside nodes.
     fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], seeds: &[SolutionSeed]) {
         let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
         let all = 3 * system.model.dofs;
@@ -502,7 +470,7 @@ impl<'m> TransposedSolver<'m> {
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
-        singular_named(self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {} s", shortest(t)))
+        singular(&self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {} s", shortest(t)))
     }
 }
 
@@ -510,15 +478,6 @@ impl<'m> TransposedSolver<'m> {
 const APART: usize = 20;
 fn is_large(plan: SolverPlan) -> bool {
     plan.work.is_some_and(|work| work.fill > SMALL_FILL)
-}
-
-/// Stages, projections of coordinates, projections of velocities.
-fn kind(equations: &Equations) -> usize {
-    match (equations.metric, equations.level) {
-        (false, _) => 0,
-        (true, Level::Position) => 1,
-        (true, _) => 2,
-    }
 }
 
 /// Adjoints of the parameters, for one functional after the other.
@@ -574,20 +533,14 @@ pub(super) fn set_zero_vectors(VectorsAvq { a, v, q }: &mut VectorsAvq<f64>, dof
     [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
 }
 
-/// target += factor values.
 pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     if factor != 0.0 {
         target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
     }
 }
 
-fn singular(unknown: usize, place: &str) -> RunError {
-    singular_named(format!("unknown {unknown}"), place)
-}
-
-fn singular_named(unknown: String, place: &str) -> RunError {
-    let hint = "the motion passes a singular pose: its gradient does not exist there".to_string();
-    RunError::Singular { place: place.into(), unknown, hint }
+fn singular(unknown: &str, place: &str) -> RunError {
+    RunError::singular(place, unknown, "the motion passes a singular pose: its gradient does not exist there")
 }
 
 #[cfg(test)]

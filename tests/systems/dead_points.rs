@@ -5,17 +5,15 @@
 #[path = "../../verification/stability/four_bar.rs"]
 mod four_bar;
 
-use costate::integrators::{ConstraintLevel, Method, RunError, StartRecord, StepRecord, table_by_name};
-use costate::internals::{Recorder, Run, march};
+use costate::history::Observer;
+use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, table_by_name};
+use costate::internals::{Run, march};
 use costate::scenes::{Prepared, Scene, Settings};
 use four_bar::{Drive, FourBar};
 
 struct Nothing;
 
-impl Recorder<f64> for Nothing {
-    fn start(&mut self, _: StartRecord<f64>) -> Result<(), RunError> {
-        Ok(())
-    }
+impl Observer for Nothing {
     fn step(&mut self, _: &StepRecord<f64>) -> Result<bool, RunError> {
         Ok(true)
     }

@@ -2,9 +2,9 @@
 
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{LoadKind, Over};
-use costate::history::Keep;
+use costate::history::{Keep, Observer};
 use costate::integrators::{ConstraintLevel, Method, RunError, StartRecord, StepControl, StepRecord, table_by_name};
-use costate::internals::{Recorder, march};
+use costate::internals::march;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{DesignVariable, MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
@@ -73,9 +73,9 @@ struct Watching<'p> {
     worst: f64,
 }
 
-impl Recorder<f64> for Watching<'_> {
-    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
-        self.dropped.push(start.dropped);
+impl Observer for Watching<'_> {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.dropped.push(start.dropped.clone());
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {

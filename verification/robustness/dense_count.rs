@@ -1,5 +1,6 @@
 //! Negative eigenvalues of the stiffness of an equilibrium by a dense eigensolver, on a basis of the directions that its constraints leave.
 
+use costate::history::Direction;
 use costate::integrators::Stability;
 use costate::internals::{Jacobian, Rerun, Residual, StageSystem};
 use costate::scenes::Prepared;
@@ -45,7 +46,7 @@ pub fn compare(prepared: &Prepared, forward: &Forward) -> Result<Told, String> {
 fn negative_eigenvalues(prepared: &Prepared, forward: &Forward) -> Result<[usize; 2], String> {
     let problem = prepared.problem();
     let rerun = Rerun::new(&problem, &prepared.method, &forward.grid, &prepared.plan);
-    let mut steps = forward.history.forward(&rerun).map_err(|error| error.to_string())?;
+    let mut steps = forward.history.read(&rerun, Direction::Forward).map_err(|error| error.to_string())?;
     let mut found = Err("no step to count in".to_string());
     while let Some(step) = steps.next().map_err(|error| error.to_string())? {
         let system = &*prepared.method.system(problem.model, &step.dropped);

@@ -25,7 +25,7 @@ impl<S: RunScalar> Newton<'_, S> {
         Residual::shape(&self.system, &mut unknowns, true);
         let stage = StageSystem { equations: &equations, base: &base, p, t };
         self.residual.start(&self.system, stage);
-        self.factored = None;
+        self.kept.factored = None;
         self.evaluate(stage, &mut unknowns);
         let factored = self.factorize(stage, &unknowns);
         (self.state, self.guess) = (base, unknowns);

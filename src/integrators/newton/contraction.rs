@@ -14,7 +14,6 @@ const SAFETY: f64 = 2.0;
 pub struct Contraction {
     /// The second correction by the first one, where it was seen last; 0 before.
     pub rate: f64,
-    /// Searches since then.
     pub unseen: usize,
 }
 
@@ -22,7 +21,6 @@ pub struct Contraction {
 /// be without an evaluation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contractions {
-    /// By kind, then by age.
     pub known: [[Contraction; AGES]; KINDS],
     /// Systems that were solved with the matrix since it was factored.
     pub age: usize,

@@ -9,7 +9,6 @@ use crate::elements::RunScalar;
 const PASSES: usize = 4;
 /// Share of a value, per relative change of a number, that is no derivative but round-off, with [`PARTS_LIMIT`] of it.
 const ZERO_SHARE: f64 = 1e-3;
-/// What is said of derivative parts that do not converge.
 const STAGNATED: &str = "stagnated in the derivative parts";
 /// Corrections of derivative parts that shrink less than this do not converge any more.
 const SLOW_PARTS: f64 = 0.9;
@@ -22,9 +21,6 @@ const GUIDED_ROUNDINGS: f64 = 16.0;
 
 impl<S: RunScalar> Newton<'_, S> {
     /// Solves for the derivative parts alone, the values being a solution already (that of a real run).
-    ///
-    /// # Errors
-    /// A `Failure` if the values are far from a solution: the guide belongs to another problem.
     pub fn solve_guided(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(&self.system, stage);
@@ -59,9 +55,6 @@ impl<S: RunScalar> Newton<'_, S> {
     }
 
     /// Corrects the derivative parts with the factored matrix until they are round-off.
-    ///
-    /// # Errors
-    /// [`Failure`] with parts that are not finite, or whose corrections stop shrinking above [`PARTS_LIMIT`].
     fn refine_parts(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         let mut previous = f64::INFINITY;
         for pass in 1..=MOST_ITERATIONS {

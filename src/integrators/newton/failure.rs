@@ -1,19 +1,16 @@
 use super::{Newton, ROUND_OFF};
 use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::RunError;
 use crate::integrators::not_finite::not_finite;
+use crate::integrators::{RunError, Stop, unit_part};
 use crate::linalg::Singular;
-use crate::scalar::COMPLEX_STEP;
 
 /// Relative correction of derivative parts that may be round-off.
 pub(super) const PARTS_LIMIT: f64 = 1e-9;
 
-/// What to try where a step has no solution.
 const IN_TIME: &str = "try a smaller step, steps chosen by their error, or for stiff forces the method sdirk4";
 const STATIC: &str = "try a smaller step; what only its own tension holds, as a straight cable, finds its equilibrium by start = \"equilibrium\" \
                       with a method of motion";
-/// What an unknown without stiffness means.
 pub const NOT_HELD: &str = "nothing holds it in equilibrium: give it a support, a joint or a spring; what only its own tension holds, as a straight \
                             cable or chain, finds its equilibrium by start = \"equilibrium\" with a method of motion; at a limit of the load take smaller \
                             steps, or follow the path by its arc length";
@@ -31,7 +28,6 @@ pub(super) enum FailureKind {
     Diverged,
     Stagnated,
     NotFinite,
-    /// What was found is no solution.
     Unbalanced,
     /// Of the derivative parts alone, the value being a solution: what happened.
     Parts(&'static str),
@@ -44,7 +40,6 @@ impl Failure {
 }
 
 impl<S: RunScalar> Newton<'_, S> {
-    /// The failure in words.
     pub fn describe(&self, failure: &Failure, equations: &Equations, place: &str) -> RunError {
         let model = self.system.model;
         if let FailureKind::NotFinite | FailureKind::Singular(_) = failure.how {
@@ -52,7 +47,7 @@ impl<S: RunScalar> Newton<'_, S> {
             let VectorsAvq { a, v, q } = &self.residual.at;
             let at = VectorsAvq { a: values(a), v: values(v), q: values(q) };
             if let Some(cause) = not_finite(model, &self.p, &at, self.t, true) {
-                return RunError::NotFinite { place: place.into(), cause };
+                return RunError::not_finite(place, cause);
             }
         }
         let how = match failure.how {
@@ -67,7 +62,7 @@ impl<S: RunScalar> Newton<'_, S> {
                 } else {
                     "it has no inertia, or nothing holds it: give it a mass or a constraint"
                 };
-                return RunError::Singular { place: place.into(), unknown, hint: hint.into() };
+                return RunError::singular(place, &unknown, hint);
             }
             FailureKind::Diverged => "diverged",
             FailureKind::Stagnated => "stagnated",
@@ -77,26 +72,20 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         let of_parts = matches!(failure.how, FailureKind::Parts(_));
         let (row, residual) = self.largest_row(of_parts);
-        RunError::NoConvergence {
-            place: place.into(),
-            how,
-            iterations: failure.iterations,
-            correction: failure.correction,
-            limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
-            row,
-            residual,
-            hint: if equations.is_static() { STATIC } else { IN_TIME },
-        }
+        let (Failure { iterations, correction, .. }, limit) = (failure, if of_parts { PARTS_LIMIT } else { ROUND_OFF });
+        let cause = format!(
+            "Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
+             largest row: {row} ({residual:.1e})"
+        );
+        RunError::stopped(Stop::NoConvergence, place, cause, if equations.is_static() { STATIC } else { IN_TIME })
     }
 
     /// The row that is least in balance, and what is left there, or in its derivative parts.
     fn largest_row(&self, of_parts: bool) -> (String, f64) {
         let model = self.system.model;
         let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
-        // a complex number carries its derivative times the step
-        let unit = if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 };
         let seen = |value: &S| {
-            let parts = (0..S::PARTS).map(|part| value.part(part) / unit);
+            let parts = (0..S::PARTS).map(|part| value.part(part) / unit_part::<S>());
             if of_parts {
                 parts.fold(0.0, |most, part| if size(part) > size(most) { part } else { most })
             } else {

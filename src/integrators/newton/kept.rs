@@ -8,16 +8,13 @@ use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 /// Where a matrix was assembled: the factorization is made again from it, bit by bit.
 #[derive(Debug, PartialEq)]
 pub struct FactoredAt<S> {
-    /// Time \[s\].
     pub t: f64,
-    /// Point from which the unknowns move.
     pub base: VectorsAvq<S>,
     /// Unknowns, before they are brought onto the equations inside nodes.
     pub unknowns: Unknowns<S>,
 }
 
 impl<S> FactoredAt<S> {
-    /// Empties it; the memory stays.
     pub(super) fn clear(&mut self) {
         let (VectorsAvq { a, v, q }, Unknowns { x, mu, local_mu }) = (&mut self.base, &mut self.unknowns);
         [a, v, q, x, mu, local_mu].into_iter().for_each(Vec::clear);
@@ -27,23 +24,17 @@ impl<S> FactoredAt<S> {
 
 clone_fields!(FactoredAt { t, base, unknowns });
 
-/// What a Newton's method keeps from one system to the next.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct KeptFactorization<S> {
-    /// The equations that were factored, if the factorization is still in use.
+    /// The equations for which the matrix was factored last, if the factorization is still in use.
     pub factored: Option<Equations>,
-    /// Where they were.
     pub at: FactoredAt<S>,
-    /// Size of corrections at round-off, for each kind of system, where it is known.
+    /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
     pub floors: [Option<Floor>; 3],
-    /// Equations for which these were measured, and factorizations since then.
     pub measured: Option<Equations>,
-    /// See [`KeptFactorization::measured`].
     pub measured_for: usize,
-    /// Rates of convergence.
     pub contractions: Contractions,
-    /// Whether steps begin with a new matrix.
     pub renewal: Renewal,
 }
 
-crate::assembly::empty_fields!(KeptFactorization { factored, at, floors, measured, measured_for, contractions, renewal });
+clone_fields!(KeptFactorization { factored, at, floors, measured, measured_for, contractions, renewal });

@@ -50,7 +50,6 @@ impl Newton<'_, f64> {
         self.solved()
     }
 
-    /// The solution for the right-hand side.
     fn solved(&mut self) -> Unknowns<f64> {
         self.counters.solves += 1;
         self.factorization.solve(&mut self.rhs);

@@ -19,6 +19,7 @@ pub use failure::{Failure, NOT_HELD};
 pub use kept::{FactoredAt, KeptFactorization};
 pub use renewal::Renewal;
 pub use round_off::Floor;
+pub(crate) use round_off::kind;
 pub(crate) use sizes::coordinate_scales;
 
 use super::Counters;
@@ -56,7 +57,6 @@ impl NewtonTolerance {
     }
 }
 
-/// Most iterations for one system.
 const MOST_ITERATIONS: usize = 25;
 /// Relative correction at which the unknowns are as good as round-off allows.
 const ROUND_OFF: f64 = 1e-14;
@@ -65,13 +65,9 @@ const MEASURED_FOR: usize = 10;
 
 /// Newton's method for the systems of one run, keeping its factorization while it converges fast.
 pub struct Newton<'m, S> {
-    /// The numbered equations.
     pub system: Arc<System<'m>>,
-    /// Evaluations, with their workspace.
     pub residual: Residual<S>,
-    /// The matrix.
     pub jacobian: Jacobian,
-    /// Work done.
     pub counters: Counters,
     pub(super) factorization: Factorization,
     tolerance: NewtonTolerance,
@@ -85,20 +81,7 @@ pub struct Newton<'m, S> {
     pub(super) t: f64,
     /// Unknowns from which a search with an old matrix started.
     guess: Unknowns<S>,
-    /// Equations for which the matrix was factored last.
-    factored: Option<Equations>,
-    /// Where it was.
-    factored_at: FactoredAt<S>,
-    /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
-    floors: [Option<Floor>; 3],
-    /// Equations for which floors were measured, and factorizations since then.
-    measured: Option<Equations>,
-    measured_for: usize,
-    /// Rates of convergence.
-    contractions: Contractions,
-    /// Whether steps begin with a new matrix.
-    renewal: Renewal,
-    /// Solution at the start of an estimate.
+    kept: KeptFactorization<S>,
     work: Unknowns<S>,
     /// State and row of a look at redundant equations.
     state: VectorsAvq<S>,
@@ -106,7 +89,6 @@ pub struct Newton<'m, S> {
     formula_work: FormulaWork<f64>,
     /// Whether the matrix of stages is the same in all states; looked up when a step begins with one.
     is_constant: Option<bool>,
-    /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Whether elements have stresses that a search can relieve; looked up when a search first fails.
     relievable: Option<bool>,
@@ -130,19 +112,12 @@ pub struct Newton<'m, S> {
 const LARGE_FILL: usize = 1_000_000;
 
 impl<'m, S: RunScalar> Newton<'m, S> {
-    /// Workspace for a system.
-    ///
-    /// # Errors
-    /// A pattern that no numbers could make regular.
     pub fn new(system: Arc<System<'m>>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
         let factorization = Factorization::new(&system.pattern, backend)?;
         Ok(Self::of(system, tolerance, factorization))
     }
 
     /// Another one for the same system, whose pattern is analysed already.
-    ///
-    /// # Errors
-    /// As for [`Newton::new`].
     pub fn clone_analysis(&self) -> Result<Self, Singular> {
         let clone = Self::of(self.system.clone(), self.tolerance, self.factorization.clone_analysis()?);
         Ok(Newton { divides: self.divides, ..clone })
@@ -155,14 +130,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     /// Gives all memory of a large system back: the next search finds what it sets itself and takes new memory; counts, measured round-off and
     /// rates stay.
-    ///
-    /// # Errors
-    /// As for [`Newton::new`].
     pub fn release(&mut self) -> Result<(), Singular> {
         if self.factorization.plan().work.is_some_and(|work| work.fill > LARGE_FILL) {
             let emptied = self.clone_analysis()?;
-            let Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, .. } = *self;
-            *self = Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, ..emptied };
+            let kept = KeptFactorization { factored: None, at: FactoredAt::default(), ..std::mem::take(&mut self.kept) };
+            let Newton { counters, parameter_length, .. } = *self;
+            *self = Newton { counters, kept, parameter_length, ..emptied };
         }
         Ok(())
     }
@@ -177,7 +150,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             t: 0.0,
             guess: Unknowns::default(),
             counters: Counters::default(),
-            factored: None,
+            kept: KeptFactorization::default(),
             coordinate_scales: vec![1.0; system.model.dofs],
             turning_length: 1.0,
             run_sizes: RunSizes::default(),
@@ -189,12 +162,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             trusted: Vec::new(),
             length: 1.0,
             parameter_length: None,
-            factored_at: FactoredAt::default(),
-            floors: [None; 3],
-            measured: None,
-            measured_for: 0,
-            contractions: Contractions::default(),
-            renewal: Renewal::default(),
             work: Unknowns::default(),
             state: VectorsAvq::default(),
             row: Vec::new(),
@@ -210,15 +177,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         // a matrix that never changes is new at all times
         let Newton { system, is_constant, .. } = &mut *self;
         let is_constant = *is_constant.get_or_insert_with(|| Jacobian::is_constant(system, equations));
-        if !is_constant && self.renewal.begin_step() {
-            self.factored = None;
+        if !is_constant && self.kept.renewal.begin_step() {
+            self.kept.factored = None;
         }
     }
 
     /// Solves for `unknowns`, starting from what they hold.
-    ///
-    /// # Errors
-    /// A `Failure`, to be described by [`Newton::describe`].
     pub fn solve(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         let solved = self.search(stage, unknowns);
         solved.inspect_err(|_| self.keep_numbers(stage.p, stage.t))
@@ -230,14 +194,14 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.residual.start(&self.system, stage);
         self.set_coordinate_scales(stage.base, stage.p);
         // a matrix for other coefficients converges slowly or not at all
-        if self.factored.is_none_or(|old| !self.resembles(&old, equations)) {
-            self.factored = None;
+        if self.kept.factored.is_none_or(|old| !self.resembles(&old, equations)) {
+            self.kept.factored = None;
         }
         self.guess.clone_from(unknowns);
         let searched =
             if equations.is_static() { self.solve_balanced(stage, unknowns) } else { self.solve_value(stage, unknowns) };
-        self.contractions.age += 1;
-        self.renewal.note(&before, &self.counters);
+        self.kept.contractions.age += 1;
+        self.kept.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
             if !self.can_relieve(equations) {
                 return Err(failure);
@@ -257,7 +221,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Ok(())
     }
 
-    /// Comes near to a solution with relieved stresses, and solves from there.
     fn solve_relieved(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         self.approach_relieved(stage, unknowns)?;
         self.solve_balanced(stage, unknowns)
@@ -274,7 +237,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
     }
 
-    /// What a failure is described with.
     fn keep_numbers(&mut self, p: &[S], t: f64) {
         self.p.clear();
         self.p.extend(p.iter().map(|p| p.value()));
@@ -285,10 +247,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.residuals += 1;
         [&mut self.rhs, &mut self.exact].into_iter().for_each(|list| list.resize(self.system.size(), 0.0));
         // a factorization follows
-        if self.factored.is_none() && S::PARTS == 0 {
-            self.factored_at.t = stage.t;
-            self.factored_at.base.clone_from(stage.base);
-            self.factored_at.unknowns.clone_from(unknowns);
+        if self.kept.factored.is_none() && S::PARTS == 0 {
+            self.kept.at.t = stage.t;
+            self.kept.at.base.clone_from(stage.base);
+            self.kept.at.unknowns.clone_from(unknowns);
         }
         let Newton { counters, residual, system, .. } = self;
         counters.timed(Phase::Residual, || residual.evaluate(system, stage, unknowns));
@@ -309,16 +271,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
         counters.blocks += jacobian.evaluated - before;
         counters.timed(Phase::Factorization, || jacobian.factor_in(factorization))?;
-        let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
-        self.measured_for += 1;
-        self.contractions.age = 0;
+        let resembles_last = self.kept.measured.is_some_and(|old| self.resembles(&old, equations));
+        self.kept.measured_for += 1;
+        self.kept.contractions.age = 0;
         if !resembles_last {
-            self.contractions = Contractions::default();
+            self.kept.contractions = Contractions::default();
         }
-        if !resembles_last || self.measured_for > MEASURED_FOR {
-            (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
+        if !resembles_last || self.kept.measured_for > MEASURED_FOR {
+            (self.kept.measured, self.kept.measured_for, self.kept.floors) = (Some(*equations), 0, [None; 3]);
         }
-        self.factored = Some(*equations);
+        self.kept.factored = Some(*equations);
         Ok(())
     }
 
@@ -344,19 +306,15 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     /// What later systems depend on beside their own numbers.
     pub(in crate::integrators) fn keep_in(&self, kept: &mut KeptFactorization<S>) {
-        kept.factored = self.factored;
-        if self.factored.is_some() {
-            kept.at.clone_from(&self.factored_at);
-        } else {
+        kept.clone_from(&self.kept);
+        if kept.factored.is_none() {
             kept.at.clear();
         }
-        (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
-        (kept.contractions, kept.renewal) = (self.contractions, self.renewal);
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
     pub(in crate::integrators) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
-        self.factored = None;
+        self.kept.factored = None;
         let FactoredAt { t, base, unknowns } = &kept.at;
         if let Some(equations) = &kept.factored {
             let stage = StageSystem { equations, base, p, t: *t };
@@ -365,8 +323,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.evaluate(stage, &mut unknowns);
             self.factorize(stage, &unknowns)?;
         }
-        (self.floors, self.measured, self.measured_for) = (kept.floors, kept.measured, kept.measured_for);
-        (self.contractions, self.renewal) = (kept.contractions, kept.renewal);
+        self.kept.clone_from(kept);
         Ok(())
     }
 }

@@ -11,7 +11,6 @@ const LOST: f64 = 1e6;
 /// Displacement in one correction, by the model's length, beyond which it is shortened: what is linear at its start turns by no more than a fifth
 /// of a radian.
 const FARTHEST: f64 = 0.1;
-/// Corrections with relieved stresses for one system.
 const MOST_RELIEVED: usize = 60;
 
 impl<S: RunScalar> Newton<'_, S> {
@@ -38,7 +37,7 @@ impl<S: RunScalar> Newton<'_, S> {
         let mut approach = || {
             for iteration in 1..=MOST_RELIEVED {
                 let fail = |how, correction| Err(Failure { how, iterations: iteration, correction });
-                self.factored = None;
+                self.kept.factored = None;
                 self.evaluate(stage, unknowns);
                 let size = self.residual_size();
                 if !size.is_finite() {
@@ -77,7 +76,7 @@ impl<S: RunScalar> Newton<'_, S> {
         let result = approach();
         self.trusted = trusted;
         self.jacobian.end_relief();
-        self.factored = None;
+        self.kept.factored = None;
         result
     }
 }

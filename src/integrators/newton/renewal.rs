@@ -12,7 +12,6 @@ const FIRST_STEPS: usize = 12;
 const TRIED: usize = 4;
 /// Steps until the other way is tried again, at first; twice as many each time that it is no better.
 const KEPT: usize = 40;
-/// Most of them.
 const MOST_KEPT: usize = 640;
 
 /// The choice between two ways to take a step: with the matrix that is there until corrections become slow, or with a new one at its start.
@@ -20,19 +19,14 @@ const MOST_KEPT: usize = 640;
 /// Both are tried in turn; the cheaper one by the counts of corrections and factorizations, which no clock changes, is kept for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Renewal {
-    /// Steps begin with a new matrix.
     pub renews: bool,
     /// The way that was better is known, and this one is tried.
     pub trying: bool,
-    /// Steps left until the way changes.
     pub left: usize,
-    /// Steps for which a better way is kept.
     pub kept_for: usize,
     /// Sum of the costs of the last steps on this way, which count, and their number.
     pub cost: f64,
-    /// See [`Renewal::cost`].
     pub steps: usize,
-    /// Cost of a step the other way.
     pub other: f64,
     /// Systems, corrections and factorizations of the step so far.
     pub step: [usize; 3],

@@ -38,7 +38,7 @@ impl<S: RunScalar> Newton<'_, S> {
 
     /// A correction of unknowns that is round-off in the system of stages, where that was measured.
     pub(in crate::integrators) fn measured_round_off(&self) -> f64 {
-        self.floors[2].map_or(0.0, |floor| floor.corrections[0])
+        self.kept.floors[2].map_or(0.0, |floor| floor.corrections[0])
     }
 
     /// Size of a correction of coordinates, of their values or of a derivative part, that is round-off alone; the residual is evaluated.
@@ -75,7 +75,7 @@ impl<S: RunScalar> Newton<'_, S> {
 }
 
 /// Which of the three kinds of systems that share a matrix it is.
-pub(super) fn kind(equations: &Equations) -> usize {
+pub(crate) fn kind(equations: &Equations) -> usize {
     match (equations.metric, equations.level) {
         (true, Level::Position) => 0,
         (true, _) => 1,

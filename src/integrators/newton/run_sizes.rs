@@ -21,7 +21,6 @@ impl RunSizes {
         }
     }
 
-    /// Takes note of a point that was reached.
     fn note<S: RunScalar>(&mut self, VectorsAvq { a, v, q }: &VectorsAvq<S>, scales: &[f64]) {
         self.0.resize(1 + S::PARTS, [0.0; 3]);
         for (place, sizes) in self.0.iter_mut().enumerate() {

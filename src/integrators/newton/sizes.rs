@@ -3,7 +3,7 @@
 use super::Newton;
 use crate::assembly::{Equations, Level, Model, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::lists::{largest_number, largest_scaled};
+use crate::integrators::lists::largest_scaled;
 use crate::scalar::larger;
 
 /// Correction beyond which nothing is round-off, as a displacement by the model's length.
@@ -58,7 +58,7 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Largest number of the residual evaluated last, or what is no number.
     pub(super) fn residual_size(&self) -> f64 {
         let Residual { f, g, .. } = &self.residual;
-        [f, g].into_iter().fold(0.0, |size: f64, list| larger(size, largest_number(list)))
+        f.iter().chain(g).fold(0.0, |size: f64, x| larger(size, x.value().abs()))
     }
 
     /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.

@@ -5,7 +5,7 @@ use super::failure::{Failure, FailureKind};
 use super::round_off::{Floor, kind};
 use super::sizes::NEAR;
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance};
-use crate::assembly::{Equations, Level, StageSystem, Unknowns};
+use crate::assembly::{Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
 
 /// What an equilibrium may leave for Newton's method to correct, as a displacement by the model's length, where round-off is less.
@@ -14,20 +14,19 @@ const BALANCED: f64 = 1e-11;
 const MOST_SEARCHES: usize = 3;
 
 impl<S: RunScalar> Newton<'_, S> {
-    /// Corrects the unknowns until they are accepted.
     pub(super) fn solve_value(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         let by_residual = self.tolerance == NewtonTolerance::Residual;
         let mut convergence = Convergence::new(by_residual);
         for iteration in 1..=MOST_ITERATIONS {
             self.evaluate(stage, unknowns);
             // of a residual that is no number the correction is none either
-            let mut verdict = if self.factored.is_none() || by_residual {
+            let mut verdict = if self.kept.factored.is_none() || by_residual {
                 convergence.judge_residual(self.residual_size())
             } else {
                 Verdict::GoOn
             };
             if verdict == Verdict::GoOn {
-                if self.factored.is_none() {
+                if self.kept.factored.is_none() {
                     self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, iteration))?;
                     convergence.begin_matrix();
                 }
@@ -41,10 +40,10 @@ impl<S: RunScalar> Newton<'_, S> {
                     return Ok(());
                 }
                 Verdict::GoOn => {}
-                Verdict::NewMatrix => self.factored = None,
+                Verdict::NewMatrix => self.kept.factored = None,
                 Verdict::Restart => {
                     unknowns.clone_from(&self.guess);
-                    self.factored = None;
+                    self.kept.factored = None;
                 }
                 // by whoever has the first guess
                 Verdict::Relieve(correction) => return fail(FailureKind::Diverged, correction),
@@ -55,7 +54,6 @@ impl<S: RunScalar> Newton<'_, S> {
         Err(Failure { how: FailureKind::Stagnated, iterations: MOST_ITERATIONS, correction })
     }
 
-    /// Makes a correction with the matrix that is there.
     fn correct(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Correction {
         self.counters.iterations += 1;
         self.counters.projecting.get_mut(kind(stage.equations)).into_iter().for_each(|count| *count += 1);
@@ -71,12 +69,12 @@ impl<S: RunScalar> Newton<'_, S> {
         match lesson {
             RateEstimate::Nothing => {}
             RateEstimate::Rates { is_aged } => {
-                self.contractions.note(kind, convergence.seen_rate());
+                self.kept.contractions.note(kind, convergence.seen_rate());
                 if is_aged {
-                    self.factored = None;
+                    self.kept.factored = None;
                 }
             }
-            RateEstimate::Floor(floor) => self.floors[kind] = Some(floor),
+            RateEstimate::Floor(floor) => self.kept.floors[kind] = Some(floor),
         }
     }
 
@@ -87,11 +85,11 @@ impl<S: RunScalar> Newton<'_, S> {
         let mut left = f64::NAN;
         for _ in 0..MOST_SEARCHES {
             self.solve_value(stage, unknowns)?;
-            self.factored = None;
+            self.kept.factored = None;
             self.evaluate(stage, unknowns);
             self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, 0))?;
             let floor = self.round_off(stage, unknowns);
-            self.floors[kind(equations)] = Some(floor);
+            self.kept.floors[kind(equations)] = Some(floor);
             self.rhs.copy_from_slice(&self.exact);
             self.factorization.solve(&mut self.rhs);
             self.counters.solves += 1;
@@ -105,24 +103,8 @@ impl<S: RunScalar> Newton<'_, S> {
         }
         Err(Failure { how: FailureKind::Unbalanced, iterations: MOST_SEARCHES, correction: left })
     }
-
-    /// Whether a search may leave this much of its unknowns, whose size is given, and this share of the reactions; these are asked for as
-    /// many digits as accelerations.
-    fn is_allowed(&self, equations: &Equations, left: f64, size: f64, reactions: f64) -> bool {
-        let Some([coordinates, velocities, projected]) = self.allowed else { return false };
-        let used = match (equations.metric, equations.level) {
-            (true, Level::Position) => left * equations.constraint.alpha.abs() / projected,
-            (true, _) => left * equations.constraint.beta.abs() / velocities,
-            (false, _) => {
-                let [of_coordinates, of_velocities] = [equations.residual.alpha, equations.residual.beta].map(f64::abs);
-                (left * of_coordinates / coordinates).max(left * of_velocities / velocities)
-            }
-        };
-        used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
-    }
 }
 
-/// A search amid its corrections.
 struct Searched<'s, 'm, S> {
     newton: &'s mut Newton<'m, S>,
     stage: StageSystem<'s, S>,
@@ -131,7 +113,7 @@ struct Searched<'s, 'm, S> {
 
 impl<S: RunScalar> Sizes for Searched<'_, '_, S> {
     fn expected_rate(&self) -> Option<f64> {
-        self.newton.contractions.expected(kind(self.stage.equations))
+        self.newton.kept.contractions.expected(kind(self.stage.equations))
     }
 
     fn has_stresses(&mut self) -> bool {
@@ -142,8 +124,20 @@ impl<S: RunScalar> Sizes for Searched<'_, '_, S> {
         self.newton.can_relieve(self.stage.equations)
     }
 
+    // reactions are asked for as many digits as accelerations
     fn allows(&self, left: f64, size: f64, reactions: f64) -> bool {
-        self.newton.is_allowed(self.stage.equations, left, size, reactions)
+        let (Some([coordinates, velocities, projected]), equations) = (self.newton.allowed, self.stage.equations) else {
+            return false;
+        };
+        let used = match (equations.metric, equations.level) {
+            (true, Level::Position) => left * equations.constraint.alpha.abs() / projected,
+            (true, _) => left * equations.constraint.beta.abs() / velocities,
+            (false, _) => {
+                let [of_coordinates, of_velocities] = [equations.residual.alpha, equations.residual.beta].map(f64::abs);
+                (left * of_coordinates / coordinates).max(left * of_velocities / velocities)
+            }
+        };
+        used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
     }
 
     fn displacement(&self, step: f64) -> f64 {
@@ -163,14 +157,14 @@ impl<S: RunScalar> Sizes for Searched<'_, '_, S> {
     }
 
     fn floor(&mut self) -> Floor {
-        self.newton.floors[kind(self.stage.equations)].unwrap_or_else(|| self.floor_here())
+        self.newton.kept.floors[kind(self.stage.equations)].unwrap_or_else(|| self.floor_here())
     }
 
     fn floor_here(&mut self) -> Floor {
         let Searched { newton, stage, unknowns } = self;
         newton.evaluate(*stage, unknowns);
         let floor = newton.round_off(*stage, unknowns);
-        *newton.floors[kind(stage.equations)].insert(floor)
+        *newton.kept.floors[kind(stage.equations)].insert(floor)
     }
 
     fn at_round_off(&mut self, step: f64, scale: f64) -> bool {

@@ -51,7 +51,6 @@ pub fn bdf(order: usize) -> Table {
     let starter = (order > 1)
         .then(|| Starter { table: Box::new(esdirk3().into_table().carrying(&carried, &update)), steps: order - 1 });
     Table {
-        variational: None,
         name: name.into(),
         order,
         stages: vec![Stage { c: 1.0, a, v, q, known: None }],
@@ -59,9 +58,8 @@ pub fn bdf(order: usize) -> Table {
         quadrature: Combination { carried: alpha.to_vec(), stages: vec![beta] },
         aggregate_weights: vec![beta],
         stiffly_accurate: true,
-        radius_at_infinity: 0.0,
-        embedded: None,
         starter,
         carried,
+        ..Table::default()
     }
 }

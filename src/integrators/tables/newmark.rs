@@ -49,8 +49,6 @@ pub fn generalized_alpha(name: &str, radius: f64) -> Table {
         aggregate_weights: vec![0.5, 0.5],
         stiffly_accurate: true,
         radius_at_infinity: radius,
-        embedded: None,
-        starter: None,
-        variational: None,
+        ..Table::default()
     }
 }

@@ -18,9 +18,6 @@ pub fn statics() -> Table {
         quadrature: Combination { carried: vec![1.0], stages: vec![1.0] },
         aggregate_weights: vec![1.0],
         stiffly_accurate: true,
-        radius_at_infinity: 0.0,
-        embedded: None,
-        starter: None,
-        variational: None,
+        ..Table::default()
     }
 }

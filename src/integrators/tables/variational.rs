@@ -2,7 +2,6 @@
 
 use crate::integrators::{Carried, Combination, Quadrature, Stage, Starter, Table};
 
-/// Name of the table.
 pub const NAME: &str = "variational";
 
 /// Place of the quadrature point of `variational` where none is given.
@@ -43,11 +42,8 @@ pub fn variational(name: &str, alpha: f64) -> Table {
             update: vec![combine(place(1.0), 1.0), output, combine(velocity(1.0), 1.0)],
             quadrature: Combination { carried: vec![1.0], stages: vec![1.0] },
             aggregate_weights: vec![1.0],
-            stiffly_accurate: false,
-            radius_at_infinity: 0.0,
-            embedded: None,
-            starter: None,
             variational: Some(Quadrature { alpha, first }),
+            ..Table::default()
         }
     };
     let starter = Starter { table: Box::new(of(true)), steps: 1 };

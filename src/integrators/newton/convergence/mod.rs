@@ -36,10 +36,8 @@ const LOST: f64 = 1e6;
 /// Residual, and its share of the first one, at which [`NewtonTolerance::Residual`](super::NewtonTolerance) is content.
 const RESIDUAL: [f64; 2] = [1e-12, 1e-9];
 
-/// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// The unknowns are accepted.
     Converged(RateEstimate),
     /// Another correction with the same matrix.
     GoOn,
@@ -56,11 +54,11 @@ pub(super) enum Verdict {
 /// What a search that has ended tells of later ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum RateEstimate {
-    /// Nothing.
     Nothing,
     /// The rates that were seen are those of the matrix; whether it has become too old for another system.
-    Rates { is_aged: bool },
-    /// Corrections of this size are round-off.
+    Rates {
+        is_aged: bool,
+    },
     Floor(Floor),
 }
 
@@ -77,7 +75,6 @@ pub(super) struct Correction {
 pub(super) trait Sizes {
     /// The share of a first correction that the second one is expected to have at most.
     fn expected_rate(&self) -> Option<f64>;
-    /// Whether elements have stresses that can be relieved.
     fn has_stresses(&mut self) -> bool;
     /// Whether they can be in a search for these unknowns.
     fn can_relieve(&mut self) -> bool;
@@ -87,26 +84,21 @@ pub(super) trait Sizes {
     fn displacement(&self, step: f64) -> f64;
     /// Of a projection: what a correction moves the projected state by, as a share of it.
     fn moved(&self, step: f64) -> Option<f64>;
-    /// Whether a correction is zero in the scales of the model.
     fn is_nothing(&self, step: f64) -> bool;
     /// The same of multipliers.
     fn is_no_reaction(&mut self, reaction_step: f64, step: f64) -> bool;
     /// Corrections that are round-off, as they were measured last; measured here where they never were.
     fn floor(&mut self) -> Floor;
-    /// The same, measured here.
     fn floor_here(&mut self) -> Floor;
     /// Whether a correction that shrinks no more is what round-off of the residual leaves.
     fn at_round_off(&mut self, step: f64, scale: f64) -> bool;
 }
 
-/// The corrections of one search so far.
 #[derive(Default)]
 pub(super) struct Convergence {
-    /// Whether a small residual ends the search.
     by_residual: bool,
     first_residual: Option<f64>,
     iterations: usize,
-    /// A matrix was factored in this search.
     fresh: bool,
     /// Corrections of this search with the matrix that is there.
     with_matrix: usize,
@@ -117,9 +109,7 @@ pub(super) struct Convergence {
     comparable: bool,
     worst_rate: f64,
     worst_reaction_rate: f64,
-    /// More than one correction has been seen.
     has_rate: bool,
-    /// Corrections in a row that grew.
     growth: usize,
 }
 
@@ -144,7 +134,6 @@ impl Convergence {
         (self.worst_rate > 0.0).then_some(self.worst_rate)
     }
 
-    /// The last correction; infinite before.
     pub fn last(&self) -> f64 {
         self.previous.unwrap_or(f64::INFINITY)
     }
@@ -154,7 +143,6 @@ impl Convergence {
         (self.fresh, self.with_matrix) = (true, 0);
     }
 
-    /// Judges the residual before a correction.
     pub fn judge_residual(&mut self, size: f64) -> Verdict {
         if !size.is_finite() {
             return Verdict::Fail(FailureKind::NotFinite, size);
@@ -164,7 +152,6 @@ impl Convergence {
         if is_small { Verdict::Converged(RateEstimate::Nothing) } else { Verdict::GoOn }
     }
 
-    /// Judges a correction that was made.
     pub fn judge(&mut self, new: Correction, sizes: &mut impl Sizes) -> Verdict {
         self.iterations += 1;
         self.with_matrix += 1;

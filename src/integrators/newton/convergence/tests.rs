@@ -1,4 +1,4 @@
-//! The judgement by itself: series of corrections, some as searches have made them, and no equations.
+//! The judgement by itself: series of corrections, and no equations.
 
 use super::*;
 
@@ -9,8 +9,6 @@ struct MadeUp {
     has_stresses: bool,
     allowed: f64,
     floor: Floor,
-    /// Displacement, by the length of the model, for a correction of 1.
-    moves: f64,
     /// What [`Sizes::at_round_off`] says.
     at_round_off: bool,
     measured: usize,
@@ -22,7 +20,6 @@ const SILENT: MadeUp = MadeUp {
     has_stresses: false,
     allowed: 0.0,
     floor: Floor { corrections: [0.0; 2], unknowns: [1.0; 2] },
-    moves: 1.0,
     at_round_off: false,
     measured: 0,
 };
@@ -41,7 +38,7 @@ impl Sizes for MadeUp {
         left <= self.allowed
     }
     fn displacement(&self, step: f64) -> f64 {
-        step * self.moves
+        step
     }
     fn moved(&self, _step: f64) -> Option<f64> {
         None
@@ -71,17 +68,13 @@ fn correction(step: f64) -> Correction {
 }
 
 /// Verdicts on a series until one ends the search; a matrix is factored where one is asked for, and at first if `fresh`.
-fn verdicts(series: &[f64], fresh: bool, system: MadeUp) -> Vec<Verdict> {
-    judged(series.iter().map(|&step| correction(step)), fresh, system)
-}
-
-fn judged(series: impl Iterator<Item = Correction>, fresh: bool, mut system: MadeUp) -> Vec<Verdict> {
+fn verdicts(series: &[f64], fresh: bool, mut system: MadeUp) -> Vec<Verdict> {
     let (mut convergence, mut wanted, mut verdicts) = (Convergence::default(), fresh, Vec::new());
-    for new in series {
+    for &step in series {
         if wanted {
             convergence.begin_matrix();
         }
-        let verdict = convergence.judge(new, &mut system);
+        let verdict = convergence.judge(correction(step), &mut system);
         verdicts.push(verdict);
         wanted = matches!(verdict, Verdict::NewMatrix | Verdict::Restart);
         if matches!(verdict, Verdict::Converged(_) | Verdict::Relieve(_) | Verdict::Fail(..)) {
@@ -208,59 +201,4 @@ fn a_small_residual_ends_the_search_where_it_is_asked_for() {
         assert_eq!(convergence.judge_residual(1e-6), last, "1e-9 of the first one");
         assert_eq!(Convergence::new(by_residual).judge_residual(1e-12), last);
     }
-}
-
-/// A search of a run as it was written down: corrections, unknowns, corrections of multipliers, multipliers.
-fn recorded<const N: usize>(series: [[f64; 4]; N]) -> impl Iterator<Item = Correction> {
-    series.into_iter().map(|[step, scale, reaction_step, reactions]| Correction { step, scale, reaction_step, reactions })
-}
-
-/// Round-off that was measured in such a run, where a correction moves a hundredth of its number.
-fn with_floor(corrections: [f64; 2], unknowns: [f64; 2]) -> MadeUp {
-    MadeUp { floor: Floor { corrections, unknowns }, moves: 1e-2, ..SILENT }
-}
-
-#[test]
-fn a_recorded_search_that_diverged() {
-    // a stage of the double pendulum in twenty times its steps: an old matrix, then five new ones
-    let series = [
-        [9.6657e2, 8.5186e2, 5.0114e2, 3.6730e2],
-        [1.1113e3, 1.6562e3, 6.7136e2, 4.4623e2],
-        [2.1510e3, 1.7654e3, 9.9216e3, 1.0258e4],
-        [8.5053e3, 8.3515e3, 8.3092e3, 6.5535e3],
-        [2.2294e4, 1.9844e4, 4.4467e4, 4.1634e4],
-        [1.7095e5, 1.6503e5, 2.7663e5, 2.9685e5],
-        [1.2228e6, 1.1521e6, 2.3323e6, 2.0776e6],
-    ];
-    let seen = judged(recorded(series), false, with_floor([5.0e-13, 5.5e-13], [199.3, 139.1]));
-    assert_eq!(seen[0], Verdict::GoOn);
-    assert_eq!(seen[1..6], [Verdict::NewMatrix; 5]);
-    assert_eq!(seen[6..], [Verdict::Fail(FailureKind::Diverged, 1.2228e6 / 1.1521e6)]);
-}
-
-#[test]
-fn a_recorded_search_that_an_old_matrix_led_astray() {
-    // a stage of the flexible pendulum in forty times its steps: begun anew it took seven corrections
-    let series = [
-        [2.4882e2, 2.0069e2, 1.9719e1, 4.8283e1],
-        [5.8043e2, 5.4978e2, 2.1441e1, 3.4735e1],
-        [3.8120e1, 5.1508e1, 8.7796e0, 3.7343e1],
-        [5.3901e0, 4.9880e1, 4.9647e-1, 3.7714e1],
-        [3.1344e0, 4.8551e1, 1.1800e-1, 3.7832e1],
-        [7.2736e-3, 4.8551e1, 9.8474e-4, 3.7833e1],
-        [4.7335e-7, 4.8551e1, 1.9847e-8, 3.7833e1],
-        [3.9116e-11, 4.8551e1, 1.7132e-12, 3.7833e1],
-        [4.6330e-13, 4.8551e1, 3.9726e-14, 3.7833e1],
-    ];
-    let system = with_floor([7.3454e-13, 8.9195e-14], [48.55, 37.83]);
-    let (on, new) = (Verdict::GoOn, Verdict::NewMatrix);
-    assert_eq!(judged(recorded(series), false, system), [on, Verdict::Restart, on, new, new, on, on, on, CONVERGED]);
-}
-
-#[test]
-fn a_recorded_search_that_stresses_stiffened() {
-    // a third of the load of the right-angle cantilever at once
-    let series = [[1.6667e1, 1.6667e1, 0.0, 0.0], [5.6678e5, 5.6677e5, 0.0, 0.0]];
-    let seen = judged(recorded(series), true, MadeUp { has_stresses: true, ..SILENT });
-    assert_eq!(seen, [Verdict::GoOn, Verdict::Relieve(5.6678e5 / 5.6677e5)]);
 }
