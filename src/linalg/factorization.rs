@@ -451,10 +451,10 @@ impl Factorization {
             self.solver.solve_transposed(correction);
             unsettled = None;
             for (x, change) in x.chunks_exact_mut(n).zip(correction.chunks_exact(n)) {
-                let [size, moved] = dispatch(Correction { x, change });
-                let most = (SETTLED * size).max(NOTHING);
+                x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
+                let most = (SETTLED * largest(x)).max(NOTHING);
                 // what is no number comes with the right-hand side
-                if moved > most {
+                if largest(change) > most {
                     unsettled = unsettled.or(change.iter().position(|change| change.abs() > most));
                 }
             }
@@ -625,37 +625,6 @@ impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W>
             }
         }
         worst
-    }
-}
-
-/// x += change; gives the largest absolute values of both, not counting what is no number.
-struct Correction<'f> {
-    x: &'f mut [f64],
-    change: &'f [f64],
-}
-
-impl Kernel for Correction<'_> {
-    type Output = [f64; 2];
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) -> [f64; 2] {
-        const BLOCK: usize = 8;
-        let larger = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
-        let [mut of_x, mut of_change] = [[0.0; BLOCK]; 2];
-        let (blocks, last) = self.x.as_chunks_mut::<BLOCK>();
-        let (changes, last_changes) = self.change.as_chunks::<BLOCK>();
-        for (x, change) in blocks.iter_mut().zip(changes) {
-            for i in 0..BLOCK {
-                x[i] += change[i];
-                of_x[i] = larger(of_x[i], x[i]);
-                of_change[i] = larger(of_change[i], change[i]);
-            }
-        }
-        for (x, change) in last.iter_mut().zip(last_changes) {
-            *x += change;
-            of_x[0] = larger(of_x[0], *x);
-            of_change[0] = larger(of_change[0], *change);
-        }
-        [of_x, of_change].map(|all| all.into_iter().fold(0.0, larger))
     }
 }
 
