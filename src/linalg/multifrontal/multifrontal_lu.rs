@@ -146,7 +146,7 @@ impl LinearSolver for MultifrontalLu {
         assert_eq!(values.len(), self.symbolic.pattern_entries, "values and entries of the pattern");
         match &mut self.work {
             Work::Alone(traversal, threads) => {
-                traversal.factor(&self.symbolic, values, &mut self.factors)?;
+                traversal.factor(&self.symbolic, values, self.factors.part(&self.symbolic))?;
                 threads.iter_mut().for_each(|threads| threads.set_delayed(&self.symbolic, &mut self.factors));
                 Ok(())
             }
