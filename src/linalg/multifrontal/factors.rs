@@ -77,12 +77,18 @@ pub struct FrontStorage<'f> {
     pub columns: &'f mut [u32],
 }
 
+/// Where the factors of a front, and of all behind it, begin among those of all.
+#[derive(Clone, Copy, Default)]
+struct Start {
+    front: usize,
+    place: usize,
+    value: usize,
+    small: usize,
+}
+
 /// The factors of fronts that follow each other.
 pub struct Part<'f> {
-    first_front: usize,
-    first_place: usize,
-    first_value: usize,
-    first_small: usize,
+    start: Start,
     values: &'f mut [f64],
     small: &'f mut [f64],
     rows: &'f mut [u32],
@@ -106,10 +112,7 @@ impl Factors {
             };
         }
         Part {
-            first_front: 0,
-            first_place: 0,
-            first_value: 0,
-            first_small: 0,
+            start: Start::default(),
             values: &mut self.values,
             small: &mut self.small,
             rows: &mut self.rows,
@@ -216,24 +219,18 @@ impl<'f> Part<'f> {
     /// The fronts before one of them, and the others.
     #[inline]
     pub fn split_at(self, symbolic: &Symbolic, front: usize) -> (Part<'f>, Part<'f>) {
-        let (place, value, small) = symbolic.fronts.get(front).map_or_else(
-            || {
-                let small = self.first_small + self.small.len();
-                (self.first_place + self.rows.len(), self.first_value + self.values.len(), small)
-            },
-            |front| (front.first, front.factors, front.small),
-        );
-        let (values, later_values) = self.values.split_at_mut(value - self.first_value);
-        let (smalls, later_smalls) = self.small.split_at_mut(small - self.first_small);
-        let (rows, later_rows) = self.rows.split_at_mut(place - self.first_place);
-        let (columns, later_columns) = self.columns.split_at_mut(place - self.first_place);
-        let (outcomes, later_outcomes) = self.outcomes.split_at_mut(front - self.first_front);
+        let Start { place, value, small, .. } = self.start;
+        let end = || (place + self.rows.len(), value + self.values.len(), small + self.small.len());
+        let planned = symbolic.fronts.get(front);
+        let (place, value, small) = planned.map_or_else(end, |planned| (planned.first, planned.factors, planned.small));
+        let (values, later_values) = self.values.split_at_mut(value - self.start.value);
+        let (smalls, later_smalls) = self.small.split_at_mut(small - self.start.small);
+        let (rows, later_rows) = self.rows.split_at_mut(place - self.start.place);
+        let (columns, later_columns) = self.columns.split_at_mut(place - self.start.place);
+        let (outcomes, later_outcomes) = self.outcomes.split_at_mut(front - self.start.front);
         let before = Part { values, small: smalls, rows, columns, outcomes, ..self };
         let after = Part {
-            first_front: front,
-            first_place: place,
-            first_value: value,
-            first_small: small,
+            start: Start { front, place, value, small },
             values: later_values,
             small: later_smalls,
             rows: later_rows,
@@ -246,29 +243,20 @@ impl<'f> Part<'f> {
     /// The same for a shorter time.
     #[inline]
     pub fn reborrow(&mut self) -> Part<'_> {
-        Part {
-            first_front: self.first_front,
-            first_place: self.first_place,
-            first_value: self.first_value,
-            first_small: self.first_small,
-            values: self.values,
-            small: self.small,
-            rows: self.rows,
-            columns: self.columns,
-            outcomes: self.outcomes,
-        }
+        let Part { start, values, small, rows, columns, outcomes } = self;
+        Part { start: *start, values, small, rows, columns, outcomes }
     }
 
     /// Places of the rows and of the columns of a front whose pivots are delayed.
     #[inline]
     pub fn delayed(&self, symbolic: &Symbolic, front: usize) -> [&[u32]; 2] {
-        let outcome = &self.outcomes[front - self.first_front];
+        let outcome = &self.outcomes[front - self.start.front];
         match (outcome.form, &outcome.grown) {
             (Form::Small | Form::SmallExchanged, _) => [&[]; 2],
             (Form::Grown, Some(grown)) => [&grown.rows[outcome.eliminated..], &grown.columns[outcome.eliminated..]],
             _ => {
                 let planned = &symbolic.fronts[front];
-                let first = planned.first - self.first_place;
+                let first = planned.first - self.start.place;
                 [&*self.rows, &*self.columns].map(|list| &list[first..first + planned.pivots][outcome.eliminated..])
             }
         }
@@ -278,15 +266,15 @@ impl<'f> Part<'f> {
     #[inline]
     pub fn prepare_small(&mut self, symbolic: &Symbolic, front: usize) -> (&mut [f64], &mut [u32]) {
         let planned = &symbolic.fronts[front];
-        let first = planned.first - self.first_place;
-        let values = &mut self.small[planned.small - self.first_small..][..planned.small_storage()];
+        let first = planned.first - self.start.place;
+        let values = &mut self.small[planned.small - self.start.small..][..planned.small_storage()];
         (values, &mut self.rows[first..first + planned.pivots])
     }
 
     /// Notes how the elimination of a small front ended; returns whether it is done.
     #[inline]
     pub fn set_small(&mut self, symbolic: &Symbolic, front: usize, elimination: Elimination) -> bool {
-        let outcome = &mut self.outcomes[front - self.first_front];
+        let outcome = &mut self.outcomes[front - self.start.front];
         outcome.form = match elimination {
             Elimination::InOrder => Form::Small,
             Elimination::Exchanged => Form::SmallExchanged,
@@ -300,12 +288,12 @@ impl<'f> Part<'f> {
     /// those of its own pivots.
     pub fn prepare(&mut self, symbolic: &Symbolic, front: usize, delayed: usize) -> FrontStorage<'_> {
         let planned = &symbolic.fronts[front];
-        let outcome = &mut self.outcomes[front - self.first_front];
-        let first = planned.first - self.first_place;
+        let outcome = &mut self.outcomes[front - self.start.front];
+        let first = planned.first - self.start.place;
         let places = first..first + planned.pivots;
         let (values, rows, columns) = if delayed == 0 && !planned.is_small() {
             outcome.form = Form::Planned;
-            let values = &mut self.values[planned.factors - self.first_value..][..planned.storage()];
+            let values = &mut self.values[planned.factors - self.start.value..][..planned.storage()];
             values.fill(0.0);
             (values, &mut self.rows[places.clone()], &mut self.columns[places])
         } else {
@@ -328,6 +316,6 @@ impl<'f> Part<'f> {
 
     /// Notes how many pivots a front has.
     pub fn set_eliminated(&mut self, front: usize, eliminated: usize) {
-        self.outcomes[front - self.first_front].eliminated = eliminated;
+        self.outcomes[front - self.start.front].eliminated = eliminated;
     }
 }
