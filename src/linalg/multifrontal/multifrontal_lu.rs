@@ -8,7 +8,7 @@ use super::inertia::{Inertia, shifted_inertia};
 use super::known_signs::known_signs;
 use super::rank_share::RankShare;
 use super::stretches::Stretches;
-use super::substitution::{Side, Substitution};
+use super::substitution::{BLOCK, Side, Substitution};
 use super::symbolic::{Analysis, SMALL_FILL, Symbolic};
 use super::thread_solution::ThreadSolution;
 use super::traversal::Traversal;
@@ -109,10 +109,15 @@ impl MultifrontalLu {
 
     fn solve_side(&mut self, side: Side, rhs: &mut [f64]) {
         let MultifrontalLu { symbolic, work, factors, substitution, .. } = self;
-        match work {
-            Work::Alone(_, Some(threads)) => threads.solve(symbolic, factors, side, rhs),
-            Work::Alone(_, None) => substitution.solve(symbolic, factors, side, rhs),
-            Work::Shared(share) => share.solve(symbolic, factors, substitution, side, rhs),
+        if side == Side::Transposed {
+            factors.transpose(symbolic);
+        }
+        for rhs in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
+            match work {
+                Work::Alone(_, Some(threads)) => threads.solve(symbolic, factors, side, rhs),
+                Work::Alone(_, None) => substitution.solve(symbolic, factors, side, rhs),
+                Work::Shared(share) => share.solve(symbolic, factors, substitution, side, rhs),
+            }
         }
     }
 

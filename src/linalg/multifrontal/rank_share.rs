@@ -11,7 +11,7 @@ use super::pivots::PANEL;
 use super::shared_front::{ColumnDistribution, Columns, Inbox, RankGroup, SharedFront};
 use super::stretch_solution::{Delayed, StretchSolution, delayed, end_out_of_step};
 use super::stretches::Stretches;
-use super::substitution::{BLOCK, Side, Substitution};
+use super::substitution::{Side, Substitution};
 use super::symbolic::Symbolic;
 use super::traversal::Traversal;
 use crate::exchange::{Exchange, digest};
@@ -179,24 +179,19 @@ impl RankShare {
         Ok(())
     }
 
-    /// Replaces right-hand sides, column by column, by solutions.
+    /// Replaces a block of right-hand sides, column by column, by solutions.
     pub fn solve(
         &mut self,
         symbolic: &Symbolic,
-        factors: &mut Factors,
+        factors: &Factors,
         substitution: &mut Substitution,
         side: Side,
         rhs: &mut [f64],
     ) {
-        if side == Side::Transposed {
-            factors.transpose(symbolic);
-        }
-        for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            self.solution.forward(self.mail.exchange, (symbolic, factors), substitution, side, block);
-            self.solution.backward(self.mail.exchange, (symbolic, factors), substitution, side);
-            self.gather(symbolic, substitution, block);
-            substitution.store(symbolic, block);
-        }
+        self.solution.forward(self.mail.exchange, (symbolic, factors), substitution, side, rhs);
+        self.solution.backward(self.mail.exchange, (symbolic, factors), substitution, side);
+        self.gather(symbolic, substitution, rhs);
+        substitution.store(symbolic, rhs, 0..symbolic.size);
     }
 
     /// Brings the unknowns of all ranks together, and compares what they were asked for.

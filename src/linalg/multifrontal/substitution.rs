@@ -56,18 +56,13 @@ impl Substitution {
         self.solution.chunks_exact_mut(stride(symbolic))
     }
 
-    /// Replaces right-hand sides, column by column, by solutions.
-    pub fn solve(&mut self, symbolic: &Symbolic, factors: &mut Factors, side: Side, rhs: &mut [f64]) {
-        if side == Side::Transposed {
-            factors.transpose(symbolic);
-        }
-        for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            self.load(symbolic, block);
-            let all = 0..symbolic.fronts.len();
-            self.forward(symbolic, factors, side, all.clone());
-            self.backward(symbolic, factors, side, all);
-            self.store(symbolic, block);
-        }
+    /// Replaces up to [`BLOCK`] right-hand sides, column by column, by solutions.
+    pub fn solve(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, rhs: &mut [f64]) {
+        self.load(symbolic, rhs);
+        let all = 0..symbolic.fronts.len();
+        self.forward(symbolic, factors, side, all.clone());
+        self.backward(symbolic, factors, side, all);
+        self.store(symbolic, rhs, 0..symbolic.size);
     }
 
     /// Memory for as many vectors as right-hand sides.
@@ -82,17 +77,8 @@ impl Substitution {
         }
     }
 
-    /// Gives solutions out at some places.
-    pub fn store_some(&self, symbolic: &Symbolic, rhs: &mut [f64], places: Range<usize>) {
-        let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
-        for (solution, rhs) in columns {
-            let own = solution[places.clone()].iter().zip(&symbolic.order[places.clone()]);
-            own.for_each(|(own, &unknown)| rhs[unknown as usize] = *own);
-        }
-    }
-
     /// Takes right-hand sides over.
-    pub fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+    fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
         let size = symbolic.size.max(1);
         self.make_room(symbolic, rhs);
         let columns = self.residual.chunks_exact_mut(stride(symbolic)).zip(rhs.chunks_exact(size));
@@ -104,11 +90,11 @@ impl Substitution {
         }
     }
 
-    /// Gives solutions out.
-    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
+    /// Gives solutions out at some places.
+    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64], places: Range<usize>) {
         let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
         for (solution, rhs) in columns {
-            for (own, &unknown) in solution.iter().zip(&symbolic.order) {
+            for (own, &unknown) in solution[places.clone()].iter().zip(&symbolic.order[places.clone()]) {
                 // SAFETY: as above.
                 unsafe { *rhs.get_unchecked_mut(unknown as usize) = *own };
             }
