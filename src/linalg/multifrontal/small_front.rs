@@ -6,10 +6,9 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::entries::EntryBlock;
 use super::front::Contribution;
 use super::pivots::{PIVOT_SHARE, TINY_PIVOT};
-use super::symbolic::{Front, Run, Symbolic};
+use super::symbolic::{Front, Symbolic};
 use crate::linalg::vectors::{Instructions, Vector, VectorKernel};
 
 /// Most rows of a small front.
@@ -233,11 +232,21 @@ impl SmallFront<'_> {
                 store([I::Four::splat(zero); CHUNKS], all.add(column * stride));
             }
             for block in &symbolic.entries[front.entries.clone()] {
-                add_entries(block, values, all, stride);
+                let (row, column) = (block.row as usize, block.column as usize);
+                let from = values.as_ptr().add(block.source as usize);
+                let size = [block.height as usize, block.width as usize];
+                put::<false>((from, block.stride as usize), (all.add(row + column * stride), stride), size);
             }
             for child in children {
-                let from = &symbolic.fronts[child.front];
-                extend(&symbolic.extensions[from.extensions.clone()], child.values, from.others(), all, stride);
+                let below = &symbolic.fronts[child.front];
+                let (runs, order) = (&symbolic.extensions[below.extensions.clone()], below.others());
+                for columns in runs {
+                    for rows in runs {
+                        let from = child.values.as_ptr().add(rows.from as usize + columns.from as usize * order);
+                        let to = all.add(rows.to as usize + columns.to as usize * stride);
+                        put::<true>((from, order), (to, stride), [rows.length as usize, columns.length as usize]);
+                    }
+                }
             }
         }
         let mut inverses = [0.0; SMALL_FRONT];
@@ -439,80 +448,46 @@ fn other_pivot(column: &[f64], rows: std::ops::Range<usize>, is_last: bool) -> O
     is_enough.then_some(best)
 }
 
-/// Writes entries of the matrix to their places.
+/// Writes a block to columns of `stride` numbers, or adds it to what stands there.
 ///
 /// # Safety
-/// The block lies in the values and in the columns, `stride` numbers each.
+/// The block, whose columns are `step` numbers apart, lies in what it is read from and in the columns.
 #[inline(always)]
-unsafe fn add_entries(block: &EntryBlock, values: &[f64], columns: *mut f64, stride: usize) {
+unsafe fn put<const ADDED: bool>(
+    (source, step): (*const f64, usize),
+    (target, stride): (*mut f64, usize),
+    [height, width]: [usize; 2],
+) {
     #[inline(always)]
-    unsafe fn of<const H: usize>(source: *const f64, step: usize, target: *mut f64, stride: usize, width: usize) {
-        for column in 0..width {
-            // SAFETY: promised by the caller.
-            unsafe { *target.add(column * stride).cast::<[f64; H]>() = *source.add(column * step).cast::<[f64; H]>() };
-        }
-    }
-    let EntryBlock { source, stride: step, row, column, height, width } = *block;
-    let (step, width, height) = (step as usize, width as usize, height as usize);
-    debug_assert!(source as usize + (width - 1) * step + height <= values.len());
-    // SAFETY: promised by the caller.
-    unsafe {
-        let (source, target) = (values.as_ptr().add(source as usize), columns.add(row as usize + column as usize * stride));
-        match height {
-            1 => of::<1>(source, step, target, stride, width),
-            2 => of::<2>(source, step, target, stride, width),
-            3 => of::<3>(source, step, target, stride, width),
-            6 => of::<6>(source, step, target, stride, width),
-            12 => of::<12>(source, step, target, stride, width),
-            _ => {
-                for column in 0..width {
-                    for row in 0..height {
-                        *target.add(row + column * stride) = *source.add(row + column * step);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Adds a contribution of some rows.
-///
-/// # Safety
-/// The runs lie in the contribution and in the columns, `stride` numbers each.
-#[inline(always)]
-unsafe fn extend(runs: &[Run], contribution: &[f64], size: usize, columns: *mut f64, stride: usize) {
-    #[inline(always)]
-    unsafe fn of<const H: usize>(source: *const f64, step: usize, target: *mut f64, stride: usize, width: usize) {
+    unsafe fn of<const ADDED: bool, const H: usize>(
+        (source, step): (*const f64, usize),
+        (target, stride): (*mut f64, usize),
+        width: usize,
+    ) {
         for column in 0..width {
             // SAFETY: promised by the caller.
             let (source, target) = unsafe {
                 (&*source.add(column * step).cast::<[f64; H]>(), &mut *target.add(column * stride).cast::<[f64; H]>())
             };
             for row in 0..H {
-                target[row] += source[row];
+                target[row] = if ADDED { target[row] + source[row] } else { source[row] };
             }
         }
     }
-    debug_assert!(contribution.len() >= size * size);
-    for columns_of in runs {
-        let (from, to, width) = (columns_of.from as usize, columns_of.to as usize, columns_of.length as usize);
-        for rows in runs {
-            // SAFETY: promised by the caller.
-            unsafe {
-                let source = contribution.as_ptr().add(from * size + rows.from as usize);
-                let target = columns.add(to * stride + rows.to as usize);
-                match rows.length {
-                    1 => of::<1>(source, size, target, stride, width),
-                    2 => of::<2>(source, size, target, stride, width),
-                    3 => of::<3>(source, size, target, stride, width),
-                    6 => of::<6>(source, size, target, stride, width),
-                    12 => of::<12>(source, size, target, stride, width),
-                    length => {
-                        for column in 0..width {
-                            for row in 0..length as usize {
-                                *target.add(row + column * stride) += *source.add(row + column * size);
-                            }
-                        }
+    let (from, to) = ((source, step), (target, stride));
+    // SAFETY: promised by the caller.
+    unsafe {
+        match height {
+            1 => of::<ADDED, 1>(from, to, width),
+            2 => of::<ADDED, 2>(from, to, width),
+            3 => of::<ADDED, 3>(from, to, width),
+            6 => of::<ADDED, 6>(from, to, width),
+            12 => of::<ADDED, 12>(from, to, width),
+            _ => {
+                for column in 0..width {
+                    for row in 0..height {
+                        let (source, target) = (source.add(row + column * step), target.add(row + column * stride));
+                        *target = if ADDED { *target + *source } else { *source };
                     }
                 }
             }
