@@ -14,9 +14,10 @@
 
 use super::kernels::subtract_product;
 use super::matrix_view::{MatrixView, MatrixViewMut};
-use super::pivots::TINY_PIVOT;
+use super::pivots::{PANEL, TINY_PIVOT};
 use super::product::Target;
 use super::symbolic::{Front, Run, Symbolic};
+use std::ops::Range;
 
 /// Numbers of eigenvalues by their signs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,8 +42,6 @@ pub struct Count {
 const SHARE: f64 = 0.1;
 /// Share of the square beside the diagonal which the product on the diagonal of two rows may have: that of Bunch & Kaufman (1977), ((1 + sqrt 17) / 8)^2.
 const SAFELY: f64 = 0.41;
-/// Columns that are eliminated before the rest of the front is changed.
-const PANEL: usize = 32;
 
 /// What a front leaves to the one above: a square matrix, the rows of delayed pivots first.
 #[derive(Default)]
@@ -247,7 +246,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// Eliminates columns with pivots among themselves; returns the end of the pivots.
-    fn eliminate_panel(&mut self, columns: std::ops::Range<usize>, inertia: &mut Inertia) -> usize {
+    fn eliminate_panel(&mut self, columns: Range<usize>, inertia: &mut Inertia) -> usize {
         let mut next = columns.start;
         while next < columns.end {
             let Some((first, second)) = self.find_pivot(next..columns.end) else { break };
@@ -280,7 +279,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// One column, or two, whose pivots are large enough beside the rest of them.
-    fn find_pivot(&self, columns: std::ops::Range<usize>) -> Option<(usize, Option<usize>)> {
+    fn find_pivot(&self, columns: Range<usize>) -> Option<(usize, Option<usize>)> {
         let start = columns.start;
         let largest = |column: usize, without: [usize; 2]| {
             let entries = self.column(column).iter().enumerate().skip(start);
@@ -361,7 +360,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// D L^T of some pivots and rows.
-    fn upper(&self, pivots: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Vec<f64> {
+    fn upper(&self, pivots: Range<usize>, rows: Range<usize>) -> Vec<f64> {
         let count = pivots.len();
         let mut upper = vec![0.0; count * rows.len()];
         for (place, pivot) in pivots.enumerate() {
@@ -382,7 +381,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// Subtracts pivots from the columns from `from` on.
-    fn subtract(&mut self, pivots: std::ops::Range<usize>, from: usize) {
+    fn subtract(&mut self, pivots: Range<usize>, from: usize) {
         if pivots.is_empty() || from == self.summed {
             return;
         }
