@@ -5,7 +5,7 @@
 
 use super::entries::EntryBlock;
 use super::factors::{FrontStorage, Part};
-use super::kernels::{solve_unit_lower, subtract_product};
+use super::kernels::{ColumnThreads, solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
 use super::product::Target;
@@ -134,30 +134,47 @@ pub fn factor_front(
     if found < summed && front.is_last() {
         return Err(Singular { unknown: symbolic.order[columns[found] as usize] as usize });
     }
-    for column in upper.chunks_exact_mut(summed.max(1)) {
-        exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
-    }
-    let lower = MatrixView::new(&*lower, size, summed);
-    let (mut upper, upper_delayed) = MatrixViewMut::new(upper, summed, others).split_rows(found);
-    solve_unit_lower(lower.block(0..found, 0..found), upper.reborrow(), threads);
-
-    let left = summed - found;
-    let order = left + others;
+    let order = size - found;
     let contribution = &mut output.space(order * order)[..order * order];
-    let (mut delayed, matrix) = MatrixViewMut::new(&mut *contribution, order, order).split_columns(left);
-    delayed.copy_from(lower.block(found..size, found..summed));
-    let (mut top, bottom) = matrix.split_rows(left);
-    if left > 0 {
-        top.copy_from(upper_delayed.as_view());
-        subtract_product(top, Target::Reduced, lower.block(found..summed, 0..found), upper.as_view(), threads);
-    }
-    subtract_product(bottom, Target::Replaced, lower.block(summed..size, 0..found), upper.as_view(), threads);
+    reduce_others(lower, upper, [size, summed, found], exchanges, contribution, threads.into());
     for (_, _, later, source) in extensions() {
         let region = Region { rows: later, columns: later, values: contribution, length: order, first: (found, found) };
         dispatch(Extend { source, regions: [region] });
     }
     part.set_eliminated(number, found);
     Ok(())
+}
+
+/// Solves and reduces some of the other columns with all pivots, after exchanges of rows: U, and columns of the contribution, before which those
+/// of delayed pivots stand where there is room for them.
+///
+/// * `[size, summed, found]` rows of the front, those whose pivots are looked for, and those that have one
+pub fn reduce_others(
+    lower: &[f64],
+    upper: &mut [f64],
+    [size, summed, found]: [usize; 3],
+    exchanges: &[(u32, u32)],
+    contribution: &mut [f64],
+    workers: ColumnThreads,
+) {
+    let (own, left, order) = (upper.len() / summed.max(1), summed - found, size - found);
+    for column in upper.chunks_exact_mut(summed.max(1)) {
+        exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
+    }
+    let lower = MatrixView::new(lower, size, summed);
+    let (mut known, unknown) = MatrixViewMut::new(upper, summed, own).split_rows(found);
+    solve_unit_lower(lower.block(0..found, 0..found), known.reborrow(), workers);
+    let width = contribution.len() / order.max(1);
+    let (mut late, matrix) = MatrixViewMut::new(contribution, order, width).split_columns(width - own);
+    if width > own {
+        late.copy_from(lower.block(found..size, found..summed));
+    }
+    let (mut top, bottom) = matrix.split_rows(left);
+    if left > 0 {
+        top.copy_from(unknown.as_view());
+        subtract_product(top, Target::Reduced, lower.block(found..summed, 0..found), known.as_view(), workers);
+    }
+    subtract_product(bottom, Target::Replaced, lower.block(summed..size, 0..found), known.as_view(), workers);
 }
 
 /// target += source, without a loop for the unknowns of one or two nodes.
