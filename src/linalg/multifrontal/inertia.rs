@@ -398,8 +398,8 @@ impl SymmetricBlock<'_> {
 mod tests {
     use super::*;
     use crate::linalg::SparsePattern;
-    use crate::linalg::multifrontal::graph::Role;
     use crate::linalg::multifrontal::known_signs::known_signs;
+    use crate::linalg::multifrontal::multifrontal_lu::roles;
     use crate::linalg::multifrontal::test_matrices::{Noise, chain, random_pattern, shell};
     use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -407,8 +407,9 @@ mod tests {
         known_signs(size, 0, |shift| dense_shifted_inertia(values.clone(), size, shift))
     }
 
-    fn inertia(symbolic: &Symbolic, values: &[f64], known: usize) -> Inertia {
-        known_signs(symbolic.size, known, |shift| shifted_inertia(symbolic, values, shift, 1))
+    fn inertia(pattern: &SparsePattern, values: &[f64], known: usize) -> Inertia {
+        let symbolic = Symbolic::new(pattern, &roles(pattern, &[]));
+        known_signs(symbolic.size, known, |shift| shifted_inertia(&symbolic, values, shift, 1))
     }
 
     /// Numbers of eigenvalues of a dense matrix by their signs.
@@ -446,10 +447,7 @@ mod tests {
             let pattern = random_pattern(&mut noise, nodes, case % 5);
             let (values, matrix) = symmetric(&mut noise, &pattern, case % 4);
             let expected = by_eigenvalues(&matrix);
-            let roles: Vec<Role> = (0..pattern.size)
-                .map(|i| if pattern.position(i, i).is_some() { Role::Primal } else { Role::Multiplier })
-                .collect();
-            let found = inertia(&Symbolic::new(&pattern, &roles), &values, 0);
+            let found = inertia(&pattern, &values, 0);
             assert_eq!(found, expected, "case {case}");
             assert_eq!(dense_inertia(matrix.as_slice().to_vec(), pattern.size), expected, "case {case}, dense");
             compared += 1;
@@ -475,10 +473,7 @@ mod tests {
                     }
                 }
             }
-            let roles: Vec<Role> = (0..pattern.size)
-                .map(|i| if pattern.position(i, i).is_some() { Role::Primal } else { Role::Multiplier })
-                .collect();
-            let found = inertia(&Symbolic::new(&pattern, &roles), &values, 0);
+            let found = inertia(&pattern, &values, 0);
             let expected = by_eigenvalues(&matrix);
             assert_eq!(found, expected, "case {case}, {} unknowns", pattern.size);
         }
@@ -563,14 +558,11 @@ mod tests {
             // what the dense solver leaves open itself
             let open = 1e-15 * pattern.size as f64 * largest;
             let below = |bound: f64| eigenvalues.iter().filter(|value| **value < bound).count().max(constraints);
-            let roles: Vec<Role> = (0..pattern.size)
-                .map(|i| if i < pattern.size - constraints { Role::Primal } else { Role::Multiplier })
-                .collect();
-            let sparse = inertia(&Symbolic::new(&pattern, &roles), &values, constraints);
+            let sparse = inertia(&pattern, &values, constraints);
             let dense = known_signs(pattern.size, constraints, |shift| {
                 dense_shifted_inertia(matrix.as_slice().to_vec(), pattern.size, shift)
             });
-            let unsure = shifted_inertia(&Symbolic::new(&pattern, &roles), &values, 0.0, 1).inertia;
+            let unsure = shifted_inertia(&Symbolic::new(&pattern, &roles(&pattern, &[])), &values, 0.0, 1).inertia;
             wrong_alone += usize::from(unsure.negative > below(open) || unsure.negative + unsure.zero < below(-open));
             let nearest = eigenvalues.iter().fold(f64::INFINITY, |least: f64, value| least.min(value.abs())) / largest;
             close += usize::from(nearest < 1e-8);
