@@ -451,10 +451,10 @@ impl Factorization {
             self.solver.solve_transposed(correction);
             unsettled = None;
             for (x, change) in x.chunks_exact_mut(n).zip(correction.chunks_exact(n)) {
-                x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
-                let most = (SETTLED * largest(x)).max(NOTHING);
+                let [size, moved] = dispatch(Correction { x, change });
+                let most = (SETTLED * size).max(NOTHING);
                 // what is no number comes with the right-hand side
-                if largest(change) > most {
+                if moved > most {
                     unsettled = unsettled.or(change.iter().position(|change| change.abs() > most));
                 }
             }
@@ -625,6 +625,21 @@ impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W>
             }
         }
         worst
+    }
+}
+
+/// x += change; gives the largest absolute values of both, not counting what is no number.
+struct Correction<'f> {
+    x: &'f mut [f64],
+    change: &'f [f64],
+}
+
+impl Kernel for Correction<'_> {
+    type Output = [f64; 2];
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> [f64; 2] {
+        self.x.iter_mut().zip(self.change).for_each(|(x, change)| *x += change);
+        [largest(self.x), largest(self.change)]
     }
 }
 
