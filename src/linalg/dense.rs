@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::multifrontal::pivots::{PANEL, SMALL, STRIP, TINY_PIVOT, eliminate_column, subtract_few, subtract_pivots};
-use super::multifrontal::{Inertia, dense_shifted_inertia, known_signs, largest};
+use super::multifrontal::{Inertia, MultifrontalLu, largest};
 use super::simd::{Kernel, dispatch};
 use super::{LinearSolver, Singular};
 use crate::linalg::SparsePattern;
@@ -72,10 +72,7 @@ impl LinearSolver for DenseLu {
     }
 
     fn inertia(&self, values: &[f64], known: usize) -> Inertia {
-        let n = self.pattern.size;
-        let mut matrix = vec![0.0; n * n];
-        self.pattern.spread(values, &mut matrix);
-        known_signs(n, known, |shift| dense_shifted_inertia(matrix.clone(), n, shift))
+        MultifrontalLu::new(&self.pattern, &[], 1).inertia(values, known)
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {

@@ -71,6 +71,19 @@ impl Workspace {
             bounds.push([start, start + own, runs.len()]);
         }
     }
+
+    /// What children contribute, and where: all rows, those whose pivots are looked for, and the others.
+    pub fn extensions<'w>(
+        &'w self,
+        symbolic: &'w Symbolic,
+        children: &'w [Contribution<'w>],
+    ) -> impl Iterator<Item = ([&'w [Run]; 3], Columns<'w>)> {
+        children.iter().zip(&self.bounds).map(move |(child, &[start, middle, end])| {
+            let order = child.delayed_rows.len() + symbolic.fronts[child.front].others();
+            let runs = [&self.runs[start..end], &self.runs[start..middle], &self.runs[middle..end]];
+            (runs, Columns { values: child.values, length: order })
+        })
+    }
 }
 
 /// Where contributions go.
@@ -114,20 +127,13 @@ pub fn factor_front(
     dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
 
     workspace.place(symbolic, front, children, rows, columns);
-    let Workspace { runs, bounds, exchanges, .. } = workspace;
-    let extensions = || {
-        children.iter().zip(&*bounds).map(|(child, &[start, middle, end])| {
-            let (runs, own, later) = (&runs[start..end], &runs[start..middle], &runs[middle..end]);
-            let order = child.delayed_rows.len() + symbolic.fronts[child.front].others();
-            (runs, own, later, Columns { values: child.values, length: order })
-        })
-    };
-    for (runs, own, later, source) in extensions() {
+    for ([runs, own, later], source) in workspace.extensions(symbolic, children) {
         let lower = Region { rows: runs, columns: own, values: lower, length: size, first: (0, 0) };
         let upper = Region { rows: own, columns: later, values: upper, length: summed, first: (0, summed) };
         dispatch(Extend { source, regions: [lower, upper] });
     }
 
+    let exchanges = &mut workspace.exchanges;
     exchanges.clear();
     let mut block = PivotBlock { values: &mut *lower, size, rows, columns, exchanges, is_last: front.is_last(), threads };
     let found = block.eliminate();
@@ -137,7 +143,7 @@ pub fn factor_front(
     let order = size - found;
     let contribution = &mut output.space(order * order)[..order * order];
     reduce_others(lower, upper, [size, summed, found], exchanges, contribution, threads.into());
-    for (_, _, later, source) in extensions() {
+    for ([_, _, later], source) in workspace.extensions(symbolic, children) {
         let region = Region { rows: later, columns: later, values: contribution, length: order, first: (found, found) };
         dispatch(Extend { source, regions: [region] });
     }
@@ -199,14 +205,14 @@ pub fn add(target: &mut [f64], source: &[f64]) {
 }
 
 /// Adds entries of the matrix to the columns and rows of pivots.
-struct AddEntries<'j> {
-    blocks: &'j [EntryBlock],
-    values: &'j [f64],
-    pivots: usize,
-    delayed: usize,
-    lower: &'j mut [f64],
-    upper: &'j mut [f64],
-    size: usize,
+pub struct AddEntries<'j> {
+    pub blocks: &'j [EntryBlock],
+    pub values: &'j [f64],
+    pub pivots: usize,
+    pub delayed: usize,
+    pub lower: &'j mut [f64],
+    pub upper: &'j mut [f64],
+    pub size: usize,
 }
 
 impl Kernel for AddEntries<'_> {
@@ -237,27 +243,27 @@ impl Kernel for AddEntries<'_> {
 
 /// A matrix by columns.
 #[derive(Clone, Copy)]
-struct Columns<'j> {
+pub struct Columns<'j> {
     values: &'j [f64],
     /// Number of rows.
     length: usize,
 }
 
 /// A part of a front, and what of a contribution belongs there.
-struct Region<'j> {
-    rows: &'j [Run],
-    columns: &'j [Run],
-    values: &'j mut [f64],
+pub struct Region<'j> {
+    pub rows: &'j [Run],
+    pub columns: &'j [Run],
+    pub values: &'j mut [f64],
     /// Number of rows.
-    length: usize,
+    pub length: usize,
     /// First row and column.
-    first: (usize, usize),
+    pub first: (usize, usize),
 }
 
 /// Adds a contribution to parts of the front that takes it up.
-struct Extend<'j, const N: usize> {
-    source: Columns<'j>,
-    regions: [Region<'j>; N],
+pub struct Extend<'j, const N: usize> {
+    pub source: Columns<'j>,
+    pub regions: [Region<'j>; N],
 }
 
 impl<const N: usize> Kernel for Extend<'_, N> {

@@ -45,8 +45,6 @@ mod traversal;
 pub(super) mod test_matrices;
 
 pub use inertia::Inertia;
-pub(super) use inertia::dense_shifted_inertia;
 pub(super) use kernels::largest;
-pub(super) use known_signs::known_signs;
 pub use multifrontal_lu::MultifrontalLu;
 pub use symbolic::SMALL_FILL;
