@@ -55,10 +55,20 @@ impl<'m> MatrixView<'m> {
         self.stride
     }
 
-    /// The place of the first entry; with [`MatrixView::stride`] it leads to the others.
+    /// The place of the first entry.
     #[inline(always)]
     pub fn as_ptr(&self) -> *const f64 {
         self.first
+    }
+
+    /// The place of an entry.
+    ///
+    /// # Safety
+    /// It is one of the matrix.
+    #[inline(always)]
+    pub unsafe fn at(self, row: usize, column: usize) -> *const f64 {
+        // SAFETY: promised by the caller.
+        unsafe { self.first.add(row + column * self.stride) }
     }
 
     /// Some of the rows and columns.
@@ -115,10 +125,14 @@ impl<'m> MatrixViewMut<'m> {
         MatrixView { first, rows, columns, stride, values: PhantomData }
     }
 
-    /// The place of the first entry.
+    /// The place of an entry.
+    ///
+    /// # Safety
+    /// It is one of the matrix.
     #[inline(always)]
-    pub fn as_mut_ptr(&mut self) -> *mut f64 {
-        self.first
+    pub unsafe fn at(&mut self, row: usize, column: usize) -> *mut f64 {
+        // SAFETY: promised by the caller.
+        unsafe { self.first.add(row + column * self.stride) }
     }
 
     /// The same for a shorter time.
