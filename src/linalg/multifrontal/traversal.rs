@@ -1,6 +1,6 @@
 //! The way up the tree of fronts: subtrees one front after the other, and the fronts above them by several threads.
 
-use super::factors::{Factors, Part};
+use super::factors::Part;
 use super::front::{Contribution, Output, Workspace, factor_front};
 use super::small_front::LANES;
 use super::symbolic::Symbolic;
