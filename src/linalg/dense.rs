@@ -72,7 +72,7 @@ impl LinearSolver for DenseLu {
     }
 
     fn inertia(&self, values: &[f64], known: usize) -> Inertia {
-        MultifrontalLu::new(&self.pattern, &[], 1).inertia(values, known)
+        MultifrontalLu::new(&self.pattern, 1).inertia(values, known)
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {

@@ -353,7 +353,6 @@ mod tests {
     use super::*;
     use crate::linalg::SparsePattern;
     use crate::linalg::multifrontal::known_signs::known_signs;
-    use crate::linalg::multifrontal::multifrontal_lu::roles;
     use crate::linalg::multifrontal::test_matrices::{Noise, chain, random_pattern, shell};
     use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -364,7 +363,7 @@ mod tests {
     }
 
     fn inertia(pattern: &SparsePattern, values: &[f64], known: usize) -> Inertia {
-        let symbolic = Symbolic::new(pattern, &roles(pattern, &[]));
+        let symbolic = Symbolic::new(pattern);
         known_signs(symbolic.size, known, |shift| shifted_inertia(&symbolic, values, shift, 1))
     }
 
@@ -516,7 +515,7 @@ mod tests {
             let below = |bound: f64| eigenvalues.iter().filter(|value| **value < bound).count().max(constraints);
             let sparse = inertia(&pattern, &values, constraints);
             let dense = dense_inertia(matrix.as_slice(), pattern.size, constraints);
-            let unsure = shifted_inertia(&Symbolic::new(&pattern, &roles(&pattern, &[])), &values, 0.0, 1).inertia;
+            let unsure = shifted_inertia(&Symbolic::new(&pattern), &values, 0.0, 1).inertia;
             wrong_alone += usize::from(unsure.negative > below(open) || unsure.negative + unsure.zero < below(-open));
             let nearest = eigenvalues.iter().fold(f64::INFINITY, |least: f64, value| least.min(value.abs())) / largest;
             close += usize::from(nearest < 1e-8);

@@ -3,7 +3,6 @@
 
 use super::balance::balanced;
 use super::factors::Factors;
-use super::graph::Role;
 use super::inertia::{Inertia, shifted_inertia};
 use super::known_signs::known_signs;
 use super::rank_share::RankShare;
@@ -37,17 +36,12 @@ enum Work {
 }
 
 impl MultifrontalLu {
-    /// Analyses a pattern.
+    /// Analyses a pattern, in which unknowns without a diagonal entry are multipliers.
     ///
-    /// * `multipliers` unknowns that have no pivot of their own; those without a diagonal entry need not be listed
-    /// * `threads`     at least 1; with more, in the current pool of rayon
-    pub fn new(pattern: &SparsePattern, multipliers: &[usize], threads: usize) -> Self {
-        Self::of_roles(pattern, &roles(pattern, multipliers), threads)
-    }
-
-    pub(super) fn of_roles(pattern: &SparsePattern, roles: &[Role], threads: usize) -> Self {
+    /// * `threads` at least 1; with more, in the current pool of rayon
+    pub fn new(pattern: &SparsePattern, threads: usize) -> Self {
         assert!(pattern.rows.len() < u32::MAX as usize, "{} entries are more than 2^32", pattern.rows.len());
-        Self::of(Arc::new(Symbolic::new(pattern, roles)), threads)
+        Self::of(Arc::new(Symbolic::new(pattern)), threads)
     }
 
     fn of(symbolic: Arc<Symbolic>, threads: usize) -> Self {
@@ -68,7 +62,7 @@ impl MultifrontalLu {
     /// Shared by ranks, whatever its size.
     #[cfg(test)]
     pub fn on(pattern: &SparsePattern, world: &'static dyn Exchange) -> Self {
-        let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
+        let symbolic = Arc::new(Symbolic::new(pattern));
         let stretches = balanced(&symbolic, world.ranks());
         Self::shared(symbolic, stretches, 1, world)
     }
@@ -136,16 +130,6 @@ impl MultifrontalLu {
     }
 }
 
-/// Roles of unknowns: those without a diagonal entry are multipliers too.
-pub(super) fn roles(pattern: &SparsePattern, multipliers: &[usize]) -> Vec<Role> {
-    let role = |unknown: usize| {
-        if pattern.position(unknown, unknown).is_some() { Role::Primal } else { Role::Multiplier }
-    };
-    let mut roles: Vec<Role> = (0..pattern.size).map(role).collect();
-    multipliers.iter().for_each(|&unknown| roles[unknown] = Role::Multiplier);
-    roles
-}
-
 impl LinearSolver for MultifrontalLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
         assert_eq!(values.len(), self.symbolic.pattern_entries, "values and entries of the pattern");
@@ -190,15 +174,14 @@ mod tests {
         for case in 0..400 {
             let nodes = 1 + noise.below(40);
             let pattern = random_pattern(&mut noise, nodes, case % 5);
-            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let mut lu = MultifrontalLu::new(&pattern, 1);
             if case % 3 > 0 {
                 lu.cut_solutions(case % 3, &[]);
             }
             for _ in 0..2 {
                 let values =
                     if case % 2 == 1 { weak(&mut noise, &pattern) } else { noise.vector(pattern.rows.len()) };
-                let reference = Reference::new(&pattern, &values);
-                let condition = 1.0 / reference.distance_from_singular();
+                let condition = condition(&pattern, &values);
                 if condition > 1e7 {
                     continue;
                 }
@@ -206,17 +189,8 @@ mod tests {
                 lu.factor(&values).unwrap_or_else(|error| panic!("case {case}, condition {condition:e}: {error:?}"));
                 delayed += lu.delayed_pivots();
                 // threshold pivoting may let entries grow
-                let tolerance = 1e-11 * condition;
-                let b = noise.vector(pattern.size);
-                let mut x = b.clone();
-                lu.solve(&mut x);
-                let error = difference(&x, &reference.solve(&b));
-                assert!(error < tolerance, "case {case}: {error:e}, condition {condition:e}");
-                let (other, other_values) = transposed(&pattern, &values);
-                let mut x = b.clone();
-                lu.solve_transposed(&mut x);
-                let error = difference(&x, &Reference::new(&other, &other_values).solve(&b));
-                assert!(error < tolerance, "case {case} transposed: {error:e}, condition {condition:e}");
+                let error = errors(&mut noise, &mut lu, &pattern, &values);
+                assert!(error < 1e-11, "case {case}: {error:e}, condition {condition:e}");
             }
         }
         assert!(compared > 300, "only {compared} regular matrices");
@@ -229,11 +203,11 @@ mod tests {
         for case in 0..30 {
             let pattern = random_pattern(&mut noise, 30, 3);
             let values = noise.vector(pattern.rows.len());
-            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let mut lu = MultifrontalLu::new(&pattern, 1);
             if lu.factor(&values).is_err() {
                 continue;
             }
-            let condition = 1.0 / Reference::new(&pattern, &values).distance_from_singular();
+            let condition = condition(&pattern, &values);
             // a few, as many as a gradient of some functionals takes, and more than one block of them
             for (side, count) in [(Side::Plain, 3), (Side::Transposed, 3), (Side::Plain, 37), (Side::Transposed, 37)] {
                 let b = noise.vector(pattern.size * count);
@@ -270,13 +244,15 @@ mod tests {
         values
     }
 
+    fn condition(pattern: &SparsePattern, values: &[f64]) -> f64 {
+        1.0 / Reference::both(pattern, values)[0].distance_from_singular()
+    }
+
     /// Largest errors of solutions of a few right-hand sides, plain and transposed, as shares of the condition.
     fn errors(noise: &mut Noise, lu: &mut MultifrontalLu, pattern: &SparsePattern, values: &[f64]) -> f64 {
-        let (other, other_values) = transposed(pattern, values);
-        let references = [Reference::new(pattern, values), Reference::new(&other, &other_values)];
         let b = noise.vector(pattern.size * 5);
         let mut most: f64 = 0.0;
-        for (reference, is_transposed) in references.iter().zip([false, true]) {
+        for (reference, is_transposed) in Reference::both(pattern, values).iter().zip([false, true]) {
             let mut x = b.clone();
             if is_transposed {
                 lu.solve_transposed(&mut x)
@@ -294,7 +270,7 @@ mod tests {
     fn small_fronts_exchange_rows_and_leave_columns_without_a_pivot_to_others() {
         let mut noise = Noise(12);
         let pattern = chain(12);
-        let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+        let mut lu = MultifrontalLu::new(&pattern, 1);
         let mut values = chain_values(&mut noise, &pattern);
         lu.factor(&values).expect("regular");
         assert_eq!(lu.factors.forms(&lu.symbolic)[0], lu.analysis().fronts);
@@ -329,7 +305,7 @@ mod tests {
         let pattern = random_pattern(&mut noise, 30, 3);
         let values = dominant(&mut noise, &pattern);
         crate::linalg::vectors::ONLY_PORTABLE.set(true);
-        let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+        let mut lu = MultifrontalLu::new(&pattern, 1);
         lu.factor(&values).expect("regular");
         let error = errors(&mut noise, &mut lu, &pattern, &values);
         crate::linalg::vectors::ONLY_PORTABLE.set(false);
@@ -342,7 +318,7 @@ mod tests {
         let mut noise = Noise(14);
         for bodies in [10, 100, 1000] {
             let pattern = chain(bodies);
-            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let mut lu = MultifrontalLu::new(&pattern, 1);
             let analysis = lu.analysis();
             let per_body = |count: f64| count / bodies as f64;
             assert!(per_body(0.5 * analysis.flops) < 1_300.0, "{analysis:?}");
@@ -358,11 +334,11 @@ mod tests {
     #[test]
     fn the_smallest_systems() {
         let empty = SparsePattern::from_entries(0, vec![]);
-        let mut lu = MultifrontalLu::new(&empty, &[], 1);
+        let mut lu = MultifrontalLu::new(&empty, 1);
         lu.factor(&[]).expect("nothing to fail");
         lu.solve(&mut []);
         let one = SparsePattern::from_entries(1, vec![(0, 0)]);
-        let mut lu = MultifrontalLu::new(&one, &[], 1);
+        let mut lu = MultifrontalLu::new(&one, 1);
         lu.factor(&[4.0]).expect("regular");
         let mut x = [2.0];
         lu.solve(&mut x);
@@ -372,7 +348,7 @@ mod tests {
             assert_eq!(lu.factor(&[singular]), Err(Singular { unknown: 0 }), "{singular}");
         }
         let hollow = SparsePattern::from_entries(2, vec![(0, 0)]);
-        assert_eq!(MultifrontalLu::new(&hollow, &[], 1).factor(&[1.0]), Err(Singular { unknown: 1 }));
+        assert_eq!(MultifrontalLu::new(&hollow, 1).factor(&[1.0]), Err(Singular { unknown: 1 }));
     }
 
     #[test]
@@ -382,7 +358,7 @@ mod tests {
             let nodes = 2 + noise.below(30);
             let pattern = random_pattern(&mut noise, nodes, 0);
             let values = dominant(&mut noise, &pattern);
-            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let mut lu = MultifrontalLu::new(&pattern, 1);
             // a column of zeros, or a value that is not a number
             let column = noise.below(pattern.size);
             let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
@@ -395,10 +371,7 @@ mod tests {
                 assert!(lu.factor(&singular).is_err(), "case {case}");
             }
             lu.factor(&values).expect("regular");
-            let b = noise.vector(pattern.size);
-            let mut x = b.clone();
-            lu.solve(&mut x);
-            assert!(difference(&x, &Reference::new(&pattern, &values).solve(&b)) < 1e-12, "case {case}");
+            assert!(errors(&mut noise, &mut lu, &pattern, &values) < 1e-12, "case {case}");
         }
     }
 
@@ -421,7 +394,7 @@ mod tests {
             seen += 1;
             let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
             values.copy_within(own, pattern.column_starts[column - 1]);
-            refused += usize::from(MultifrontalLu::new(&pattern, &[], 1).factor(&values).is_err());
+            refused += usize::from(MultifrontalLu::new(&pattern, 1).factor(&values).is_err());
         }
         assert!(seen > 50, "{seen}");
         // the vanishing pivot is round-off of a few units in the last place of 1, below the limit of 1e-14
@@ -440,7 +413,7 @@ mod tests {
                     values[pattern.position(row, column).expect("a block of a node")] = 0.0;
                 }
             }
-            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let mut lu = MultifrontalLu::new(&pattern, 1);
             lu.factor(&values).expect("regular");
             assert_eq!(lu.delayed_pivots() > 0, is_hollow);
             let error = errors(&mut noise, &mut lu, &pattern, &values);
@@ -451,7 +424,7 @@ mod tests {
     #[test]
     fn the_analysis_predicts_what_is_stored() {
         let pattern = shell(21, 10);
-        let lu = MultifrontalLu::new(&pattern, &[], 1);
+        let lu = MultifrontalLu::new(&pattern, 1);
         let analysis = lu.analysis();
         // every entry of the matrix is in the factors, and L and U have fewer than all entries
         assert!(
@@ -461,7 +434,7 @@ mod tests {
         assert!(analysis.bytes > 8 * analysis.entries, "{analysis:?}");
         // dense: 2/3 n^3
         let dense = SparsePattern::from_entries(60, (0..3600).map(|k| (k / 60, k % 60)).collect());
-        let analysis = MultifrontalLu::new(&dense, &[], 1).analysis();
+        let analysis = MultifrontalLu::new(&dense, 1).analysis();
         assert_eq!((analysis.fronts, analysis.entries, analysis.largest_front), (1, 3600, 60));
         assert!((analysis.flops / (2.0 / 3.0 * 60f64.powi(3)) - 1.0).abs() < 0.02, "{analysis:?}");
     }
@@ -493,7 +466,7 @@ mod tests {
         shares_all: bool,
     ) -> (Vec<Bits>, [usize; 3]) {
         let per_rank = crate::exchange::on_ranks(ranks, |world| {
-            let symbolic = Arc::new(Symbolic::new(pattern, &roles(pattern, &[])));
+            let symbolic = Arc::new(Symbolic::new(pattern));
             let stretches = match cuts {
                 [] => balanced(&symbolic, ranks),
                 cuts => Stretches::at(&symbolic, cuts),
@@ -560,7 +533,7 @@ mod tests {
             } else {
                 random_pattern(&mut noise, nodes, case % 5)
             };
-            let mut alone = MultifrontalLu::new(&pattern, &[], 1);
+            let mut alone = MultifrontalLu::new(&pattern, 1);
             let mut matrices = matrices_of(&mut noise, &pattern);
             matrices.insert(1, with_late_columns(&mut noise, &pattern, &alone.symbolic));
             let b = noise.vector(7 * pattern.size);
@@ -587,7 +560,7 @@ mod tests {
                         );
                         shared.iter_mut().zip(counts).for_each(|(all, own)| *all += own);
                     }
-                    let mut on_threads = MultifrontalLu::new(&pattern, &[], 1);
+                    let mut on_threads = MultifrontalLu::new(&pattern, 1);
                     on_threads.cut_solutions(ranks, cuts);
                     let given: Vec<Bits> = matrices.iter().map(|values| bits(&mut on_threads, values, &b)).collect();
                     assert!(given == expected, "case {case}, {ranks} threads, cuts {cuts:?} of {fronts} fronts");
@@ -607,7 +580,7 @@ mod tests {
         let pattern = shell(17, 10);
         let (values, b) = (noise.vector(pattern.rows.len()), noise.vector(7 * pattern.size));
         let solve = |at_most: usize| {
-            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let mut lu = MultifrontalLu::new(&pattern, 1);
             lu.cut_solutions(4, &[]);
             exchange::STARTED_AT_MOST.set(at_most);
             let bits = bits(&mut lu, &values, &b);
@@ -629,7 +602,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
         let b = noise.vector(7 * pattern.size);
         for values in [dominant(&mut noise, &pattern), noise.vector(pattern.rows.len())] {
-            let bits = |threads: usize| bits(&mut MultifrontalLu::new(&pattern, &[], threads), &values, &b);
+            let bits = |threads: usize| bits(&mut MultifrontalLu::new(&pattern, threads), &values, &b);
             let one = bits(1);
             assert!(one.is_ok() && (0..2).all(|_| pool.install(|| bits(2)) == one));
         }

@@ -1,7 +1,7 @@
 use super::dissection::dissect;
 use super::elimination_tree::EliminationTree;
 use super::entries::{EntryBlock, entry_blocks};
-use super::graph::{Graph, Role};
+use super::graph::Graph;
 use super::small_front::{SMALL_FRONT, Shape, SmallPlan};
 use super::supernodes::{Supernode, elimination_flops, factor_entries, supernodes};
 use crate::linalg::SparsePattern;
@@ -165,8 +165,8 @@ impl Vertices {
 
 impl Symbolic {
     /// Orders and analyses a pattern.
-    pub fn new(pattern: &SparsePattern, roles: &[Role]) -> Self {
-        let graph = Graph::new(pattern, roles);
+    pub fn new(pattern: &SparsePattern) -> Self {
+        let graph = Graph::new(pattern);
         let tree = EliminationTree::new(&graph, &dissect(&graph));
         let supernodes = supernodes(&graph, &tree);
 

@@ -22,10 +22,11 @@ impl Noise {
 pub struct Reference(FullPivLU<f64, Dyn, Dyn>);
 
 impl Reference {
-    pub fn new(pattern: &SparsePattern, values: &[f64]) -> Self {
+    /// Of a matrix, and of its transpose.
+    pub fn both(pattern: &SparsePattern, values: &[f64]) -> [Self; 2] {
         let mut matrix = DMatrix::zeros(pattern.size, pattern.size);
         pattern.spread(values, matrix.as_mut_slice());
-        Reference(matrix.full_piv_lu())
+        [matrix.clone(), matrix.transpose()].map(|matrix| Reference(matrix.full_piv_lu()))
     }
 
     /// The last pivot as a share of the first: about the inverse of the condition number.
@@ -37,18 +38,6 @@ impl Reference {
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         self.0.solve(&DVector::from_column_slice(b)).expect("regular").as_slice().to_vec()
     }
-}
-
-pub fn transposed(pattern: &SparsePattern, values: &[f64]) -> (SparsePattern, Vec<f64>) {
-    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-    for column in 0..pattern.size {
-        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            entries.push((pattern.rows[place] as usize, column, values[place]));
-        }
-    }
-    entries.sort_unstable_by_key(|&(column, row, _)| (column, row));
-    let other = SparsePattern::from_entries(pattern.size, entries.iter().map(|&(column, row, _)| (column, row)).collect());
-    (other, entries.into_iter().map(|(_, _, value)| value).collect())
 }
 
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
