@@ -265,13 +265,13 @@ impl SmallFront<'_> {
                         // the pivot by itself: its inverse is what takes longest and what all others wait for
                         let factor = *column.sub(stride).add(own) * inverses[first];
                         pivot = I::minus_product(pivot, factor, known);
-                        x = subtract_column::<I, CHUNKS, 0>(x, &l[0], I::Four::splat(known));
+                        x = subtract_column::<I, CHUNKS>(x, &l[0], I::Four::splat(known));
                         // numbers by their rows, through memory
                         store(x, column);
                     }
                     inverses[own] = 1.0 / pivot;
                     let mut below = scaled_below::<I, CHUNKS>(&x, own, inverses[own]);
-                    if !is_usable(pivot) || largest::<I, CHUNKS>(&below) > 1.0 / PIVOT_SHARE {
+                    if !is_usable(pivot) || I::largest(&below) > 1.0 / PIVOT_SHARE {
                         let values = std::slice::from_raw_parts(column, stride);
                         let Some(row) = other_pivot(values, own..pivots, front.is_last()) else {
                             return Elimination::Refused;
@@ -386,16 +386,6 @@ fn scaled_below<I: Instructions, const CHUNKS: usize>(
     scaled
 }
 
-/// Largest absolute value, not counting what is not a number.
-#[inline(always)]
-fn largest<I: Instructions, const CHUNKS: usize>(x: &Column<I::Four, CHUNKS>) -> f64 {
-    let mut most = I::Four::splat(0.0);
-    for chunk in 0..CHUNKS {
-        most = x[chunk].absolute().larger(most);
-    }
-    most.largest()
-}
-
 /// Subtracts two pivots, or one and zeros, from columns: all but the chunks before `FROM`, where L is zero.
 ///
 /// # Safety
@@ -424,14 +414,14 @@ unsafe fn subtract_pair<I: Instructions, const CHUNKS: usize, const FROM: usize>
     }
 }
 
-/// x - l f, but for the first chunks.
+/// x - l f.
 #[inline(always)]
-fn subtract_column<I: Instructions, const CHUNKS: usize, const FIRST: usize>(
+fn subtract_column<I: Instructions, const CHUNKS: usize>(
     mut x: Column<I::Four, CHUNKS>,
     l: &Column<I::Four, CHUNKS>,
     factor: I::Four,
 ) -> Column<I::Four, CHUNKS> {
-    for chunk in FIRST..CHUNKS {
+    for chunk in 0..CHUNKS {
         x[chunk] = x[chunk].minus_product(l[chunk], factor);
     }
     x
@@ -469,8 +459,12 @@ unsafe fn put<const ADDED: bool>(
             let (source, target) = unsafe {
                 (&*source.add(column * step).cast::<[f64; H]>(), &mut *target.add(column * stride).cast::<[f64; H]>())
             };
+            if !ADDED {
+                *target = *source;
+                continue;
+            }
             for row in 0..H {
-                target[row] = if ADDED { target[row] + source[row] } else { source[row] };
+                target[row] += source[row];
             }
         }
     }
