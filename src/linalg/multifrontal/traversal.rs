@@ -198,7 +198,7 @@ fn contribution<'c>(
     memory: &'c [f64],
     start: impl Fn(usize) -> usize,
 ) -> Contribution<'c> {
-    let [delayed_rows, delayed_columns] = part.delayed(symbolic, front);
+    let [delayed_rows, delayed_columns] = part.delayed(front);
     let order = delayed_rows.len() + symbolic.fronts[front].others();
     Contribution { front, delayed_rows, delayed_columns, values: &memory[start(order * order)..][..order * order] }
 }
