@@ -301,18 +301,6 @@ mod tests {
         assert!(least_singular_value(block(1e-8)) < 2e-16 && least_singular_value(block(0.0)) == 0.0);
     }
 
-    #[test]
-    fn symmetric_and_rotating_matrices_have_the_values_in_closed_form() {
-        let pairs = checked(&[vec![2.0, 1.0], vec![1.0, 2.0]]);
-        let values = [pairs[0].value[0], pairs[1].value[0]];
-        assert!((values[0] - 1.0).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15, "{values:?}");
-        // a + i b
-        let pairs = checked(&[vec![0.5, -2.0], vec![2.0, 0.5]]);
-        assert_eq!(pairs.len(), 1);
-        let [re, im] = pairs[0].value;
-        assert!((re - 0.5).abs() < 1e-15 && (im - 2.0).abs() < 1e-15, "{re} {im}");
-    }
-
     /// S D S^-1 with a diagonal of numbers and blocks, S = I + u w^T.
     fn similar(diagonal: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let size = diagonal.len();

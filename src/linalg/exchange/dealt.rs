@@ -205,18 +205,6 @@ mod tests {
     use crate::exchange::{on_ranks, on_ranks_within};
 
     #[test]
-    fn results_of_all_ranks_come_in_their_order() {
-        let per_rank = on_ranks(4, |world| {
-            gather_work(world, world.rank()..world.rank() + 1, |_| {
-                std::thread::sleep(Duration::from_millis(10 * (4 - world.rank() as u64)));
-                vec![world.rank(); 2 * world.rank()]
-            })
-        });
-        let expected: Vec<Vec<usize>> = (0..4).map(|rank| vec![rank; 2 * rank]).collect();
-        assert!(per_rank.iter().all(|all| *all == expected), "{per_rank:?}");
-    }
-
-    #[test]
     fn the_first_rank_sees_results_while_others_work_and_tells_all() {
         let per_rank = on_ranks(3, |world| {
             let mut seen = vec![0; 7];
