@@ -9,10 +9,9 @@ use super::kernels::{ColumnThreads, solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
 use super::product::Target;
-use super::small_front::{Scratch, SmallFront};
+use super::small_front::{LANES, Scratch, SmallFront};
 use super::symbolic::{Front, Run, Symbolic};
 use crate::linalg::Singular;
-use crate::linalg::simd::{Kernel, dispatch};
 use crate::linalg::vectors::dispatch_vectors;
 
 /// What a front leaves to the one above: a square matrix, the rows of delayed pivots first, column by column.
@@ -86,12 +85,23 @@ impl Workspace {
     }
 }
 
-/// Where contributions go.
-pub trait Output {
+/// Contributions that wait for the front above, the last one first.
+#[derive(Default)]
+pub struct Stack {
+    pub memory: Vec<f64>,
+    pub height: usize,
+}
+
+impl Stack {
     /// A place for some numbers, whatever they are, and for up to `LANES` more that may be written over.
-    fn space(&mut self, length: usize) -> &mut [f64];
-    /// Gives back the last place.
-    fn take_back(&mut self, length: usize);
+    fn space(&mut self, length: usize) -> &mut [f64] {
+        let start = self.height;
+        self.height += length;
+        if self.memory.len() < self.height + LANES {
+            self.memory.resize(self.height + LANES, 0.0);
+        }
+        &mut self.memory[start..self.height + LANES]
+    }
 }
 
 /// Assembles and factors a front, and writes its contribution.
@@ -104,7 +114,7 @@ pub fn factor_front(
     values: &[f64],
     part: &mut Part<'_>,
     children: &[Contribution<'_>],
-    output: &mut impl Output,
+    output: &mut Stack,
     workspace: &mut Workspace,
     threads: usize,
 ) -> Result<(), Singular> {
@@ -117,20 +127,19 @@ pub fn factor_front(
         if part.set_small(symbolic, number, elimination) {
             return Ok(());
         }
-        output.take_back(front.others().pow(2));
+        output.height -= front.others().pow(2);
     }
     let delayed: usize = children.iter().map(|child| child.delayed_rows.len()).sum();
     let FrontStorage { lower, upper, rows, columns } = part.prepare(symbolic, number, delayed);
     let (summed, others) = (rows.len(), front.others());
     let size = summed + others;
     let blocks = &symbolic.entries[front.entries.clone()];
-    dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
+    add_entries(blocks, values, Summed { lower, upper, pivots: front.pivots, delayed, size });
 
     workspace.place(symbolic, front, children, rows, columns);
     for ([runs, own, later], source) in workspace.extensions(symbolic, children) {
-        let lower = Region { rows: runs, columns: own, values: lower, length: size, first: (0, 0) };
-        let upper = Region { rows: own, columns: later, values: upper, length: summed, first: (0, summed) };
-        dispatch(Extend { source, regions: [lower, upper] });
+        extend(source, [runs, own], lower, size, [0, 0]);
+        extend(source, [own, later], upper, summed, [0, summed]);
     }
 
     let exchanges = &mut workspace.exchanges;
@@ -144,8 +153,7 @@ pub fn factor_front(
     let contribution = &mut output.space(order * order)[..order * order];
     reduce_others(lower, upper, [size, summed, found], exchanges, contribution, threads.into());
     for ([_, _, later], source) in workspace.extensions(symbolic, children) {
-        let region = Region { rows: later, columns: later, values: contribution, length: order, first: (found, found) };
-        dispatch(Extend { source, regions: [region] });
+        extend(source, [later, later], contribution, order, [found, found]);
     }
     part.set_eliminated(number, found);
     Ok(())
@@ -204,39 +212,37 @@ pub fn add(target: &mut [f64], source: &[f64]) {
     }
 }
 
-/// Adds entries of the matrix to the columns and rows of pivots.
-pub struct AddEntries<'j> {
-    pub blocks: &'j [EntryBlock],
-    pub values: &'j [f64],
+/// Columns and rows of a front whose pivots are looked for, some of which other fronts have delayed.
+pub struct Summed<'j> {
+    /// All rows of these columns.
+    pub lower: &'j mut [f64],
+    /// These rows of the other columns.
+    pub upper: &'j mut [f64],
+    /// Number of the front's own pivots, of delayed ones, and of all rows.
     pub pivots: usize,
     pub delayed: usize,
-    pub lower: &'j mut [f64],
-    pub upper: &'j mut [f64],
     pub size: usize,
 }
 
-impl Kernel for AddEntries<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let AddEntries { blocks, values, pivots, delayed, lower, upper, size } = self;
-        for block in blocks {
-            let (row, column) = (block.row as usize, block.column as usize);
-            if row >= pivots && column >= pivots {
-                continue;
-            }
-            let (target, stride) = if column < pivots {
-                let row = if row < pivots { row } else { row + delayed };
-                (&mut lower[row + column * size..], size)
-            } else {
-                let summed = pivots + delayed;
-                (&mut upper[row + (column - pivots) * summed..], summed)
-            };
-            let (source, height) = (&values[block.source as usize..], block.height as usize);
-            for column in 0..block.width as usize {
-                let source = &source[column * block.stride as usize..][..height];
-                add(&mut target[column * stride..][..height], source);
-            }
+/// Adds entries of the matrix to the columns and rows of pivots.
+pub fn add_entries(blocks: &[EntryBlock], values: &[f64], summed: Summed<'_>) {
+    let Summed { lower, upper, pivots, delayed, size } = summed;
+    for block in blocks {
+        let (row, column) = (block.row as usize, block.column as usize);
+        if row >= pivots && column >= pivots {
+            continue;
+        }
+        let (target, stride) = if column < pivots {
+            let row = if row < pivots { row } else { row + delayed };
+            (&mut lower[row + column * size..], size)
+        } else {
+            let summed = pivots + delayed;
+            (&mut upper[row + (column - pivots) * summed..], summed)
+        };
+        let (source, height) = (&values[block.source as usize..], block.height as usize);
+        for column in 0..block.width as usize {
+            let source = &source[column * block.stride as usize..][..height];
+            add(&mut target[column * stride..][..height], source);
         }
     }
 }
@@ -249,39 +255,28 @@ pub struct Columns<'j> {
     length: usize,
 }
 
-/// A part of a front, and what of a contribution belongs there.
-pub struct Region<'j> {
-    pub rows: &'j [Run],
-    pub columns: &'j [Run],
-    pub values: &'j mut [f64],
-    /// Number of rows.
-    pub length: usize,
-    /// First row and column.
-    pub first: (usize, usize),
-}
-
-/// Adds a contribution to parts of the front that takes it up.
-pub struct Extend<'j, const N: usize> {
-    pub source: Columns<'j>,
-    pub regions: [Region<'j>; N],
-}
-
-impl<const N: usize> Kernel for Extend<'_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Extend { source, regions } = self;
-        for Region { rows, columns, values, length, first } in regions {
-            for columns in columns {
-                for column in 0..columns.length as usize {
-                    let source = &source.values[(columns.from as usize + column) * source.length..][..source.length];
-                    let target = &mut values[(columns.to as usize + column - first.1) * length..][..length];
-                    for run in rows {
-                        let length = run.length as usize;
-                        add(&mut target[run.to as usize - first.0..][..length], &source[run.from as usize..][..length]);
-                    }
-                }
-            }
+/// Adds what of a contribution belongs to some rows and columns of a matrix, which begins with the row and column `first` of the front.
+pub fn extend(
+    source: Columns<'_>,
+    [rows, columns]: [&[Run]; 2],
+    values: &mut [f64],
+    length: usize,
+    first: [usize; 2],
+) {
+    for columns in columns {
+        for column in 0..columns.length as usize {
+            let source = &source.values[(columns.from as usize + column) * source.length..][..source.length];
+            let target = &mut values[(columns.to as usize + column - first[1]) * length..][..length];
+            add_rows(rows, source, target, first[0]);
         }
+    }
+}
+
+/// target += source in some rows, the target beginning with the row `first`.
+#[inline(always)]
+pub fn add_rows(rows: &[Run], source: &[f64], target: &mut [f64], first: usize) {
+    for run in rows {
+        let (from, to, length) = (run.from as usize, run.to as usize - first, run.length as usize);
+        add(&mut target[to..][..length], &source[from..][..length]);
     }
 }

@@ -12,13 +12,12 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::front::{AddEntries, Contribution, Extend, Region, Workspace, add};
+use super::front::{Contribution, Summed, Workspace, add_entries, add_rows, extend};
 use super::kernels::subtract_product;
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::{PANEL, TINY_PIVOT};
 use super::product::Target;
 use super::symbolic::Symbolic;
-use crate::linalg::simd::dispatch;
 use std::ops::Range;
 
 /// Numbers of eigenvalues by their signs.
@@ -99,15 +98,13 @@ fn eliminate_front(
         .collect();
     workspace.place(symbolic, front, &contributions, &mut places.clone(), &mut places.clone());
     let blocks = &symbolic.entries[front.entries.clone()];
-    dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower: &mut columns, upper: &mut upper, size });
+    let summed_columns = Summed { lower: &mut columns, upper: &mut upper, pivots: front.pivots, delayed, size };
+    add_entries(blocks, values, summed_columns);
     (0..front.pivots).for_each(|own| columns[own * (size + 1)] += shift);
     let mut sums = vec![0.0; size];
     for (([runs, own, _], source), (_, child)) in workspace.extensions(symbolic, &contributions).zip(children) {
-        let region = Region { rows: runs, columns: own, values: &mut columns, length: size, first: (0, 0) };
-        dispatch(Extend { source, regions: [region] });
-        for run in runs {
-            add(&mut sums[run.to as usize..][..run.length as usize], &child.sums[run.from as usize..][..run.length as usize]);
-        }
+        extend(source, [runs, own], &mut columns, size, [0, 0]);
+        add_rows(runs, &child.sums, &mut sums, 0);
     }
 
     let mut block = SymmetricBlock { values: &mut columns, size, summed, pivots: Vec::new(), sums, threads };
@@ -137,9 +134,7 @@ fn eliminate_front(
     }
     // rows of this front that are delayed again have theirs from the columns above
     for ([_, _, later], source) in workspace.extensions(symbolic, &contributions) {
-        let values = &mut contribution[..];
-        let region = Region { rows: later, columns: later, values, length: order, first: (found, found) };
-        dispatch(Extend { source, regions: [region] });
+        extend(source, [later, later], &mut contribution, order, [found, found]);
     }
     Waiting { values: contribution, delayed: left, sums }
 }

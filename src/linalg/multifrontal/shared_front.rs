@@ -11,13 +11,12 @@
 
 use super::entries::EntryBlock;
 use super::factors::FrontStorage;
-use super::front::{Contribution, Workspace, add, reduce_others};
+use super::front::{Contribution, Workspace, add, add_rows, reduce_others};
 use super::kernels::ColumnThreads;
 use super::pivots::{PANEL, PivotBlock};
 use super::stretches::Stretches;
 use super::symbolic::{Front, Run, Symbolic};
 use crate::exchange::Exchange;
-use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 
 /// Which ranks have which columns of a front that has fronts of several ranks below it.
@@ -346,7 +345,7 @@ impl Own<'_> {
                     (&mut self.lower[column * size..][..size], end)
                 }
             };
-            dispatch(AddRows { runs: &runs[start..end], source, target, shift: 0 });
+            add_rows(&runs[start..end], source, target, 0);
         });
     }
 
@@ -359,7 +358,7 @@ impl Own<'_> {
             let Some(other) = place.and_then(|place| place.checked_sub(self.front.pivots)) else { return };
             let target = &mut contribution[(left + other - first) * order..][..order];
             let [_, middle, end] = workspace.bounds[number];
-            dispatch(AddRows { runs: &workspace.runs[middle..end], source, target, shift: found });
+            add_rows(&workspace.runs[middle..end], source, target, found);
         });
     }
 
@@ -377,26 +376,6 @@ impl Own<'_> {
             let of_member = inbox.expect(group.distribution.ranks[member], [UPPER, group.distribution.front as f64]);
             let places = group.distribution.others(member);
             self.upper[places.start * summed..places.end * summed].copy_from_slice(&of_member);
-        }
-    }
-}
-
-/// target += source in some rows.
-struct AddRows<'j> {
-    runs: &'j [Run],
-    source: &'j [f64],
-    target: &'j mut [f64],
-    /// First row of the target.
-    shift: usize,
-}
-
-impl Kernel for AddRows<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        for run in self.runs {
-            let (from, to, length) = (run.from as usize, run.to as usize - self.shift, run.length as usize);
-            add(&mut self.target[to..][..length], &self.source[from..][..length]);
         }
     }
 }

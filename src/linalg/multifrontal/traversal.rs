@@ -1,34 +1,13 @@
 //! The way up the tree of fronts: subtrees one front after the other, and the fronts above them by several threads.
 
 use super::factors::Part;
-use super::front::{Contribution, Output, Workspace, factor_front};
+use super::front::{Contribution, Stack, Workspace, factor_front};
 use super::small_front::LANES;
 use super::symbolic::Symbolic;
 use crate::linalg::Singular;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::ops::Range;
-
-/// Contributions that wait for the front above, the last one first.
-#[derive(Default)]
-struct Stack {
-    memory: Vec<f64>,
-    height: usize,
-}
-
-impl Output for Stack {
-    fn space(&mut self, length: usize) -> &mut [f64] {
-        let start = self.height;
-        self.height += length;
-        if self.memory.len() < self.height + LANES {
-            self.memory.resize(self.height + LANES, 0.0);
-        }
-        &mut self.memory[start..self.height + LANES]
-    }
-    fn take_back(&mut self, length: usize) {
-        self.height -= length;
-    }
-}
 
 /// Fronts that one thread factors, or the one front above other tasks in which threads work together.
 struct Task {
