@@ -1,7 +1,7 @@
 //! Storage of the factors: one array for all small fronts, and own ones for each large front.
 
 use super::matrix_view::MatrixView;
-use super::small_front::{Elimination, LANES, Lines, Shape};
+use super::small_front::{LANES, Lines, Shape};
 use super::small_substitution::{SmallFactors, transpose_small};
 use super::symbolic::{Front, Symbolic};
 
@@ -17,11 +17,11 @@ pub struct Outcome {
 
 /// How the factors of a front are stored.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
-enum Form {
+pub enum Form {
     /// In its own storage.
     #[default]
     Large,
-    /// As those of a small front.
+    /// As those of a small front, every row of which has the pivot of its own column.
     Small,
     /// The same, with rows in another order than that of the places.
     SmallExchanged,
@@ -226,17 +226,12 @@ impl<'f> Part<'f> {
         (values, &mut self.rows[first..first + planned.pivots])
     }
 
-    /// Notes how the elimination of a small front ended; returns whether it is done.
+    /// Notes how a small front is stored; returns whether it is as one.
     #[inline]
-    pub fn set_small(&mut self, symbolic: &Symbolic, front: usize, elimination: Elimination) -> bool {
+    pub fn set_small(&mut self, symbolic: &Symbolic, front: usize, form: Form) -> bool {
         let outcome = &mut self.outcomes[front - self.start.front];
-        outcome.form = match elimination {
-            Elimination::InOrder => Form::Small,
-            Elimination::Exchanged => Form::SmallExchanged,
-            Elimination::Refused => return false,
-        };
-        outcome.eliminated = symbolic.fronts[front].pivots;
-        true
+        (outcome.form, outcome.eliminated) = (form, symbolic.fronts[front].pivots);
+        form != Form::Large
     }
 
     /// Space for the factors of a front with a number of delayed pivots on top of its own; all values zero, places

@@ -122,9 +122,8 @@ pub fn factor_front(
     if front.is_small() && children.iter().all(|child| child.delayed_rows.is_empty()) {
         let (storage, rows) = part.prepare_small(symbolic, number);
         let (contribution, scratch) = (output.space(front.others().pow(2)), &mut workspace.scratch);
-        let elimination =
-            dispatch_vectors(SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch });
-        if part.set_small(symbolic, number, elimination) {
+        let form = dispatch_vectors(SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch });
+        if part.set_small(symbolic, number, form) {
             return Ok(());
         }
         output.height -= front.others().pow(2);

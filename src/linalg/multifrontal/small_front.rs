@@ -6,6 +6,7 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use super::factors::Form;
 use super::front::Contribution;
 use super::pivots::{PIVOT_SHARE, TINY_PIVOT};
 use super::symbolic::{Front, Symbolic};
@@ -157,21 +158,11 @@ pub struct SmallFront<'j> {
     pub scratch: &'j mut Scratch,
 }
 
-/// How the elimination of a small front ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Elimination {
-    /// Every row has the pivot of its own column.
-    InOrder,
-    /// Rows were exchanged.
-    Exchanged,
-    /// A column has no pivot that is large enough; what was written has no meaning.
-    Refused,
-}
-
 impl VectorKernel for SmallFront<'_> {
-    type Output = Elimination;
+    /// How the front is stored: as a large one where a column has no pivot that is large enough, and what was written has no meaning.
+    type Output = Form;
     #[inline(always)]
-    fn run<I: Instructions>(self) -> Elimination {
+    fn run<I: Instructions>(self) -> Form {
         let shape = Shape::of(self.front);
         let (others, size) = (shape.others, shape.size());
         assert!(size <= SMALL_FRONT && self.storage.len() >= shape.storage() && self.rows.len() == shape.pivots);
@@ -218,7 +209,7 @@ impl SmallFront<'_> {
     /// # Safety
     /// The front has at most `CHUNKS` times `CHUNK` rows, and all lists the lengths that [`Kernel::run`] compares.
     #[inline(always)]
-    unsafe fn factor<I: Instructions, const CHUNKS: usize>(self, shape: Shape) -> Elimination {
+    unsafe fn factor<I: Instructions, const CHUNKS: usize>(self, shape: Shape) -> Form {
         let SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch } = self;
         let Shape { pivots, others } = shape;
         let (stride, size) = (CHUNKS * CHUNK, shape.size());
@@ -250,7 +241,7 @@ impl SmallFront<'_> {
             }
         }
         let mut inverses = [0.0; SMALL_FRONT];
-        let mut outcome = Elimination::InOrder;
+        let mut outcome = Form::Small;
         // two pivots at a time: every column is loaded and stored half as often
         for first in (0..pivots).step_by(2) {
             let mut l = [[I::Four::splat(0.0); CHUNKS]; 2];
@@ -274,12 +265,12 @@ impl SmallFront<'_> {
                     if !is_usable(pivot) || I::largest(&below) > 1.0 / PIVOT_SHARE {
                         let values = std::slice::from_raw_parts(column, stride);
                         let Some(row) = other_pivot(values, own..pivots, front.is_last()) else {
-                            return Elimination::Refused;
+                            return Form::Large;
                         };
                         if row != own {
-                            if outcome == Elimination::InOrder {
+                            if outcome == Form::Small {
                                 rows.iter_mut().zip(front.first as u32..).for_each(|(row, place)| *row = place);
-                                outcome = Elimination::Exchanged;
+                                outcome = Form::SmallExchanged;
                             }
                             rows.swap(own, row);
                             (0..own).for_each(|k| lower.add(k * stride + own).swap(lower.add(k * stride + row)));
