@@ -3,7 +3,7 @@
 use super::matrix_view::MatrixView;
 use super::small_front::{LANES, Lines, Shape};
 use super::small_substitution::{SmallFactors, transpose_small};
-use super::symbolic::{Front, Symbolic};
+use super::symbolic::Symbolic;
 
 /// What a factorization found in a front.
 #[derive(Default)]
@@ -128,7 +128,7 @@ impl Factors {
     /// Whether the factors of a front are stored as those of a small one.
     #[inline(always)]
     pub fn is_small(&self, front: usize) -> bool {
-        matches!(self.outcomes[front].form, Form::Small | Form::SmallExchanged)
+        self.outcomes[front].form != Form::Large
     }
 
     /// The factors of a front that is stored as a small one, in A, or in A^T after [`Factors::transpose`].
@@ -151,14 +151,12 @@ impl Factors {
     /// ones that are not.
     #[cfg(test)]
     pub fn forms(&self, symbolic: &Symbolic) -> [usize; 3] {
-        let count = |is: &dyn Fn(Form, &Front) -> bool| {
-            self.outcomes.iter().zip(&symbolic.fronts).filter(|(outcome, front)| is(outcome.form, front)).count()
-        };
-        [
-            count(&|form, _| matches!(form, Form::Small | Form::SmallExchanged)),
-            count(&|form, _| form == Form::SmallExchanged),
-            count(&|form, front| front.is_small() && form == Form::Large),
-        ]
+        let mut counts = [0; 3];
+        for (Outcome { form, .. }, front) in self.outcomes.iter().zip(&symbolic.fronts) {
+            let is = [*form != Form::Large, *form == Form::SmallExchanged, front.is_small() && *form == Form::Large];
+            counts.iter_mut().zip(is).for_each(|(count, is)| *count += usize::from(is));
+        }
+        counts
     }
 
     /// Transposes the factors of small fronts, if that has not been done since they were made.
@@ -169,7 +167,7 @@ impl Factors {
             }
             let Factors { small, transposed, outcomes, .. } = self;
             for (front, outcome) in symbolic.fronts.iter().zip(outcomes) {
-                if matches!(outcome.form, Form::Small | Form::SmallExchanged) {
+                if outcome.form != Form::Large {
                     let own = front.small..front.small + front.small_storage();
                     transpose_small(Shape::of(front), &small[own.clone()], &mut transposed[own]);
                 }
