@@ -102,12 +102,7 @@ impl Factors {
                 ..Factors::default()
             };
         }
-        Part {
-            start: Start::default(),
-            small: &mut self.small,
-            rows: &mut self.rows,
-            outcomes: &mut self.outcomes,
-        }
+        Part { start: Start::default(), small: &mut self.small, rows: &mut self.rows, outcomes: &mut self.outcomes }
     }
 
     /// The factors of a front that is not stored as a small one.

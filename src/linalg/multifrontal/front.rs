@@ -255,13 +255,7 @@ pub struct Columns<'j> {
 }
 
 /// Adds what of a contribution belongs to some rows and columns of a matrix, which begins with the row and column `first` of the front.
-pub fn extend(
-    source: Columns<'_>,
-    [rows, columns]: [&[Run]; 2],
-    values: &mut [f64],
-    length: usize,
-    first: [usize; 2],
-) {
+pub fn extend(source: Columns<'_>, [rows, columns]: [&[Run]; 2], values: &mut [f64], length: usize, first: [usize; 2]) {
     for columns in columns {
         for column in 0..columns.length as usize {
             let source = &source.values[(columns.from as usize + column) * source.length..][..source.length];

@@ -179,8 +179,7 @@ mod tests {
                 lu.cut_solutions(case % 3, &[]);
             }
             for _ in 0..2 {
-                let values =
-                    if case % 2 == 1 { weak(&mut noise, &pattern) } else { noise.vector(pattern.rows.len()) };
+                let values = if case % 2 == 1 { weak(&mut noise, &pattern) } else { noise.vector(pattern.rows.len()) };
                 let condition = condition(&pattern, &values);
                 if condition > 1e7 {
                     continue;

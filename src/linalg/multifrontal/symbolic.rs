@@ -298,7 +298,9 @@ impl Symbolic {
         Analysis {
             flops: fronts().map(|front| elimination_flops(front.pivots, front.size())).sum(),
             entries: fronts().map(|front| factor_entries(front.pivots, front.size())).sum(),
-            bytes: size_of::<f64>() * (fronts().map(Front::storage).sum::<usize>() + self.small_storage()) + waiting + indices,
+            bytes: size_of::<f64>() * (fronts().map(Front::storage).sum::<usize>() + self.small_storage())
+                + waiting
+                + indices,
             fronts: self.fronts.len(),
             largest_front: fronts().map(Front::size).max().unwrap_or(0),
         }
