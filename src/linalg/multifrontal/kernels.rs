@@ -159,21 +159,21 @@ impl Kernel for TransposedProduct<'_> {
             let left = [a.column(row), a.column(row + 1), a.column(row + 2)];
             let mut column = 0;
             while column + 2 <= columns {
-                let sums = dots::<FUSED, 3, 2>(left, [b.column(column), b.column(column + 1)]);
+                let sums = dots::<FUSED, false, 3, 2>(left, [b.column(column), b.column(column + 1)], 0);
                 for w in 0..2 {
                     c.column_mut(column + w)[row..row + 3].iter_mut().zip(&sums[w]).for_each(|(c, sum)| *c -= sum);
                 }
                 column += 2;
             }
             if column < columns {
-                let [sums] = dots::<FUSED, 3, 1>(left, [b.column(column)]);
+                let [sums] = dots::<FUSED, false, 3, 1>(left, [b.column(column)], 0);
                 c.column_mut(column)[row..row + 3].iter_mut().zip(&sums).for_each(|(c, sum)| *c -= sum);
             }
             row += 3;
         }
         for row in row..rows {
             for column in 0..columns {
-                let [[sum]] = dots::<FUSED, 1, 1>([a.column(row)], [b.column(column)]);
+                let [[sum]] = dots::<FUSED, false, 1, 1>([a.column(row)], [b.column(column)], 0);
                 c.column_mut(column)[row] -= sum;
             }
         }
@@ -205,24 +205,10 @@ unsafe fn add_products<const FUSED: bool, const H: usize>(
     }
 }
 
-/// Sums of products of each of some vectors with one or two others, all of one length, in lanes: each sum has the bits that it has alone.
+/// Sums of products of each of some vectors with one or two others, all of one length, in lanes: each sum has the bits that it has alone. Of columns
+/// of factors in memory, with `AHEAD`, asks for the numbers that stand `ahead` of those of `a`.
 #[inline(always)]
-pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b: [&[f64]; W]) -> [[f64; H]; W] {
-    dots_of::<FUSED, false, H, W>(a, b, 0)
-}
-
-/// The same for columns of factors in memory: asks for the numbers that stand `ahead` of those of `a`.
-#[inline(always)]
-pub fn dots_ahead<const FUSED: bool, const H: usize, const W: usize>(
-    a: [&[f64]; H],
-    b: [&[f64]; W],
-    ahead: isize,
-) -> [[f64; H]; W] {
-    dots_of::<FUSED, true, H, W>(a, b, ahead)
-}
-
-#[inline(always)]
-fn dots_of<const FUSED: bool, const AHEAD: bool, const H: usize, const W: usize>(
+pub fn dots<const FUSED: bool, const AHEAD: bool, const H: usize, const W: usize>(
     a: [&[f64]; H],
     b: [&[f64]; W],
     ahead: isize,

@@ -5,7 +5,7 @@
 
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
-    dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
+    dots, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
     subtract_product, subtract_transposed_product,
 };
 use super::matrix_view::{MatrixView, MatrixViewMut};
@@ -489,7 +489,7 @@ impl OnColumns for ForwardTransposed<'_> {
             // those before the strip, then those in it
             let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
             let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][..first]);
-            let sums = dots_ahead::<FUSED, STRIP, W>(columns.map(|column| &column[..first]), known, ahead(lower));
+            let sums = dots::<FUSED, true, STRIP, W>(columns.map(|column| &column[..first]), known, ahead(lower));
             for w in 0..W {
                 for p in 0..strip {
                     let mut value = x[w][first + p] - sums[w][p];
@@ -515,14 +515,14 @@ impl OnColumns for ForwardTransposed<'_> {
         let count = left + upper.columns();
         let mut index = 0;
         while index + STRIP <= count {
-            let sums = dots_ahead::<FUSED, STRIP, W>(std::array::from_fn(|p| column(index + p)), own, ahead(upper));
+            let sums = dots::<FUSED, true, STRIP, W>(std::array::from_fn(|p| column(index + p)), own, ahead(upper));
             for w in 0..W {
                 rest[w][index..index + STRIP].iter_mut().zip(sums[w]).for_each(|(value, sum)| *value -= sum);
             }
             index += STRIP;
         }
         while index < count {
-            let sums = dots::<FUSED, 1, W>([column(index)], own);
+            let sums = dots::<FUSED, false, 1, W>([column(index)], own, 0);
             (0..W).for_each(|w| rest[w][index] -= sums[w][0]);
             index += 1;
         }
@@ -546,7 +546,7 @@ impl OnColumns for BackwardTransposed<'_> {
             // those behind the strip, then those in it
             let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
             let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][end..]);
-            let sums = dots_ahead::<FUSED, STRIP, W>(columns.map(|column| &column[end..]), known, -ahead(lower));
+            let sums = dots::<FUSED, true, STRIP, W>(columns.map(|column| &column[end..]), known, -ahead(lower));
             for w in 0..W {
                 for p in (0..strip).rev() {
                     let mut value = x[w][first + p] - sums[w][p];
