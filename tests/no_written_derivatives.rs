@@ -74,7 +74,6 @@ const OTHERS: [(&str, &str, &str); 50] = [
         "parts of J^T x = b",
     ),
     ("linalg/multifrontal/graph.rs", "transposed", "the pattern of J^T"),
-    ("linalg/multifrontal/test_matrices.rs", "transposed", "the matrix of a test"),
     ("design/mod.rs", "gradient tangent", "by the programs of the recorded map"),
     ("integrators/amplitudes.rs", "solve_transposed", "P^T x = b of complex amplitudes"),
     ("sensitivity/mode_gradients.rs", "gradients", "of values of modes, by the programs of products in complex numbers"),
