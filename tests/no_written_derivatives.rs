@@ -43,7 +43,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 50] = [
+const OTHERS: [(&str, &str, &str); 49] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -74,7 +74,6 @@ const OTHERS: [(&str, &str, &str); 50] = [
         "parts of J^T x = b",
     ),
     ("linalg/multifrontal/graph.rs", "transposed", "the pattern of J^T"),
-    ("linalg/multifrontal/test_matrices.rs", "transposed", "the matrix of a test"),
     ("design/mod.rs", "gradient tangent", "by the programs of the recorded map"),
     ("integrators/amplitudes.rs", "solve_transposed", "P^T x = b of complex amplitudes"),
     ("sensitivity/mode_gradients.rs", "gradients", "of values of modes, by the programs of products in complex numbers"),

@@ -1,11 +1,10 @@
 //! Passes over a matrix whose columns come in groups with the same rows, as those of a node's unknowns: what belongs to
-//! the rows is fetched once for a group, and its columns are worked on in vectors.
+//! the rows is fetched once for a group.
 
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::SparsePattern;
-use super::vectors::{Instructions, Vector, VectorKernel, dispatch_vectors};
+use super::{Kernel, SparsePattern, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,7 +20,7 @@ pub fn is_shared_by_threads(entries: usize) -> bool {
 }
 
 /// Most rows whose numbers are fetched for a group.
-pub const FETCHED: usize = 64;
+const FETCHED: usize = 64;
 
 /// The columns of a pattern in groups that follow each other and have the same rows.
 pub struct ColumnGroups {
@@ -34,18 +33,10 @@ impl ColumnGroups {
     /// Of a pattern.
     pub fn new(pattern: Arc<SparsePattern>) -> Self {
         let n = pattern.size;
-        assert!(pattern.rows.iter().all(|&row| (row as usize) < n), "rows of a pattern of size {n}");
-        assert!(pattern.column_starts.len() == n + 1 && pattern.column_starts.is_sorted());
-        assert_eq!(pattern.column_starts.last(), Some(&pattern.rows.len()), "entries of a pattern");
         let rows_of = |column: usize| &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
         let begins = |&column: &usize| column == 0 || rows_of(column) != rows_of(column - 1);
         let starts = (0..n).filter(begins).chain([n]).map(|column| column as u32).collect();
         ColumnGroups { pattern, starts }
-    }
-
-    /// Number of the group of a column.
-    pub fn of(&self, column: u32) -> usize {
-        self.starts.partition_point(|&start| start <= column)
     }
 
     /// Groups of which something holds that depends on their columns and rows, in ranges.
@@ -74,7 +65,7 @@ impl ColumnGroups {
     /// Multiplies values of some groups by scales of their rows and columns, on all threads where they are many.
     pub fn scale(&self, groups: &[Range<usize>], values: &[f64], rows: &[f64], columns: &[f64], scaled: &mut [f64]) {
         let scale = |(numbers, scaled): (Range<usize>, &mut [f64])| {
-            dispatch_vectors(Scale { groups: self, numbers, values, rows, columns, scaled });
+            dispatch(Scale { groups: self, numbers, values, rows, columns, scaled });
         };
         if !is_shared_by_threads(values.len()) {
             let places = |groups: &Range<usize>| self.entries(groups.start)..self.entries(groups.end);
@@ -110,18 +101,6 @@ pub fn ranges_where(count: usize, holds: impl Fn(usize) -> bool) -> Vec<Range<us
     ranges
 }
 
-/// The numbers of some rows.
-///
-/// # Safety
-/// There is one for each row.
-#[inline(always)]
-pub unsafe fn fetch(numbers: &[f64], rows: &[u32], fetched: &mut [f64; FETCHED]) {
-    for (fetched, &row) in fetched.iter_mut().zip(rows) {
-        // SAFETY: promised by the caller.
-        *fetched = unsafe { *numbers.get_unchecked(row as usize) };
-    }
-}
-
 /// Scales values.
 struct Scale<'s> {
     groups: &'s ColumnGroups,
@@ -133,120 +112,34 @@ struct Scale<'s> {
     scaled: &'s mut [f64],
 }
 
-impl VectorKernel for Scale<'_> {
+impl Kernel for Scale<'_> {
     type Output = ();
     #[inline(always)]
-    fn run<I: Instructions>(self) {
+    fn run<const FUSED: bool>(self) {
         let Scale { groups, numbers, values, rows: row_scales, columns, scaled } = self;
         let ColumnGroups { pattern, starts } = groups;
         let origin = groups.entries(numbers.start);
-        assert!(row_scales.len() == pattern.size && columns.len() == pattern.size, "scales of a matrix");
-        assert!(values.len() == pattern.rows.len(), "values and entries of the pattern");
-        assert!(origin + scaled.len() == groups.entries(numbers.end), "entries of groups");
-        let mut scales = [0.0; FETCHED];
+        let mut fetched = [0.0; FETCHED];
         for bounds in starts[numbers.start..=numbers.end].windows(2) {
             let (first, end) = (bounds[0] as usize, bounds[1] as usize);
             let mut place = pattern.column_starts[first];
             let rows = &pattern.rows[place..pattern.column_starts[first + 1]];
-            assert!(place + (end - first) * rows.len() <= origin + scaled.len(), "entries of columns with the same rows");
             if rows.len() <= FETCHED {
-                // SAFETY: a scale for each row; rows of the pattern are below its size.
-                unsafe { fetch(row_scales, rows, &mut scales) };
+                fetched.iter_mut().zip(rows).for_each(|(fetched, &row)| *fetched = row_scales[row as usize]);
             }
             for &column in &columns[first..end] {
+                let values = &values[place..][..rows.len()];
+                let scaled = &mut scaled[place - origin..][..rows.len()];
                 if rows.len() <= FETCHED {
-                    // SAFETY: so many scales and values, as was asserted.
-                    unsafe {
-                        let (values, scaled) = (values.as_ptr().add(place), scaled.as_mut_ptr().add(place - origin));
-                        scale_column::<I>(values, scales.as_ptr(), column, scaled, rows.len());
+                    for row in 0..rows.len() {
+                        scaled[row] = values[row] * (fetched[row] * column);
                     }
                 } else {
-                    for (offset, &row) in rows.iter().enumerate() {
-                        scaled[place - origin + offset] = values[place + offset] * (row_scales[row as usize] * column);
+                    for (row, &unknown) in rows.iter().enumerate() {
+                        scaled[row] = values[row] * (row_scales[unknown as usize] * column);
                     }
                 }
                 place += rows.len();
-            }
-        }
-    }
-}
-
-/// scaled = values (factors scale)
-///
-/// # Safety
-/// There are `length` of each.
-#[inline(always)]
-unsafe fn scale_column<I: Instructions>(
-    values: *const f64,
-    factors: *const f64,
-    scale: f64,
-    scaled: *mut f64,
-    length: usize,
-) {
-    #[inline(always)]
-    unsafe fn part<V: Vector>(values: *const f64, factors: *const f64, scale: V, scaled: *mut f64) {
-        // SAFETY: promised by the caller.
-        unsafe { V::load(values).times(V::load(factors).times(scale)).store(scaled) }
-    }
-    let (eight, four) = (I::Eight::LANES, I::Four::LANES);
-    // SAFETY: the last parts begin so many numbers before the end.
-    unsafe {
-        if length >= eight {
-            let scale = I::Eight::splat(scale);
-            let mut first = 0;
-            while first + eight < length {
-                part(values.add(first), factors.add(first), scale, scaled.add(first));
-                first += eight;
-            }
-            let last = length - eight;
-            part(values.add(last), factors.add(last), scale, scaled.add(last));
-        } else if length >= four {
-            let (scale, last) = (I::Four::splat(scale), length - four);
-            part(values, factors, scale, scaled);
-            part(values.add(last), factors.add(last), scale, scaled.add(last));
-        } else {
-            for place in 0..length {
-                *scaled.add(place) = *values.add(place) * (*factors.add(place) * scale);
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_of_every_length_are_scaled() {
-        let number = |i: usize| (1.0 + i as f64 * 2.3).sin();
-        // groups of one to three columns with up to 70 rows
-        let size = 80;
-        let lengths = [1, 2, 3, 4, 5, 7, 8, 9, 12, 16, 17, 40, 63, 64, 65, 70];
-        let rows = |column: usize| (0..lengths[column / 3 % lengths.len()]).map(move |k| (k * 7 + column / 3) % size);
-        let entries = (0..size).flat_map(|column| rows(column).map(move |row| (column, row))).collect();
-        let pattern = Arc::new(SparsePattern::from_entries(size, entries));
-        let groups = ColumnGroups::new(pattern.clone());
-        let values: Vec<f64> = (0..pattern.rows.len()).map(number).collect();
-        let scales = |offset: usize| (0..size).map(|i| number(i + offset)).collect::<Vec<f64>>();
-        let (row_scales, column_scales) = (scales(3), scales(5));
-        let mut scaled = vec![0.0; values.len()];
-        // all of them, and those with a row
-        let chosen = groups.chosen(|_, rows| rows.contains(&7));
-        assert!(chosen.len() > 3 && chosen.iter().map(Range::len).sum::<usize>() < groups.all().len());
-        let mut some = scaled.clone();
-        groups.scale(&chosen, &values, &row_scales, &column_scales, &mut some);
-        groups.scale(&[groups.all()], &values, &row_scales, &column_scales, &mut scaled);
-        for number in groups.all() {
-            let own = groups.entries(number)..groups.entries(number + 1);
-            let is_chosen = chosen.iter().any(|chosen| chosen.contains(&number));
-            assert!(some[own.clone()].iter().zip(&scaled[own]).all(|(a, b)| *a == if is_chosen { *b } else { 0.0 }));
-        }
-        for column in 0..size {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                assert_eq!(
-                    scaled[place],
-                    values[place] * (row_scales[pattern.rows[place] as usize] * column_scales[column])
-                );
             }
         }
     }

@@ -1,10 +1,8 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::multifrontal::{
-    Inertia, MatrixView, MatrixViewMut, Target, dense_shifted_inertia, known_signs, largest, solve_unit_lower,
-    subtract_columns, subtract_multiple, subtract_product,
-};
+use super::multifrontal::pivots::{PANEL, SMALL, STRIP, TINY_PIVOT, eliminate_column, subtract_few, subtract_pivots};
+use super::multifrontal::{Inertia, MultifrontalLu, largest};
 use super::simd::{Kernel, dispatch};
 use super::{LinearSolver, Singular};
 use crate::linalg::SparsePattern;
@@ -19,15 +17,6 @@ pub struct DenseLu {
     rows: Vec<usize>,
     permuted: Vec<f64>,
 }
-
-/// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
-const TINY_PIVOT: f64 = 1e-14;
-/// Columns that are eliminated before those behind them are changed.
-const PANEL: usize = 32;
-/// Columns that are eliminated one by one before the rest of their panel is changed.
-const STRIP: usize = 4;
-/// Unknowns up to which all columns of a panel are changed one by one.
-const SMALL: usize = 64;
 
 impl DenseLu {
     /// Workspace for a pattern.
@@ -48,12 +37,7 @@ impl DenseLu {
         for first in (0..n).step_by(PANEL) {
             let panel = first..(first + PANEL).min(n);
             dispatch(Panel { lu: &mut self.lu, rows: &mut self.rows, size: n, columns: panel.clone() });
-            let (done, rest) = self.lu.split_at_mut(panel.end * n);
-            let done = MatrixView::new(done, n, panel.end);
-            let (_, rest) = MatrixViewMut::new(rest, n, n - panel.end).split_rows(first);
-            let (mut upper, lower) = rest.split_rows(panel.len());
-            solve_unit_lower(done.block(panel.clone(), panel.clone()), upper.reborrow(), 1);
-            subtract_product(lower, Target::Reduced, done.block(panel.end..n, panel), upper.as_view(), 1);
+            subtract_pivots(&mut self.lu, n, panel.clone(), panel.end, 1);
         }
     }
 
@@ -88,10 +72,7 @@ impl LinearSolver for DenseLu {
     }
 
     fn inertia(&self, values: &[f64], known: usize) -> Inertia {
-        let n = self.pattern.size;
-        let mut matrix = vec![0.0; n * n];
-        self.pattern.spread(values, &mut matrix);
-        known_signs(n, known, |shift| dense_shifted_inertia(matrix.clone(), n, shift))
+        MultifrontalLu::new(&self.pattern, 1).inertia(values, known)
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
@@ -156,23 +137,10 @@ impl Kernel for Panel<'_> {
                     rows.swap(pivot, row);
                     lu.chunks_exact_mut(size).for_each(|column| column.swap(pivot, row));
                 }
-                let inverse = 1.0 / lu[pivot * size + pivot];
-                let (done, rest) = lu[..strip.end * size].split_at_mut((pivot + 1) * size);
-                let below = &mut done[pivot * size + pivot + 1..];
-                below.iter_mut().for_each(|value| *value *= inverse);
-                for column in rest.chunks_exact_mut(size) {
-                    subtract_multiple::<FUSED>(below, column[pivot], &mut column[pivot + 1..]);
-                }
+                eliminate_column::<FUSED>(&mut lu[..strip.end * size], size, pivot);
             }
-            let (done, rest) = lu[..columns.end * size].split_at_mut(strip.end * size);
-            for column in rest.chunks_exact_mut(size) {
-                let (upper, lower) = column[first..].split_at_mut(strip.len());
-                for (p, pivot) in strip.clone().enumerate() {
-                    let known = upper[p];
-                    let l = &done[pivot * size + pivot + 1..];
-                    upper[p + 1..].iter_mut().zip(l).for_each(|(value, l)| *value -= l * known);
-                }
-                subtract_columns::<FUSED>(&done[first * size + strip.end..], size, upper, lower);
+            for column in strip.end..columns.end {
+                subtract_few::<FUSED>(lu, size, strip.clone(), column);
             }
         }
     }

@@ -87,9 +87,10 @@ pub struct Work {
     pub fill: usize,
 }
 
-fn work_of(solver: &MultifrontalLu) -> Work {
-    let analysis = solver.analysis();
-    Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries }
+/// Of a solver that nobody shares.
+fn plan(pattern: &SparsePattern, backend: Backend, work: Work) -> SolverPlan {
+    let (unknowns, entries) = (pattern.size, pattern.rows.len());
+    SolverPlan { backend, unknowns, entries, work: Some(work), ranks: 1, ordering: None }
 }
 
 /// Largest number of unknowns of a small system: above, what the tree of fronts saves is more than it costs.
@@ -174,34 +175,25 @@ impl Factorization {
     /// [`Singular`] if no values could make the pattern regular.
     pub fn new(pattern: &Arc<SparsePattern>, backend: Backend) -> Result<Self, Singular> {
         let n = pattern.size;
-        let of_dense = (n as f64).powi(3) / 3.0;
-        let dense = || {
-            let work = Work { multiplications: of_dense, fill: n * n };
-            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense, (1, None, None), None)
-        };
-        let multifrontal = || {
-            let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
-            let work = work_of(&solver);
-            let ranks = (solver.ranks(), solver.own_unknowns().map(Arc::new), solver.thread_owners().map(Arc::new));
-            (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal, ranks, None)
-        };
-        let (solver, work, backend, (ranks, own, threads), ordering) = match backend {
-            Backend::Dense => dense(),
+        Ok(match backend {
             #[cfg(feature = "mumps")]
             Backend::Mumps => {
-                let solver = MumpsLu::new(pattern, MultifrontalLu::new(pattern, &[], 1))?;
+                let solver = MumpsLu::new(pattern, MultifrontalLu::new(pattern, 1))?;
                 let work = Work { multiplications: 0.5 * solver.operations(), fill: solver.entries() as usize };
-                let ranks = solver.own().ranks();
-                let own = solver.own().own_unknowns().map(Arc::new);
-                let ordering = Some(solver.ordering());
-                (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Mumps, (ranks, own, None), ordering)
+                let (ranks, own) = (solver.own().ranks(), solver.own().own_unknowns().map(Arc::new));
+                let plan = SolverPlan { ranks, ordering: Some(solver.ordering()), ..plan(pattern, backend, work) };
+                let scaling = Scaling::new(pattern.clone(), own.as_deref());
+                Self::of(Box::new(solver), plan, pattern.clone(), scaling, (own, None))
             }
-            Backend::Automatic if n <= SMALL => dense(),
-            Backend::Multifrontal | Backend::Automatic => multifrontal(),
-        };
-        let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work, ranks, ordering };
-        let scaling = Scaling::new(pattern.clone(), own.as_deref());
-        Ok(Self { own, threads, ..Self::of(solver, plan, pattern.clone(), scaling) })
+            Backend::Multifrontal | Backend::Automatic if n > SMALL || backend == Backend::Multifrontal => {
+                Self::of_multifrontal(MultifrontalLu::new(pattern, rayon::current_num_threads()), pattern)
+            }
+            _ => {
+                let work = Work { multiplications: (n as f64).powi(3) / 3.0, fill: n * n };
+                let (solver, scaling) = (Box::new(DenseLu::new(pattern)), Scaling::new(pattern.clone(), None));
+                Self::of(solver, plan(pattern, Backend::Dense, work), pattern.clone(), scaling, (None, None))
+            }
+        })
     }
 
     /// The same for matrices that may be nearly singular: inverse iterations want them so.
@@ -209,23 +201,25 @@ impl Factorization {
         Factorization { examines: false, ..self }
     }
 
-    /// Shared by ranks, whatever its size.
-    #[cfg(test)]
-    pub(super) fn on(pattern: &Arc<SparsePattern>, world: &'static dyn crate::exchange::Exchange) -> Self {
-        let solver = MultifrontalLu::on(pattern, world);
-        let own = solver.own_unknowns().map(Arc::new);
-        let (unknowns, entries) = (pattern.size, pattern.rows.len());
-        let work = Some(work_of(&solver));
-        let plan =
-            SolverPlan { backend: Backend::Multifrontal, unknowns, entries, work, ranks: world.ranks(), ordering: None };
+    pub(super) fn of_multifrontal(solver: MultifrontalLu, pattern: &Arc<SparsePattern>) -> Self {
+        let analysis = solver.analysis();
+        let work = Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries };
+        let plan = SolverPlan { ranks: solver.ranks(), ..plan(pattern, Backend::Multifrontal, work) };
+        let (own, threads) = (solver.own_unknowns().map(Arc::new), solver.thread_owners().map(Arc::new));
         let scaling = Scaling::new(pattern.clone(), own.as_deref());
-        Self { own, ..Self::of(Box::new(solver), plan, pattern.clone(), scaling) }
+        Self::of(Box::new(solver), plan, pattern.clone(), scaling, (own, threads))
     }
 
-    fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>, scaling: Scaling) -> Self {
+    fn of(
+        solver: Box<dyn LinearSolver>,
+        plan: SolverPlan,
+        pattern: Arc<SparsePattern>,
+        scaling: Scaling,
+        (own, threads): (Option<Arc<OwnUnknowns>>, Option<Arc<Owners>>),
+    ) -> Self {
         Factorization {
-            own: None,
-            threads: None,
+            own,
+            threads,
             plan,
             solver,
             scaled: Vec::new(),
@@ -250,8 +244,8 @@ impl Factorization {
     /// As for [`Factorization::new`].
     pub fn clone_analysis(&self) -> Result<Self, Singular> {
         let Some(solver) = self.solver.clone_analysis() else { return Factorization::new(&self.pattern, self.plan.backend) };
-        let clone = Self::of(solver, self.plan, self.pattern.clone(), self.scaling.clone_analysis());
-        Ok(Self { own: self.own.clone(), threads: self.threads.clone(), ..clone })
+        let owners = (self.own.clone(), self.threads.clone());
+        Ok(Self::of(solver, self.plan, self.pattern.clone(), self.scaling.clone_analysis(), owners))
     }
 
     /// Factors values given in the order of the pattern; the first ones are examined for singularity.
@@ -638,24 +632,8 @@ impl Kernel for Correction<'_> {
     type Output = [f64; 2];
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> [f64; 2] {
-        const BLOCK: usize = 8;
-        let larger = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
-        let [mut of_x, mut of_change] = [[0.0; BLOCK]; 2];
-        let (blocks, last) = self.x.as_chunks_mut::<BLOCK>();
-        let (changes, last_changes) = self.change.as_chunks::<BLOCK>();
-        for (x, change) in blocks.iter_mut().zip(changes) {
-            for i in 0..BLOCK {
-                x[i] += change[i];
-                of_x[i] = larger(of_x[i], x[i]);
-                of_change[i] = larger(of_change[i], change[i]);
-            }
-        }
-        for (x, change) in last.iter_mut().zip(last_changes) {
-            *x += change;
-            of_x[0] = larger(of_x[0], *x);
-            of_change[0] = larger(of_change[0], *change);
-        }
-        [of_x, of_change].map(|all| all.into_iter().fold(0.0, larger))
+        self.x.iter_mut().zip(self.change).for_each(|(x, change)| *x += change);
+        [largest(self.x), largest(self.change)]
     }
 }
 

@@ -118,7 +118,7 @@ impl OwnUnknowns {
 #[cfg(test)]
 mod tests {
     use super::super::multifrontal::test_matrices::{Noise, chain, dominant, random_pattern, shell};
-    use super::super::{Factorization, Singular};
+    use super::super::{Factorization, MultifrontalLu, Singular};
     use super::*;
     use crate::exchange::on_ranks;
     use std::sync::Arc;
@@ -180,12 +180,13 @@ mod tests {
             }
             let other: Vec<f64> = values.iter().map(|value| value * 1.000_000_1).collect();
             let pattern = Arc::new(pattern);
-            let alone = |world| bits(&mut Factorization::on(&pattern, world), (&values, &other, &b), Factorization::factor);
+            let on = |world| Factorization::of_multifrontal(MultifrontalLu::on(&pattern, world), &pattern);
+            let alone = |world| bits(&mut on(world), (&values, &other, &b), Factorization::factor);
             let expected = on_ranks(1, alone).remove(0);
             failed += usize::from(expected.is_err());
             for ranks in 2..=4 {
                 let given = on_ranks(ranks, |world| {
-                    let mut shared = Factorization::on(&pattern, world);
+                    let mut shared = on(world);
                     let own = shared.own_unknowns().cloned().expect("ranks");
                     let [values, other] = [&values, &other].map(|all| of_rank(world.rank(), &own, &pattern, all));
                     let factor = |shared: &mut Factorization, values: &[f64]| shared.factor_own(&mut values.to_vec(), 1.0);

@@ -3,9 +3,9 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::column_groups::{ColumnGroups, FETCHED, fetch};
-use super::vectors::{Instructions, Vector, VectorKernel, dispatch_vectors};
-use super::{OwnUnknowns, SparsePattern};
+use super::column_groups::ColumnGroups;
+use super::multifrontal::largest;
+use super::{Kernel, OwnUnknowns, SparsePattern, dispatch};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -25,9 +25,6 @@ const NO_TIE: f64 = 1e-10;
 /// Place of a diagonal entry that is not in the pattern.
 const NO_PLACE: u32 = u32::MAX;
 
-/// Rows of weak unknowns that are looked at together.
-const ROWS: usize = 4;
-
 /// Powers of two that bring the diagonal near 1 where there is one, and the rows and columns of multipliers to its
 /// scale.
 ///
@@ -44,11 +41,6 @@ pub struct Scaling {
     /// Places and columns of the entries in their rows, and where those of each begin.
     weak_entries: Vec<(u32, u32)>,
     weak_starts: Vec<u32>,
-    /// Numbers of weak unknowns each of whose rows has the entries of the first one, one place further for each row:
-    /// first and end.
-    weak_rows: Vec<[u32; 2]>,
-    /// Numbers of weak unknowns whose columns have the same rows: first and end.
-    weak_columns: Vec<[u32; 2]>,
     /// Workspace: rows, places and columns while they are sorted, and strengths of ties with the numbers of weak
     /// unknowns.
     listed: Vec<(u32, u32, u32)>,
@@ -91,8 +83,6 @@ impl Scaling {
             weak: Vec::new(),
             weak_entries: Vec::new(),
             weak_starts: vec![0],
-            weak_rows: Vec::new(),
-            weak_columns: Vec::new(),
             listed: Vec::new(),
             order: Vec::new(),
             is_mixed: false,
@@ -135,22 +125,44 @@ impl Scaling {
         self.scale_weak(values, refined_scaling);
     }
 
-    /// Returns whether unknowns without a scale by their diagonal are those that are listed.
-    fn scale_by_diagonals(&mut self, values: &[f64], largest: f64) -> bool {
-        let size = self.pattern.size;
-        [&mut self.rows, &mut self.columns].into_iter().for_each(|scales| scales.resize(size, 1.0));
-        dispatch_vectors(ByDiagonals { scaling: self, values, largest })
+    /// Scales unknowns by their diagonal entries, those without with zero; returns whether these are the ones that are listed.
+    fn scale_by_diagonals(&mut self, values: &[f64], largest_value: f64) -> bool {
+        let Scaling { pattern, rows, columns, layout, weak, .. } = self;
+        assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
+        [&mut *rows, &mut *columns].into_iter().for_each(|scales| scales.resize(pattern.size, 1.0));
+        // what is large enough beside all values is so beside those of its column
+        let surely_large = SMALL_DIAGONAL * largest_value;
+        let (mut next, mut same) = (0, true);
+        for (unknown, (&place, (row, column))) in layout.diagonal.iter().zip(rows.iter_mut().zip(columns)).enumerate() {
+            let diagonal = if let Some(value) = values.get(place as usize) { value.abs() } else { 0.0 };
+            let own = || &values[pattern.column_starts[unknown]..pattern.column_starts[unknown + 1]];
+            let scale = if diagonal > surely_large || diagonal > 0.0 && diagonal > SMALL_DIAGONAL * largest(own()) {
+                inverse_power_of_root(diagonal)
+            } else {
+                same &= weak.get(next) == Some(&(unknown as u32));
+                next += 1;
+                0.0
+            };
+            (*row, *column) = (scale, scale);
+        }
+        same && next == weak.len()
     }
 
+    /// Scales the rows of weak unknowns against the unknowns that are scaled, then their columns.
     fn scale_weak(&mut self, values: &[f64], refined_scaling: bool) {
         if !refined_scaling {
             // listed once as a rule
             self.listed = Vec::new();
         }
         if self.is_mixed {
-            self.scale_mixed(values);
-        } else {
-            dispatch_vectors(ByNeighbours { scaling: self, values });
+            return self.scale_mixed(values);
+        }
+        for number in 0..self.weak.len() {
+            self.rows[self.weak[number] as usize] = inverse_power(self.row_size(number, values));
+        }
+        for number in 0..self.weak.len() {
+            let unknown = self.weak[number] as usize;
+            self.columns[unknown] = inverse_power(self.column_size(unknown, values));
         }
     }
 
@@ -283,238 +295,27 @@ impl Scaling {
         self.weak_starts.clear();
         self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len() as u32]));
         self.listed = entries;
-        self.group_weak();
         self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.columns[column as usize] == 0.0);
-    }
-}
-
-impl Scaling {
-    /// Finds weak unknowns whose rows, or columns, are looked at together.
-    fn group_weak(&mut self) {
-        let Scaling { pattern, layout, weak, weak_entries, weak_starts, weak_rows, weak_columns, .. } = self;
-        let entries = |number: u32| {
-            let number = number as usize;
-            &weak_entries[weak_starts[number] as usize..weak_starts[number + 1] as usize]
-        };
-        let group = |number: u32| layout.groups.of(weak[number as usize]);
-        weak_rows.clear();
-        weak_columns.clear();
-        for number in 0..weak.len() as u32 {
-            let same_rows = |&[first, end]: &[u32; 2]| {
-                let distance = end - first;
-                let shifted = |(a, b): (&(u32, u32), &(u32, u32))| b.0 == a.0 + distance && b.1 == a.1;
-                let (former, own) = (entries(first), entries(number));
-                (distance as usize) < ROWS && former.len() == own.len() && former.iter().zip(own).all(shifted)
-            };
-            match weak_rows.last_mut().filter(|former| same_rows(former)) {
-                Some(former) => former[1] += 1,
-                None => weak_rows.push([number, number + 1]),
-            }
-            match weak_columns.last_mut().filter(|former| group(former[0]) == group(number)) {
-                Some(former) => former[1] += 1,
-                None => weak_columns.push([number, number + 1]),
-            }
-        }
-        assert!(
-            weak_entries
-                .iter()
-                .all(|&(place, column)| { (place as usize) < pattern.rows.len() && (column as usize) < pattern.size })
-        );
     }
 }
 
 /// The largest absolute value, if all are numbers.
 pub fn largest_finite(values: &[f64]) -> Option<f64> {
-    dispatch_vectors(LargestFinite(values))
+    dispatch(LargestFinite(values))
 }
 
 struct LargestFinite<'v>(&'v [f64]);
 
-impl VectorKernel for LargestFinite<'_> {
+impl Kernel for LargestFinite<'_> {
     type Output = Option<f64>;
     #[inline(always)]
-    fn run<I: Instructions>(self) -> Option<f64> {
-        // all are looked at, several at a time: 0 times each is zero, or not a number
-        let zero = I::Eight::splat(0.0);
-        let (mut zeros, mut most) = (zero, zero);
-        let (chunks, rest) = self.0.as_chunks::<8>();
-        for chunk in chunks {
-            // SAFETY: so many numbers.
-            let chunk = unsafe { I::Eight::load(chunk.as_ptr()) };
-            zeros = zeros.minus_product(chunk, zero);
-            most = chunk.absolute().larger(most);
+    fn run<const FUSED: bool>(self) -> Option<f64> {
+        // bits of positive numbers are in their order, before those of what is none
+        let mut most = 0;
+        for value in self.0 {
+            most = most.max(value.abs().to_bits());
         }
-        let (mut zeros, mut most) = (zeros.sum(), most.largest());
-        for value in rest {
-            zeros += 0.0 * value;
-            most = larger_number(most, value.abs());
-        }
-        (zeros == 0.0).then_some(most)
-    }
-}
-
-/// Scales unknowns by their diagonal entries, those without with zero; returns whether these are the ones that are
-/// listed.
-struct ByDiagonals<'s> {
-    scaling: &'s mut Scaling,
-    values: &'s [f64],
-    largest: f64,
-}
-
-impl VectorKernel for ByDiagonals<'_> {
-    type Output = bool;
-    #[inline(always)]
-    fn run<I: Instructions>(self) -> bool {
-        let Scaling { pattern, rows, columns, layout, weak, .. } = self.scaling;
-        let values = self.values;
-        assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
-        // what is large enough beside all values is so beside those of its column
-        let surely_large = SMALL_DIAGONAL * self.largest;
-        let (mut next, mut same) = (0, true);
-        for (unknown, (&place, (row, column))) in layout.diagonal.iter().zip(rows.iter_mut().zip(columns)).enumerate() {
-            let diagonal = if let Some(value) = values.get(place as usize) { value.abs() } else { 0.0 };
-            let is_large = diagonal > surely_large
-                || diagonal > 0.0 && {
-                    let (start, end) = (pattern.column_starts[unknown], pattern.column_starts[unknown + 1]);
-                    // SAFETY: entries of a column, as many as values.
-                    let largest =
-                        unsafe { largest_product::<I, false>(values.as_ptr().add(start), values.as_ptr(), end - start) };
-                    diagonal > SMALL_DIAGONAL * largest
-                };
-            let scale = if is_large {
-                inverse_power_of_root(diagonal)
-            } else {
-                same &= weak.get(next) == Some(&(unknown as u32));
-                next += 1;
-                0.0
-            };
-            (*row, *column) = (scale, scale);
-        }
-        same && next == weak.len()
-    }
-}
-
-/// Scales the rows of weak unknowns against the unknowns that are scaled, then their columns.
-struct ByNeighbours<'s> {
-    scaling: &'s mut Scaling,
-    values: &'s [f64],
-}
-
-impl VectorKernel for ByNeighbours<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<I: Instructions>(self) {
-        let ByNeighbours { scaling, values } = self;
-        let Scaling { pattern, rows, columns, weak, weak_entries, weak_starts, weak_rows, weak_columns, .. } = scaling;
-        assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
-        assert!(rows.len() == pattern.size && columns.len() == pattern.size, "scales of a matrix");
-        for &[first, end] in &*weak_rows {
-            let own = &weak_entries[weak_starts[first as usize] as usize..weak_starts[first as usize + 1] as usize];
-            let mut most = I::Four::splat(0.0);
-            for &(place, column) in own {
-                // SAFETY: places and columns of the pattern, as was asserted of the list; the numbers that are loaded
-                // are there.
-                unsafe {
-                    // those that do not belong to these rows are not used
-                    let four = if place as usize + ROWS <= values.len() {
-                        I::Four::load(values.as_ptr().add(place as usize))
-                    } else {
-                        I::Four::load(last_ones(&values[place as usize..]).as_ptr())
-                    };
-                    let scale = I::Four::splat(*columns.get_unchecked(column as usize));
-                    most = four.absolute().times(scale).larger(most);
-                }
-            }
-            let mut sizes = [0.0; ROWS];
-            // SAFETY: so many numbers.
-            unsafe { most.store(sizes.as_mut_ptr()) };
-            for (number, &unknown) in weak[first as usize..end as usize].iter().enumerate() {
-                rows[unknown as usize] = inverse_power(sizes[number]);
-            }
-        }
-        let mut scales = [0.0; FETCHED];
-        for &[first, end] in &*weak_columns {
-            let numbers = first as usize..end as usize;
-            let column = weak[first as usize] as usize;
-            let own = &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
-            if own.len() <= FETCHED {
-                // SAFETY: a scale for each row; rows of the pattern are below its size.
-                unsafe { fetch(rows, own, &mut scales) };
-            }
-            for &unknown in &weak[numbers] {
-                let unknown = unknown as usize;
-                let values = &values[pattern.column_starts[unknown]..pattern.column_starts[unknown + 1]];
-                let size = if own.len() <= FETCHED {
-                    assert_eq!(values.len(), own.len(), "entries of columns with the same rows");
-                    // SAFETY: as many scales as values.
-                    unsafe { largest_product::<I, true>(values.as_ptr(), scales.as_ptr(), values.len()) }
-                } else {
-                    let mut most = 0.0;
-                    for (value, &row) in values.iter().zip(own) {
-                        most = larger_number(most, value.abs() * rows[row as usize]);
-                    }
-                    most
-                };
-                columns[unknown] = inverse_power(size);
-            }
-        }
-    }
-}
-
-/// Fewer numbers than `ROWS`, and zeros.
-#[cold]
-#[inline(never)]
-fn last_ones(values: &[f64]) -> [f64; ROWS] {
-    std::array::from_fn(|row| values.get(row).copied().unwrap_or(0.0))
-}
-
-#[inline(always)]
-fn larger_number(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
-}
-
-/// Largest of absolute values, or of their products with factors, not counting what is not a number.
-///
-/// # Safety
-/// There are `length` values, and as many factors if they are used.
-#[inline(always)]
-unsafe fn largest_product<I: Instructions, const FACTORS: bool>(
-    values: *const f64,
-    factors: *const f64,
-    length: usize,
-) -> f64 {
-    #[inline(always)]
-    unsafe fn part<V: Vector, const FACTORS: bool>(values: *const f64, factors: *const f64, most: V) -> V {
-        // SAFETY: promised by the caller.
-        unsafe {
-            let sizes = V::load(values).absolute();
-            if FACTORS { sizes.times(V::load(factors)).larger(most) } else { sizes.larger(most) }
-        }
-    }
-    let (eight, four) = (I::Eight::LANES, I::Four::LANES);
-    // SAFETY: the last parts begin so many numbers before the end.
-    unsafe {
-        if length >= eight {
-            let mut most = I::Eight::splat(0.0);
-            let mut first = 0;
-            while first + eight < length {
-                most = part::<I::Eight, FACTORS>(values.add(first), factors.add(first), most);
-                first += eight;
-            }
-            let last = length - eight;
-            part::<I::Eight, FACTORS>(values.add(last), factors.add(last), most).largest()
-        } else if length >= four {
-            let most = part::<I::Four, FACTORS>(values, factors, I::Four::splat(0.0));
-            let last = length - four;
-            part::<I::Four, FACTORS>(values.add(last), factors.add(last), most).largest()
-        } else {
-            let mut most = 0.0;
-            for place in 0..length {
-                let factor = if FACTORS { *factors.add(place) } else { 1.0 };
-                most = larger_number(most, (*values.add(place)).abs() * factor);
-            }
-            most
-        }
+        Some(f64::from_bits(most)).filter(|most| most.is_finite())
     }
 }
 
@@ -537,28 +338,6 @@ fn inverse_power_of_root(size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_entry_of_round_off_ties_nothing() {
-        // a body of size 1, a multiplier that holds another one without a diagonal to it, and two that hold this one: the axis of its first
-        // unknown passes through the first multiplier but for round-off
-        let entries: [(usize, usize, f64); 8] =
-            [(0, 0, 1.0), (1, 0, 1.0), (1, 2, 1.7e-16), (1, 3, 2.0), (4, 2, -0.6), (4, 3, 1.9), (5, 2, -1.9), (5, 3, -0.6)];
-        let mirrored = entries.iter().flat_map(|&(row, column, value)| {
-            [(column, row, value), (row, column, value)].into_iter().take(if row == column { 1 } else { 2 })
-        });
-        let mirrored: Vec<(usize, usize, f64)> = mirrored.collect();
-        let pattern = SparsePattern::from_entries(6, mirrored.iter().map(|&(column, row, _)| (column, row)).collect());
-        let mut values = vec![0.0; pattern.rows.len()];
-        for &(column, row, value) in &mirrored {
-            values[pattern.position(row, column).expect("an entry")] = value;
-        }
-        let mut scaling = Scaling::new(Arc::new(pattern), None);
-        scaling.set(&values, 2.0, false);
-        for scale in scaling.rows.iter().chain(&scaling.columns) {
-            assert!((0.1..10.0).contains(scale), "{:?} {:?}", scaling.rows, scaling.columns);
-        }
-    }
 
     #[test]
     fn powers_are_those_below_a_number_and_below_its_root() {

@@ -1,5 +1,7 @@
 //! Wide vector instructions, where the processor has them.
 
+use super::vectors::{Instructions, VectorKernel, dispatch_vectors};
+
 /// Work on lists of numbers. What `run` calls gains only where it is inlined: mark it `#[inline(always)]`.
 pub trait Kernel {
     /// Its result.
@@ -11,18 +13,18 @@ pub trait Kernel {
 /// Runs a kernel, compiled for the widest vectors that this processor has.
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if has_avx512() {
-            // SAFETY: the processor has all instructions that the function is compiled for.
-            return unsafe { with_avx512(kernel) };
-        }
-        if has_avx2() {
-            // SAFETY: as above.
-            return unsafe { with_avx2(kernel) };
-        }
+    dispatch_vectors(AnyVectors(kernel))
+}
+
+/// A kernel of which the compiler makes the vectors.
+struct AnyVectors<K>(K);
+
+impl<K: Kernel> VectorKernel for AnyVectors<K> {
+    type Output = K::Output;
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> K::Output {
+        if I::FUSED { self.0.run::<true>() } else { self.0.run::<false>() }
     }
-    kernel.run::<false>()
 }
 
 /// Whether kernels have registers of four numbers.
@@ -46,18 +48,6 @@ pub fn has_avx512() -> bool {
     {
         false
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,fma")]
-fn with_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<true>()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn with_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<true>()
 }
 
 /// a b + c.

@@ -29,14 +29,6 @@ pub trait Vector: Copy {
     fn broadcast<const P: usize>(self) -> Self;
     /// The bits that are in a mask too, from memory; it has to have as many lanes.
     unsafe fn masked(self, mask: *const u64) -> Self;
-    /// Absolute values.
-    fn absolute(self) -> Self;
-    /// The larger numbers of lanes, those of `b` where a lane is not a number.
-    fn larger(self, b: Self) -> Self;
-    /// The largest lane.
-    fn largest(self) -> f64;
-    /// The sum of the lanes.
-    fn sum(self) -> f64;
 }
 
 /// A set of vector instructions.
@@ -49,6 +41,8 @@ pub trait Instructions {
     type Four: Vector;
     /// The rows of a matrix of four columns.
     fn transpose(columns: [Self::Four; 4]) -> [Self::Four; 4];
+    /// Largest absolute value in some vectors, not counting what is not a number.
+    fn largest<const N: usize>(x: &[Self::Four; N]) -> f64;
     /// a - b c, as the lanes of vectors.
     #[inline(always)]
     fn minus_product(a: f64, b: f64, c: f64) -> f64 {
@@ -92,7 +86,7 @@ thread_local! {
     pub static ONLY_PORTABLE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
-/// The sums of the lanes of four vectors of eight, each with the bits of [`Vector::sum`].
+/// The sums of the lanes of four vectors of eight, halves first.
 ///
 /// # Safety
 /// With `FUSED` it is part of a kernel with fused products, on a processor that has AVX2.
@@ -137,6 +131,11 @@ impl Instructions for Portable {
         }
         rows
     }
+    #[inline(always)]
+    fn largest<const N: usize>(x: &[Array<4>; N]) -> f64 {
+        let lanes = x.iter().flat_map(|x| x.0.map(f64::abs));
+        lanes.fold(0.0, |most, lane| if lane > most { lane } else { most })
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -180,31 +179,6 @@ impl<const N: usize> Vector for Array<N> {
         let mask: [u64; N] = unsafe { *mask.cast() };
         Array(std::array::from_fn(|lane| f64::from_bits(self.0[lane].to_bits() & mask[lane])))
     }
-    #[inline(always)]
-    fn absolute(self) -> Self {
-        Array(self.0.map(f64::abs))
-    }
-    #[inline(always)]
-    fn larger(self, b: Self) -> Self {
-        Array(std::array::from_fn(|lane| if self.0[lane] > b.0[lane] { self.0[lane] } else { b.0[lane] }))
-    }
-    #[inline(always)]
-    fn largest(self) -> f64 {
-        self.0.iter().fold(f64::NEG_INFINITY, |most, &lane| if lane > most { lane } else { most })
-    }
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        // halves first, as with registers
-        let mut lanes = self.0;
-        let mut width = N / 2;
-        while width > 0 {
-            for lane in 0..width {
-                lanes[lane] += lanes[lane + width];
-            }
-            width /= 2;
-        }
-        lanes[0]
-    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -239,6 +213,19 @@ mod x86 {
                     Ymm(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
                     Ymm(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
                 ]
+            }
+        }
+        #[inline(always)]
+        fn largest<const N: usize>(x: &[Ymm; N]) -> f64 {
+            // SAFETY: as below.
+            unsafe {
+                let mut most = _mm256_setzero_pd();
+                for x in x {
+                    // of what is not a number, the second one
+                    most = _mm256_max_pd(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x.0), most);
+                }
+                let half = _mm_max_pd(_mm256_castpd256_pd128(most), _mm256_extractf128_pd::<1>(most));
+                _mm_cvtsd_f64(_mm_max_sd(half, _mm_unpackhi_pd(half, half)))
             }
         }
     }
@@ -288,28 +275,6 @@ mod x86 {
         #[inline(always)]
         unsafe fn masked(self, mask: *const u64) -> Self {
             Ymm(unsafe { _mm256_and_pd(self.0, _mm256_loadu_pd(mask.cast())) })
-        }
-        #[inline(always)]
-        fn absolute(self) -> Self {
-            Ymm(unsafe { _mm256_andnot_pd(Self::splat(-0.0).0, self.0) })
-        }
-        #[inline(always)]
-        fn larger(self, b: Self) -> Self {
-            Ymm(unsafe { _mm256_max_pd(self.0, b.0) })
-        }
-        #[inline(always)]
-        fn largest(self) -> f64 {
-            unsafe {
-                let half = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-                _mm_cvtsd_f64(_mm_max_sd(half, _mm_unpackhi_pd(half, half)))
-            }
-        }
-        #[inline(always)]
-        fn sum(self) -> f64 {
-            unsafe {
-                let half = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
-                _mm_cvtsd_f64(_mm_add_sd(half, _mm_unpackhi_pd(half, half)))
-            }
         }
     }
 
@@ -363,108 +328,5 @@ mod x86 {
             // SAFETY: promised by the caller.
             unsafe { Pair(self.0.masked(mask), self.1.masked(mask.add(4))) }
         }
-        #[inline(always)]
-        fn absolute(self) -> Self {
-            Pair(self.0.absolute(), self.1.absolute())
-        }
-        #[inline(always)]
-        fn larger(self, b: Self) -> Self {
-            Pair(self.0.larger(b.0), self.1.larger(b.1))
-        }
-        #[inline(always)]
-        fn largest(self) -> f64 {
-            let Pair(Ymm(low), Ymm(high)) = self;
-            // SAFETY: as above.
-            Ymm(unsafe { _mm256_max_pd(low, high) }).largest()
-        }
-        #[inline(always)]
-        fn sum(self) -> f64 {
-            self.0.plus(self.1).sum()
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What each operation makes of some small whole numbers, which no order of sums rounds.
-    struct Everything;
-    impl VectorKernel for Everything {
-        type Output = Vec<f64>;
-        #[inline(always)]
-        fn run<I: Instructions>(self) -> Vec<f64> {
-            let mut results = Vec::new();
-            of::<I::Eight>(&mut results);
-            of::<I::Four>(&mut results);
-            results.push(I::minus_product(3.0, 5.0, -7.0));
-            let numbers: [f64; 16] = [1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15., 16.];
-            let mut transposed = [0.0; 16];
-            // SAFETY: four times four numbers.
-            unsafe {
-                let mut columns = [I::Four::splat(0.0); 4];
-                for column in 0..4 {
-                    columns[column] = I::Four::load(numbers.as_ptr().add(4 * column));
-                }
-                let rows = I::transpose(columns);
-                for row in 0..4 {
-                    rows[row].store(transposed.as_mut_ptr().add(4 * row));
-                }
-            }
-            results.extend(transposed);
-            let eights: [[f64; 8]; 4] = std::array::from_fn(|v| std::array::from_fn(|lane| numbers[(3 * v + lane) % 16]));
-            results.extend(sums_with::<I>(&eights));
-            results
-        }
-    }
-
-    #[inline(always)]
-    fn of<V: Vector>(results: &mut Vec<f64>) {
-        let a = [3.0, -8.0, 5.0, 1.0, -2.0, 9.0, 4.0, -6.0];
-        let b = [2.0, 7.0, -4.0, 6.0, 5.0, -3.0, 8.0, 1.0];
-        let mask = [u64::MAX, 0, 0, u64::MAX, 0, u64::MAX, u64::MAX, 0];
-        let add = |results: &mut Vec<f64>, x: V| {
-            let mut lanes = [0.0; 8];
-            // SAFETY: as many numbers as lanes, and more.
-            unsafe { x.store(lanes.as_mut_ptr()) };
-            results.extend(&lanes[..V::LANES]);
-        };
-        // SAFETY: as above.
-        let (x, y, masked) = unsafe {
-            let x = V::load(a.as_ptr());
-            (x, V::load(b.as_ptr()), x.masked(mask.as_ptr()))
-        };
-        for result in [
-            x.minus_product(y, x),
-            x.times(y),
-            x.plus(y),
-            masked,
-            x.absolute(),
-            x.larger(y),
-            V::splat(f64::NAN).larger(y),
-            x.broadcast::<0>(),
-            x.broadcast::<1>(),
-            x.broadcast::<2>(),
-            x.broadcast::<3>(),
-            V::splat(7.0),
-        ] {
-            add(results, result);
-        }
-        if V::LANES == 8 {
-            for result in [x.broadcast::<4>(), x.broadcast::<5>(), x.broadcast::<6>(), x.broadcast::<7>()] {
-                add(results, result);
-            }
-        }
-        results.extend([x.largest(), x.sum()]);
-    }
-
-    #[test]
-    fn every_set_of_instructions_does_the_same() {
-        let expected = Everything.run::<Portable>();
-        // 3 - 2 x 3 and -8 - 7 x (-8); the first row of the matrix
-        assert_eq!(expected[..2], [-3.0, 48.0]);
-        assert_eq!(expected[expected.len() - 20..][..4], [1.0, 5.0, 9.0, 13.0]);
-        assert_eq!(expected[expected.len() - 4..], [36.0, 60.0, 84.0, 92.0]);
-        assert_eq!(dispatch_vectors(Everything), expected);
     }
 }

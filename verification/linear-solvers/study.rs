@@ -90,7 +90,7 @@ fn measure_foreign(report: &mut Report, matrix: &Matrix) -> Result<(), String> {
     if matrix.pattern.size <= MOST_OF_FAER {
         measure_one(report, matrix, "sparse (faer)", || faer_sparse::FaerSparse::new(matrix))?;
     }
-    let own = MultifrontalLu::new(&matrix.pattern, &[], 1);
+    let own = MultifrontalLu::new(&matrix.pattern, 1);
     let mumps::Mumps { lu, .. } = measure_one(report, matrix, "MUMPS", || mumps::Mumps::new(matrix, own))?;
     let name = format!("{}, MUMPS, 1 thread", matrix.name);
     report.inform(format!("{name}/memory of the factorization [MB]"), lu.megabytes());

@@ -3,7 +3,8 @@
 use super::group::in_group;
 use super::{Exchange, Sent, new_thread};
 use std::ops::Range;
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
@@ -74,15 +75,15 @@ pub fn see_work<T: Sent>(
         (others(world), 0..0),
         |_, _| {},
         |_| {
-            let panicked = Flag::default();
             std::thread::scope(|scope| {
-                let listener = (world.ranks() > 1).then(|| start(world, scope, || listen(world, &shown, &panicked)));
-                let raised = Raised(&panicked);
+                let (own_end, other_end) = channel();
+                let shown = &shown;
+                let listener = (world.ranks() > 1).then(|| start(world, scope, move || listen(world, shown, &other_end)));
                 work(&|number, result| {
                     shown(number, result);
                 });
-                std::mem::forget(raised);
                 let _ = listener.map(ScopedJoinHandle::join);
+                drop(own_end);
             });
         },
     );
@@ -120,10 +121,10 @@ fn after_work<T: Sent>(world: &dyn Exchange, rank: usize, mut message: Vec<f64>)
 }
 
 /// Shows the first rank what others have found, until all of them are done, or nobody looks any more.
-fn listen<T: Sent>(world: &dyn Exchange, shown: &dyn Fn(usize, T) -> bool, panicked: &Flag) {
+fn listen<T: Sent>(world: &dyn Exchange, shown: &dyn Fn(usize, T) -> bool, at_work_here: &Receiver<()>) {
     let mut at_work: Vec<(usize, Instant)> = others(world).map(|rank| (rank, Instant::now())).collect();
     let mut goes_on = true;
-    while goes_on && !at_work.is_empty() && !panicked.is_raised_within(PAUSE) {
+    while goes_on && !at_work.is_empty() && is_there(at_work_here) {
         hear(world, &mut at_work, |_, message| {
             if let [RESULT, rest @ ..] = &message[..] {
                 let (number, result) = Sent::read(&mut rest.iter());
@@ -155,19 +156,19 @@ fn hear(world: &dyn Exchange, at_work: &mut Vec<(usize, Instant)>, mut goes_on: 
 fn at_work<R>(
     world: &'static dyn Exchange,
     team: Range<usize>,
-    (told, heard): (impl Iterator<Item = usize> + Clone + Sync, impl Iterator<Item = usize>),
+    (told, heard): (impl Iterator<Item = usize> + Clone + Send, impl Iterator<Item = usize>),
     mut takes: impl FnMut(usize, Vec<f64>) + Send,
     work: impl FnOnce(&'static dyn Exchange) -> R,
 ) -> R {
     if team.len() == world.ranks() {
         return work(world);
     }
-    let ended = Flag::default();
+    let (own_end, other_end) = channel();
     let mut heard: Vec<(usize, Instant)> = heard.map(|rank| (rank, Instant::now())).collect();
     std::thread::scope(|scope| {
-        start(world, scope, || {
+        start(world, scope, move || {
             let mut last_sign = Instant::now();
-            while !ended.is_raised_within(PAUSE) {
+            while is_there(&other_end) {
                 world.hurry();
                 if last_sign.elapsed() > world.longest_wait() / SIGNS {
                     told.clone().for_each(|rank| world.send(rank, Vec::new()));
@@ -182,8 +183,7 @@ fn at_work<R>(
                 });
             }
         });
-        // a panic ends it, too
-        let _raised = Raised(&ended);
+        let _own_end = own_end;
         in_group(world, team, work)
     })
 }
@@ -194,47 +194,15 @@ fn start<'s>(world: &dyn Exchange, scope: &'s Scope<'s, '_>, run: impl FnOnce() 
     started.unwrap_or_else(|refused| world.end(&format!("the system starts no thread: {refused}")))
 }
 
-/// Raised once, which others wait for.
-#[derive(Default)]
-struct Flag {
-    raised: Mutex<bool>,
-    changed: Condvar,
-}
-
-impl Flag {
-    fn is_raised_within(&self, limit: Duration) -> bool {
-        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-        let waited = self.changed.wait_timeout_while(raised, limit, |raised| !*raised);
-        *waited.unwrap_or_else(PoisonError::into_inner).0
-    }
-}
-
-/// Raises a flag when dropped.
-struct Raised<'f>(&'f Flag);
-
-impl Drop for Raised<'_> {
-    fn drop(&mut self) {
-        *self.0.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
-        self.0.changed.notify_all();
-    }
+/// Waits a little; whether the other end is still there, which a panic drops, too.
+fn is_there(other_end: &Receiver<()>) -> bool {
+    other_end.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::exchange::{on_ranks, on_ranks_within};
-
-    #[test]
-    fn results_of_all_ranks_come_in_their_order() {
-        let per_rank = on_ranks(4, |world| {
-            gather_work(world, world.rank()..world.rank() + 1, |_| {
-                std::thread::sleep(Duration::from_millis(10 * (4 - world.rank() as u64)));
-                vec![world.rank(); 2 * world.rank()]
-            })
-        });
-        let expected: Vec<Vec<usize>> = (0..4).map(|rank| vec![rank; 2 * rank]).collect();
-        assert!(per_rank.iter().all(|all| *all == expected), "{per_rank:?}");
-    }
 
     #[test]
     fn the_first_rank_sees_results_while_others_work_and_tells_all() {

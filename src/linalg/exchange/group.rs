@@ -23,8 +23,7 @@ fn groups() -> MutexGuard<'static, Vec<&'static Group>> {
 }
 
 /// The group that shares the work of now, where not all ranks do.
-#[cfg(feature = "mpi")]
-pub(super) fn now() -> Option<&'static Group> {
+pub(super) fn now() -> Option<&'static dyn Exchange> {
     match NOW.load(Ordering::Relaxed) {
         0 => None,
         number => Some(groups()[number - 1]),

@@ -125,16 +125,17 @@ impl Exchange for Alone {
     }
 }
 
+/// All processes that `mpirun` started, if it did.
+fn started() -> Option<&'static dyn Exchange> {
+    #[cfg(feature = "mpi")]
+    return mpi::started().map(|ranks| ranks as _);
+    #[cfg(not(feature = "mpi"))]
+    None
+}
+
 /// All ranks of this program that share the work of now.
 pub fn world() -> &'static dyn Exchange {
-    #[cfg(feature = "mpi")]
-    if let Some(ranks) = mpi::started() {
-        return match group::now() {
-            Some(group) => group,
-            None => ranks,
-        };
-    }
-    &Alone
+    started().map_or(&Alone, |ranks| group::now().unwrap_or(ranks))
 }
 
 /// Runs what several threads do at once, so that no order of messages is the same on all ranks: each rank does all of it for itself.
@@ -145,28 +146,17 @@ pub fn apart<R>(work: impl FnOnce() -> R) -> R {
 
 /// How many processes `mpirun` started, whatever they do now.
 pub fn processes() -> usize {
-    #[cfg(feature = "mpi")]
-    if let Some(ranks) = mpi::started() {
-        return ranks.ranks();
-    }
-    1
+    started().map_or(1, |ranks| ranks.ranks())
 }
 
 /// Whether this process prints, and writes files: the first of all ranks.
 pub fn is_first() -> bool {
-    #[cfg(feature = "mpi")]
-    if let Some(ranks) = mpi::started() {
-        return ranks.rank() == 0;
-    }
-    true
+    started().is_none_or(|ranks| ranks.rank() == 0)
 }
 
 /// Whether this process is one of several ranks.
 pub fn is_shared() -> bool {
-    #[cfg(feature = "mpi")]
-    return mpi::started().is_some();
-    #[cfg(not(feature = "mpi"))]
-    false
+    started().is_some()
 }
 
 /// Numbers of all ranks that share the work of now, by ranks: one list where there is one process.

@@ -70,7 +70,7 @@ fn counts(graph: &Graph, order: &[u32], place: &[u32], parents: &[u32]) -> Vec<u
 }
 
 /// Nodes of a forest, children before their parents and without gaps, in the order of their numbers where that leaves a choice.
-pub fn postorder(parents: &[u32]) -> Vec<u32> {
+fn postorder(parents: &[u32]) -> Vec<u32> {
     let (mut first_child, mut next_sibling) = (vec![NONE; parents.len()], vec![NONE; parents.len()]);
     let mut first_root = NONE;
     for node in (0..parents.len()).rev() {

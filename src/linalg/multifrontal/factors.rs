@@ -1,10 +1,9 @@
-//! Storage of the factors: one array for all large fronts and one for all small ones, and own ones for fronts that took
-//! up delayed pivots.
+//! Storage of the factors: one array for all small fronts, and own ones for each large front.
 
 use super::matrix_view::MatrixView;
-use super::small_front::{Elimination, LANES, Lines, Shape};
+use super::small_front::{LANES, Lines, Shape};
 use super::small_substitution::{SmallFactors, transpose_small};
-use super::symbolic::{Front, Symbolic};
+use super::symbolic::Symbolic;
 
 /// What a factorization found in a front.
 #[derive(Default)]
@@ -12,26 +11,25 @@ pub struct Outcome {
     /// Number of pivots that were found.
     eliminated: usize,
     form: Form,
-    /// Storage of a front that is larger than planned, or small and not factored as such; kept for the next time.
-    grown: Option<Box<Grown>>,
+    /// Those of a front that is large, or was not factored as a small one; kept for the next time.
+    large: Option<Box<Large>>,
 }
 
 /// How the factors of a front are stored.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
-enum Form {
-    /// As planned for a large front.
+pub enum Form {
+    /// In its own storage.
     #[default]
-    Planned,
-    /// As those of a small front.
+    Large,
+    /// As those of a small front, every row of which has the pivot of its own column.
     Small,
     /// The same, with rows in another order than that of the places.
     SmallExchanged,
-    /// In its own storage.
-    Grown,
 }
 
+/// L and U of a front that may have taken up delayed pivots, and the places of its rows and columns.
 #[derive(Default)]
-struct Grown {
+struct Large {
     values: Vec<f64>,
     rows: Vec<u32>,
     columns: Vec<u32>,
@@ -40,13 +38,12 @@ struct Grown {
 /// Factors of all fronts; none before the first factorization.
 #[derive(Default)]
 pub struct Factors {
-    values: Vec<f64>,
     small: Lines,
     /// Those of small fronts in A^T, where a transposed system was solved.
     transposed: Lines,
     is_transposed: bool,
+    /// Places of the rows of small fronts, where these were exchanged.
     rows: Vec<u32>,
-    columns: Vec<u32>,
     outcomes: Vec<Outcome>,
 }
 
@@ -77,16 +74,19 @@ pub struct FrontStorage<'f> {
     pub columns: &'f mut [u32],
 }
 
+/// Where the factors of a front, and of all behind it, begin among those of all.
+#[derive(Clone, Copy, Default)]
+struct Start {
+    front: usize,
+    place: usize,
+    small: usize,
+}
+
 /// The factors of fronts that follow each other.
 pub struct Part<'f> {
-    first_front: usize,
-    first_place: usize,
-    first_value: usize,
-    first_small: usize,
-    values: &'f mut [f64],
+    start: Start,
     small: &'f mut [f64],
     rows: &'f mut [u32],
-    columns: &'f mut [u32],
     outcomes: &'f mut [Outcome],
 }
 
@@ -95,41 +95,35 @@ impl Factors {
     pub fn part(&mut self, symbolic: &Symbolic) -> Part<'_> {
         self.is_transposed = false;
         if self.outcomes.len() != symbolic.fronts.len() {
-            let eliminated = symbolic.fronts.iter().map(|front| front.pivots).sum();
             *self = Factors {
-                values: vec![0.0; symbolic.factor_storage()],
                 small: Lines::new(symbolic.small_storage() + LANES),
-                rows: vec![0; eliminated],
-                columns: vec![0; eliminated],
+                rows: vec![0; symbolic.size],
                 outcomes: symbolic.fronts.iter().map(|_| Outcome::default()).collect(),
                 ..Factors::default()
             };
         }
-        Part {
-            first_front: 0,
-            first_place: 0,
-            first_value: 0,
-            first_small: 0,
-            values: &mut self.values,
-            small: &mut self.small,
-            rows: &mut self.rows,
-            columns: &mut self.columns,
-            outcomes: &mut self.outcomes,
-        }
+        Part { start: Start::default(), small: &mut self.small, rows: &mut self.rows, outcomes: &mut self.outcomes }
     }
 
     /// The factors of a front that is not stored as a small one.
     pub fn front(&self, symbolic: &Symbolic, front: usize) -> FrontFactors<'_> {
-        let planned = &symbolic.fronts[front];
-        let values = &self.values[planned.factors..][..planned.storage()];
-        let places = planned.first..planned.first + planned.pivots;
-        view(planned, &self.outcomes[front], values, &self.rows[places.clone()], &self.columns[places])
+        let Outcome { eliminated, large, .. } = &self.outcomes[front];
+        let Large { values, rows, columns } = large.as_deref().expect("a front that was factored");
+        let (others, summed) = (symbolic.fronts[front].others(), rows.len());
+        let (lower, upper) = values.split_at((summed + others) * summed);
+        FrontFactors {
+            eliminated: *eliminated,
+            rows,
+            columns,
+            lower: MatrixView::new(lower, summed + others, summed),
+            upper: MatrixView::new(upper, summed, others),
+        }
     }
 
     /// Whether the factors of a front are stored as those of a small one.
     #[inline(always)]
     pub fn is_small(&self, front: usize) -> bool {
-        matches!(self.outcomes[front].form, Form::Small | Form::SmallExchanged)
+        self.outcomes[front].form != Form::Large
     }
 
     /// The factors of a front that is stored as a small one, in A, or in A^T after [`Factors::transpose`].
@@ -152,14 +146,12 @@ impl Factors {
     /// ones that are not.
     #[cfg(test)]
     pub fn forms(&self, symbolic: &Symbolic) -> [usize; 3] {
-        let count = |is: &dyn Fn(Form, &Front) -> bool| {
-            self.outcomes.iter().zip(&symbolic.fronts).filter(|(outcome, front)| is(outcome.form, front)).count()
-        };
-        [
-            count(&|form, _| matches!(form, Form::Small | Form::SmallExchanged)),
-            count(&|form, _| form == Form::SmallExchanged),
-            count(&|form, front| front.is_small() && form == Form::Grown),
-        ]
+        let mut counts = [0; 3];
+        for (Outcome { form, .. }, front) in self.outcomes.iter().zip(&symbolic.fronts) {
+            let is = [*form != Form::Large, *form == Form::SmallExchanged, front.is_small() && *form == Form::Large];
+            counts.iter_mut().zip(is).for_each(|(count, is)| *count += usize::from(is));
+        }
+        counts
     }
 
     /// Transposes the factors of small fronts, if that has not been done since they were made.
@@ -170,7 +162,7 @@ impl Factors {
             }
             let Factors { small, transposed, outcomes, .. } = self;
             for (front, outcome) in symbolic.fronts.iter().zip(outcomes) {
-                if matches!(outcome.form, Form::Small | Form::SmallExchanged) {
+                if outcome.form != Form::Large {
                     let own = front.small..front.small + front.small_storage();
                     transpose_small(Shape::of(front), &small[own.clone()], &mut transposed[own]);
                 }
@@ -181,34 +173,9 @@ impl Factors {
 
     /// Number of pivots that had to wait for a front above, counted in every front that they left.
     #[cfg(test)]
-    pub fn delayed(&self, symbolic: &Symbolic) -> usize {
-        let delayed = |(outcome, front): (&Outcome, &Front)| match (outcome.form, &outcome.grown) {
-            (Form::Grown, Some(grown)) => grown.rows.len() - outcome.eliminated,
-            _ => front.pivots - outcome.eliminated,
-        };
-        self.outcomes.iter().zip(&symbolic.fronts).map(delayed).sum()
-    }
-}
-
-fn view<'f>(
-    planned: &Front,
-    outcome: &'f Outcome,
-    values: &'f [f64],
-    rows: &'f [u32],
-    columns: &'f [u32],
-) -> FrontFactors<'f> {
-    let (values, rows, columns) = match &outcome.grown {
-        Some(grown) if outcome.form == Form::Grown => (&grown.values[..], &grown.rows[..], &grown.columns[..]),
-        _ => (values, rows, columns),
-    };
-    let (others, summed) = (planned.others(), rows.len());
-    let (lower, upper) = values.split_at((summed + others) * summed);
-    FrontFactors {
-        eliminated: outcome.eliminated,
-        rows,
-        columns,
-        lower: MatrixView::new(lower, summed + others, summed),
-        upper: MatrixView::new(upper, summed, others),
+    pub fn delayed(&mut self, symbolic: &Symbolic) -> usize {
+        let part = self.part(symbolic);
+        (0..symbolic.fronts.len()).map(|front| part.delayed(front)[0].len()).sum()
     }
 }
 
@@ -216,61 +183,30 @@ impl<'f> Part<'f> {
     /// The fronts before one of them, and the others.
     #[inline]
     pub fn split_at(self, symbolic: &Symbolic, front: usize) -> (Part<'f>, Part<'f>) {
-        let (place, value, small) = symbolic.fronts.get(front).map_or_else(
-            || {
-                let small = self.first_small + self.small.len();
-                (self.first_place + self.rows.len(), self.first_value + self.values.len(), small)
-            },
-            |front| (front.first, front.factors, front.small),
-        );
-        let (values, later_values) = self.values.split_at_mut(value - self.first_value);
-        let (smalls, later_smalls) = self.small.split_at_mut(small - self.first_small);
-        let (rows, later_rows) = self.rows.split_at_mut(place - self.first_place);
-        let (columns, later_columns) = self.columns.split_at_mut(place - self.first_place);
-        let (outcomes, later_outcomes) = self.outcomes.split_at_mut(front - self.first_front);
-        let before = Part { values, small: smalls, rows, columns, outcomes, ..self };
-        let after = Part {
-            first_front: front,
-            first_place: place,
-            first_value: value,
-            first_small: small,
-            values: later_values,
-            small: later_smalls,
-            rows: later_rows,
-            columns: later_columns,
-            outcomes: later_outcomes,
-        };
-        (before, after)
+        let end = || (self.start.place + self.rows.len(), self.start.small + self.small.len());
+        let (place, small) = symbolic.fronts.get(front).map_or_else(end, |planned| (planned.first, planned.small));
+        let (smalls, later_smalls) = self.small.split_at_mut(small - self.start.small);
+        let (rows, later_rows) = self.rows.split_at_mut(place - self.start.place);
+        let (outcomes, later_outcomes) = self.outcomes.split_at_mut(front - self.start.front);
+        let start = Start { front, place, small };
+        let before = Part { small: smalls, rows, outcomes, ..self };
+        (before, Part { start, small: later_smalls, rows: later_rows, outcomes: later_outcomes })
     }
 
     /// The same for a shorter time.
     #[inline]
     pub fn reborrow(&mut self) -> Part<'_> {
-        Part {
-            first_front: self.first_front,
-            first_place: self.first_place,
-            first_value: self.first_value,
-            first_small: self.first_small,
-            values: self.values,
-            small: self.small,
-            rows: self.rows,
-            columns: self.columns,
-            outcomes: self.outcomes,
-        }
+        let Part { start, small, rows, outcomes } = self;
+        Part { start: *start, small, rows, outcomes }
     }
 
     /// Places of the rows and of the columns of a front whose pivots are delayed.
     #[inline]
-    pub fn delayed(&self, symbolic: &Symbolic, front: usize) -> [&[u32]; 2] {
-        let outcome = &self.outcomes[front - self.first_front];
-        match (outcome.form, &outcome.grown) {
-            (Form::Small | Form::SmallExchanged, _) => [&[]; 2],
-            (Form::Grown, Some(grown)) => [&grown.rows[outcome.eliminated..], &grown.columns[outcome.eliminated..]],
-            _ => {
-                let planned = &symbolic.fronts[front];
-                let first = planned.first - self.first_place;
-                [&*self.rows, &*self.columns].map(|list| &list[first..first + planned.pivots][outcome.eliminated..])
-            }
+    pub fn delayed(&self, front: usize) -> [&[u32]; 2] {
+        let Outcome { eliminated, form, large } = &self.outcomes[front - self.start.front];
+        match large {
+            Some(large) if *form == Form::Large => [&large.rows[*eliminated..], &large.columns[*eliminated..]],
+            _ => [&[]; 2],
         }
     }
 
@@ -278,56 +214,40 @@ impl<'f> Part<'f> {
     #[inline]
     pub fn prepare_small(&mut self, symbolic: &Symbolic, front: usize) -> (&mut [f64], &mut [u32]) {
         let planned = &symbolic.fronts[front];
-        let first = planned.first - self.first_place;
-        let values = &mut self.small[planned.small - self.first_small..][..planned.small_storage()];
+        let first = planned.first - self.start.place;
+        let values = &mut self.small[planned.small - self.start.small..][..planned.small_storage()];
         (values, &mut self.rows[first..first + planned.pivots])
     }
 
-    /// Notes how the elimination of a small front ended; returns whether it is done.
+    /// Notes how a small front is stored; returns whether it is as one.
     #[inline]
-    pub fn set_small(&mut self, symbolic: &Symbolic, front: usize, elimination: Elimination) -> bool {
-        let outcome = &mut self.outcomes[front - self.first_front];
-        outcome.form = match elimination {
-            Elimination::InOrder => Form::Small,
-            Elimination::Exchanged => Form::SmallExchanged,
-            Elimination::Refused => return false,
-        };
-        outcome.eliminated = symbolic.fronts[front].pivots;
-        true
+    pub fn set_small(&mut self, symbolic: &Symbolic, front: usize, form: Form) -> bool {
+        let outcome = &mut self.outcomes[front - self.start.front];
+        (outcome.form, outcome.eliminated) = (form, symbolic.fronts[front].pivots);
+        form != Form::Large
     }
 
     /// Space for the factors of a front with a number of delayed pivots on top of its own; all values zero, places
     /// those of its own pivots.
     pub fn prepare(&mut self, symbolic: &Symbolic, front: usize, delayed: usize) -> FrontStorage<'_> {
         let planned = &symbolic.fronts[front];
-        let outcome = &mut self.outcomes[front - self.first_front];
-        let first = planned.first - self.first_place;
-        let places = first..first + planned.pivots;
-        let (values, rows, columns) = if delayed == 0 && !planned.is_small() {
-            outcome.form = Form::Planned;
-            let values = &mut self.values[planned.factors - self.first_value..][..planned.storage()];
-            values.fill(0.0);
-            (values, &mut self.rows[places.clone()], &mut self.columns[places])
-        } else {
-            outcome.form = Form::Grown;
-            let grown = outcome.grown.get_or_insert_default();
-            let summed = planned.pivots + delayed;
-            grown.values.clear();
-            grown.values.resize(summed * (summed + 2 * planned.others()), 0.0);
-            grown.rows.resize(summed, 0);
-            grown.columns.resize(summed, 0);
-            (&mut grown.values[..], &mut grown.rows[..], &mut grown.columns[..])
-        };
+        let outcome = &mut self.outcomes[front - self.start.front];
+        outcome.form = Form::Large;
+        let Large { values, rows, columns } = &mut **outcome.large.get_or_insert_default();
+        let summed = planned.pivots + delayed;
+        values.clear();
+        values.resize(summed * (summed + 2 * planned.others()), 0.0);
         for list in [&mut *rows, &mut *columns] {
-            list.iter_mut().zip(planned.first as u32..).take(planned.pivots).for_each(|(own, place)| *own = place);
+            list.clear();
+            list.extend(planned.first as u32..(planned.first + planned.pivots) as u32);
+            list.resize(summed, 0);
         }
-        let summed = rows.len();
         let (lower, upper) = values.split_at_mut(summed * (summed + planned.others()));
         FrontStorage { lower, upper, rows, columns }
     }
 
     /// Notes how many pivots a front has.
     pub fn set_eliminated(&mut self, front: usize, eliminated: usize) {
-        self.outcomes[front - self.first_front].eliminated = eliminated;
+        self.outcomes[front - self.start.front].eliminated = eliminated;
     }
 }

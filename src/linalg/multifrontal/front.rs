@@ -5,14 +5,13 @@
 
 use super::entries::EntryBlock;
 use super::factors::{FrontStorage, Part};
-use super::kernels::{solve_unit_lower, subtract_product};
+use super::kernels::{ColumnThreads, solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
 use super::product::Target;
-use super::small_front::{Scratch, SmallFront};
+use super::small_front::{LANES, Scratch, SmallFront};
 use super::symbolic::{Front, Run, Symbolic};
 use crate::linalg::Singular;
-use crate::linalg::simd::{Kernel, dispatch};
 use crate::linalg::vectors::dispatch_vectors;
 
 /// What a front leaves to the one above: a square matrix, the rows of delayed pivots first, column by column.
@@ -71,14 +70,38 @@ impl Workspace {
             bounds.push([start, start + own, runs.len()]);
         }
     }
+
+    /// What children contribute, and where: all rows, those whose pivots are looked for, and the others.
+    pub fn extensions<'w>(
+        &'w self,
+        symbolic: &'w Symbolic,
+        children: &'w [Contribution<'w>],
+    ) -> impl Iterator<Item = ([&'w [Run]; 3], Columns<'w>)> {
+        children.iter().zip(&self.bounds).map(move |(child, &[start, middle, end])| {
+            let order = child.delayed_rows.len() + symbolic.fronts[child.front].others();
+            let runs = [&self.runs[start..end], &self.runs[start..middle], &self.runs[middle..end]];
+            (runs, Columns { values: child.values, length: order })
+        })
+    }
 }
 
-/// Where contributions go.
-pub trait Output {
+/// Contributions that wait for the front above, the last one first.
+#[derive(Default)]
+pub struct Stack {
+    pub memory: Vec<f64>,
+    pub height: usize,
+}
+
+impl Stack {
     /// A place for some numbers, whatever they are, and for up to `LANES` more that may be written over.
-    fn space(&mut self, length: usize) -> &mut [f64];
-    /// Gives back the last place.
-    fn take_back(&mut self, length: usize);
+    fn space(&mut self, length: usize) -> &mut [f64] {
+        let start = self.height;
+        self.height += length;
+        if self.memory.len() < self.height + LANES {
+            self.memory.resize(self.height + LANES, 0.0);
+        }
+        &mut self.memory[start..self.height + LANES]
+    }
 }
 
 /// Assembles and factors a front, and writes its contribution.
@@ -91,7 +114,7 @@ pub fn factor_front(
     values: &[f64],
     part: &mut Part<'_>,
     children: &[Contribution<'_>],
-    output: &mut impl Output,
+    output: &mut Stack,
     workspace: &mut Workspace,
     threads: usize,
 ) -> Result<(), Singular> {
@@ -99,65 +122,72 @@ pub fn factor_front(
     if front.is_small() && children.iter().all(|child| child.delayed_rows.is_empty()) {
         let (storage, rows) = part.prepare_small(symbolic, number);
         let (contribution, scratch) = (output.space(front.others().pow(2)), &mut workspace.scratch);
-        let elimination =
-            dispatch_vectors(SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch });
-        if part.set_small(symbolic, number, elimination) {
+        let form = dispatch_vectors(SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch });
+        if part.set_small(symbolic, number, form) {
             return Ok(());
         }
-        output.take_back(front.others().pow(2));
+        output.height -= front.others().pow(2);
     }
     let delayed: usize = children.iter().map(|child| child.delayed_rows.len()).sum();
     let FrontStorage { lower, upper, rows, columns } = part.prepare(symbolic, number, delayed);
     let (summed, others) = (rows.len(), front.others());
     let size = summed + others;
     let blocks = &symbolic.entries[front.entries.clone()];
-    dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
+    add_entries(blocks, values, Summed { lower, upper, pivots: front.pivots, delayed, size });
 
     workspace.place(symbolic, front, children, rows, columns);
-    let Workspace { runs, bounds, exchanges, .. } = workspace;
-    let extensions = || {
-        children.iter().zip(&*bounds).map(|(child, &[start, middle, end])| {
-            let (runs, own, later) = (&runs[start..end], &runs[start..middle], &runs[middle..end]);
-            let order = child.delayed_rows.len() + symbolic.fronts[child.front].others();
-            (runs, own, later, Columns { values: child.values, length: order })
-        })
-    };
-    for (runs, own, later, source) in extensions() {
-        let lower = Region { rows: runs, columns: own, values: lower, length: size, first: (0, 0) };
-        let upper = Region { rows: own, columns: later, values: upper, length: summed, first: (0, summed) };
-        dispatch(Extend { source, regions: [lower, upper] });
+    for ([runs, own, later], source) in workspace.extensions(symbolic, children) {
+        extend(source, [runs, own], lower, size, [0, 0]);
+        extend(source, [own, later], upper, summed, [0, summed]);
     }
 
+    let exchanges = &mut workspace.exchanges;
     exchanges.clear();
     let mut block = PivotBlock { values: &mut *lower, size, rows, columns, exchanges, is_last: front.is_last(), threads };
     let found = block.eliminate();
     if found < summed && front.is_last() {
         return Err(Singular { unknown: symbolic.order[columns[found] as usize] as usize });
     }
-    for column in upper.chunks_exact_mut(summed.max(1)) {
-        exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
-    }
-    let lower = MatrixView::new(&*lower, size, summed);
-    let (mut upper, upper_delayed) = MatrixViewMut::new(upper, summed, others).split_rows(found);
-    solve_unit_lower(lower.block(0..found, 0..found), upper.reborrow(), threads);
-
-    let left = summed - found;
-    let order = left + others;
+    let order = size - found;
     let contribution = &mut output.space(order * order)[..order * order];
-    let (mut delayed, matrix) = MatrixViewMut::new(&mut *contribution, order, order).split_columns(left);
-    delayed.copy_from(lower.block(found..size, found..summed));
-    let (mut top, bottom) = matrix.split_rows(left);
-    if left > 0 {
-        top.copy_from(upper_delayed.as_view());
-        subtract_product(top, Target::Reduced, lower.block(found..summed, 0..found), upper.as_view(), threads);
-    }
-    subtract_product(bottom, Target::Replaced, lower.block(summed..size, 0..found), upper.as_view(), threads);
-    for (_, _, later, source) in extensions() {
-        let region = Region { rows: later, columns: later, values: contribution, length: order, first: (found, found) };
-        dispatch(Extend { source, regions: [region] });
+    reduce_others(lower, upper, [size, summed, found], exchanges, contribution, threads.into());
+    for ([_, _, later], source) in workspace.extensions(symbolic, children) {
+        extend(source, [later, later], contribution, order, [found, found]);
     }
     part.set_eliminated(number, found);
     Ok(())
+}
+
+/// Solves and reduces some of the other columns with all pivots, after exchanges of rows: U, and columns of the contribution, before which those
+/// of delayed pivots stand where there is room for them.
+///
+/// * `[size, summed, found]` rows of the front, those whose pivots are looked for, and those that have one
+pub fn reduce_others(
+    lower: &[f64],
+    upper: &mut [f64],
+    [size, summed, found]: [usize; 3],
+    exchanges: &[(u32, u32)],
+    contribution: &mut [f64],
+    workers: ColumnThreads,
+) {
+    let (own, left, order) = (upper.len() / summed.max(1), summed - found, size - found);
+    for column in upper.chunks_exact_mut(summed.max(1)) {
+        exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
+    }
+    let lower = MatrixView::new(lower, size, summed);
+    let (mut known, unknown) = MatrixViewMut::new(upper, summed, own).split_rows(found);
+    solve_unit_lower(lower.block(0..found, 0..found), known.reborrow(), workers);
+    let width = contribution.len() / order.max(1);
+    let (mut late, matrix) = MatrixViewMut::new(contribution, order, width).split_columns(width - own);
+    if width > own {
+        late.copy_from(lower.block(found..size, found..summed));
+    }
+    let (mut top, bottom) = matrix.split_rows(left);
+    if left > 0 {
+        top.copy_from(unknown.as_view());
+        subtract_product(top, Target::Reduced, lower.block(found..summed, 0..found), known.as_view(), workers);
+    }
+    subtract_product(bottom, Target::Replaced, lower.block(summed..size, 0..found), known.as_view(), workers);
 }
 
 /// target += source, without a loop for the unknowns of one or two nodes.
@@ -181,84 +211,65 @@ pub fn add(target: &mut [f64], source: &[f64]) {
     }
 }
 
-/// Adds entries of the matrix to the columns and rows of pivots.
-struct AddEntries<'j> {
-    blocks: &'j [EntryBlock],
-    values: &'j [f64],
-    pivots: usize,
-    delayed: usize,
-    lower: &'j mut [f64],
-    upper: &'j mut [f64],
-    size: usize,
+/// Columns and rows of a front whose pivots are looked for, some of which other fronts have delayed.
+pub struct Summed<'j> {
+    /// All rows of these columns.
+    pub lower: &'j mut [f64],
+    /// These rows of the other columns.
+    pub upper: &'j mut [f64],
+    /// Number of the front's own pivots, of delayed ones, and of all rows.
+    pub pivots: usize,
+    pub delayed: usize,
+    pub size: usize,
 }
 
-impl Kernel for AddEntries<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let AddEntries { blocks, values, pivots, delayed, lower, upper, size } = self;
-        for block in blocks {
-            let (row, column) = (block.row as usize, block.column as usize);
-            if row >= pivots && column >= pivots {
-                continue;
-            }
-            let (target, stride) = if column < pivots {
-                let row = if row < pivots { row } else { row + delayed };
-                (&mut lower[row + column * size..], size)
-            } else {
-                let summed = pivots + delayed;
-                (&mut upper[row + (column - pivots) * summed..], summed)
-            };
-            let (source, height) = (&values[block.source as usize..], block.height as usize);
-            for column in 0..block.width as usize {
-                let source = &source[column * block.stride as usize..][..height];
-                add(&mut target[column * stride..][..height], source);
-            }
+/// Adds entries of the matrix to the columns and rows of pivots.
+pub fn add_entries(blocks: &[EntryBlock], values: &[f64], summed: Summed<'_>) {
+    let Summed { lower, upper, pivots, delayed, size } = summed;
+    for block in blocks {
+        let (row, column) = (block.row as usize, block.column as usize);
+        if row >= pivots && column >= pivots {
+            continue;
+        }
+        let (target, stride) = if column < pivots {
+            let row = if row < pivots { row } else { row + delayed };
+            (&mut lower[row + column * size..], size)
+        } else {
+            let summed = pivots + delayed;
+            (&mut upper[row + (column - pivots) * summed..], summed)
+        };
+        let (source, height) = (&values[block.source as usize..], block.height as usize);
+        for column in 0..block.width as usize {
+            let source = &source[column * block.stride as usize..][..height];
+            add(&mut target[column * stride..][..height], source);
         }
     }
 }
 
 /// A matrix by columns.
 #[derive(Clone, Copy)]
-struct Columns<'j> {
+pub struct Columns<'j> {
     values: &'j [f64],
     /// Number of rows.
     length: usize,
 }
 
-/// A part of a front, and what of a contribution belongs there.
-struct Region<'j> {
-    rows: &'j [Run],
-    columns: &'j [Run],
-    values: &'j mut [f64],
-    /// Number of rows.
-    length: usize,
-    /// First row and column.
-    first: (usize, usize),
-}
-
-/// Adds a contribution to parts of the front that takes it up.
-struct Extend<'j, const N: usize> {
-    source: Columns<'j>,
-    regions: [Region<'j>; N],
-}
-
-impl<const N: usize> Kernel for Extend<'_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Extend { source, regions } = self;
-        for Region { rows, columns, values, length, first } in regions {
-            for columns in columns {
-                for column in 0..columns.length as usize {
-                    let source = &source.values[(columns.from as usize + column) * source.length..][..source.length];
-                    let target = &mut values[(columns.to as usize + column - first.1) * length..][..length];
-                    for run in rows {
-                        let length = run.length as usize;
-                        add(&mut target[run.to as usize - first.0..][..length], &source[run.from as usize..][..length]);
-                    }
-                }
-            }
+/// Adds what of a contribution belongs to some rows and columns of a matrix, which begins with the row and column `first` of the front.
+pub fn extend(source: Columns<'_>, [rows, columns]: [&[Run]; 2], values: &mut [f64], length: usize, first: [usize; 2]) {
+    for columns in columns {
+        for column in 0..columns.length as usize {
+            let source = &source.values[(columns.from as usize + column) * source.length..][..source.length];
+            let target = &mut values[(columns.to as usize + column - first[1]) * length..][..length];
+            add_rows(rows, source, target, first[0]);
         }
+    }
+}
+
+/// target += source in some rows, the target beginning with the row `first`.
+#[inline(always)]
+pub fn add_rows(rows: &[Run], source: &[f64], target: &mut [f64], first: usize) {
+    for run in rows {
+        let (from, to, length) = (run.from as usize, run.to as usize - first, run.length as usize);
+        add(&mut target[to..][..length], &source[from..][..length]);
     }
 }

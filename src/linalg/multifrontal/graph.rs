@@ -23,9 +23,11 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Of a pattern; `roles` of its unknowns.
-    pub fn new(pattern: &SparsePattern, roles: &[Role]) -> Self {
-        let vertex_of = equal_patterns(pattern, roles);
+    /// Of a pattern, in which unknowns without a diagonal entry are multipliers.
+    pub fn new(pattern: &SparsePattern) -> Self {
+        let role = |own: usize| if pattern.position(own, own).is_some() { Role::Primal } else { Role::Multiplier };
+        let roles: Vec<Role> = (0..pattern.size).map(role).collect();
+        let vertex_of = equal_patterns(pattern, &roles);
         let vertices = vertex_of.iter().map(|&vertex| vertex as usize + 1).max().unwrap_or(0);
         let all: Vec<usize> = (0..=pattern.size).collect();
         let (member_starts, members) = transposed(&all, &vertex_of, vertices);

@@ -12,11 +12,13 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use super::front::{Contribution, Summed, Workspace, add_entries, add_rows, extend};
 use super::kernels::subtract_product;
 use super::matrix_view::{MatrixView, MatrixViewMut};
-use super::pivots::TINY_PIVOT;
+use super::pivots::{PANEL, TINY_PIVOT};
 use super::product::Target;
-use super::symbolic::{Front, Run, Symbolic};
+use super::symbolic::Symbolic;
+use std::ops::Range;
 
 /// Numbers of eigenvalues by their signs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,12 +43,10 @@ pub struct Count {
 const SHARE: f64 = 0.1;
 /// Share of the square beside the diagonal which the product on the diagonal of two rows may have: that of Bunch & Kaufman (1977), ((1 + sqrt 17) / 8)^2.
 const SAFELY: f64 = 0.41;
-/// Columns that are eliminated before the rest of the front is changed.
-const PANEL: usize = 32;
 
 /// What a front leaves to the one above: a square matrix, the rows of delayed pivots first.
 #[derive(Default)]
-struct Contribution {
+struct Waiting {
     values: Vec<f64>,
     delayed: usize,
     /// Sums of its rows of |L| |D| |L^T| so far.
@@ -55,26 +55,14 @@ struct Contribution {
 
 /// Inertia of the symmetric matrix with these values and a shift of its diagonal.
 pub fn shifted_inertia(symbolic: &Symbolic, values: &[f64], shift: f64, threads: usize) -> Count {
-    let mut count = Count::default();
-    let mut waiting: Vec<Contribution> = symbolic.fronts.iter().map(|_| Contribution::default()).collect();
+    let (mut count, mut workspace) = (Count::default(), Workspace::default());
+    let mut waiting: Vec<Waiting> = symbolic.fronts.iter().map(|_| Waiting::default()).collect();
     for (number, front) in symbolic.fronts.iter().enumerate() {
-        let children = &symbolic.children[front.children.clone()];
-        let of_children: Vec<(usize, Contribution)> =
-            children.iter().map(|&child| (child as usize, std::mem::take(&mut waiting[child as usize]))).collect();
-        waiting[number] = eliminate_front(symbolic, front, (values, shift), &of_children, threads, &mut count);
+        let children = symbolic.children[front.children.clone()].iter().map(|&child| child as usize);
+        let children: Vec<_> = children.map(|child| (child, std::mem::take(&mut waiting[child]))).collect();
+        let workspace = (&mut workspace, threads);
+        waiting[number] = eliminate_front(symbolic, number, (values, shift), &children, workspace, &mut count);
     }
-    count
-}
-
-/// The same of a dense matrix, column by column.
-pub fn dense_shifted_inertia(mut values: Vec<f64>, size: usize, shift: f64) -> Count {
-    let mut count = Count::default();
-    (0..size).for_each(|i| values[i * (size + 1)] += shift);
-    let sums = vec![0.0; size];
-    let mut block = SymmetricBlock { values: &mut values, size, summed: size, pivots: Vec::new(), sums, threads: 1 };
-    let found = block.eliminate(&mut count.inertia);
-    count.close(&block.sums);
-    count.inertia.zero += size - found;
     count
 }
 
@@ -86,80 +74,38 @@ impl Count {
     }
 }
 
-/// Adds the entries of the matrix to the columns of a front; rows delayed by others stand behind its own pivots.
-fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], delayed: usize, columns: &mut [f64]) {
-    let size = front.pivots + delayed + front.others();
-    for block in &symbolic.entries[front.entries.clone()] {
-        let first = block.column as usize;
-        for column in (first..first + block.width as usize).take_while(|column| *column < front.pivots) {
-            let source = block.source as usize + (column - first) * block.stride as usize;
-            let row = block.row as usize;
-            let row = if row < front.pivots { row } else { row + delayed };
-            let target = &mut columns[row + column * size..][..block.height as usize];
-            target.iter_mut().zip(&values[source..]).for_each(|(target, value)| *target += value);
-        }
-    }
-}
-
-/// Where the rows of each child stand in a front, delayed ones behind its pivots, and how many; adds their sums.
-fn extensions(
-    symbolic: &Symbolic,
-    front: &Front,
-    children: &[(usize, Contribution)],
-    delayed: usize,
-    sums: &mut [f64],
-) -> Vec<(Vec<Run>, usize)> {
-    let shifted = |row: usize| if row < front.pivots { row } else { row + delayed };
-    let mut next = front.pivots;
-    let mut extensions: Vec<(Vec<Run>, usize)> = Vec::with_capacity(children.len());
-    for (number, child) in children {
-        let own = child.delayed as u32;
-        let mut runs = vec![Run { from: 0, to: next as u32, length: own }];
-        next += child.delayed;
-        let planned = &symbolic.fronts[*number];
-        let known = &symbolic.extensions[planned.extensions.clone()];
-        runs.extend(known.iter().map(|run| Run { from: run.from + own, to: shifted(run.to as usize) as u32, ..*run }));
-        for run in &runs {
-            let own = &child.sums[run.from as usize..][..run.length as usize];
-            sums[run.to as usize..].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-        }
-        extensions.push((runs, child.delayed + planned.others()));
-    }
-    extensions
-}
-
 fn eliminate_front(
     symbolic: &Symbolic,
-    front: &Front,
+    number: usize,
     (values, shift): (&[f64], f64),
-    children: &[(usize, Contribution)],
-    threads: usize,
+    children: &[(usize, Waiting)],
+    (workspace, threads): (&mut Workspace, usize),
     count: &mut Count,
-) -> Contribution {
+) -> Waiting {
+    let front = &symbolic.fronts[number];
     let delayed: usize = children.iter().map(|(_, child)| child.delayed).sum();
     let (summed, others) = (front.pivots + delayed, front.others());
     let size = summed + others;
-    let mut columns = vec![0.0; size * summed];
-    add_entries(symbolic, front, values, delayed, &mut columns);
+    // what stands above the diagonal is mirrored, and places of pivots are not asked for
+    let (mut columns, mut upper) = (vec![0.0; size * summed], vec![0.0; summed * others]);
+    let places = vec![0; summed];
+    let contributions: Vec<Contribution<'_>> = children
+        .iter()
+        .map(|(front, child)| {
+            let places = &places[..child.delayed];
+            Contribution { front: *front, delayed_rows: places, delayed_columns: places, values: &child.values }
+        })
+        .collect();
+    workspace.place(symbolic, front, &contributions, &mut places.clone(), &mut places.clone());
+    let blocks = &symbolic.entries[front.entries.clone()];
+    let summed_columns = Summed { lower: &mut columns, upper: &mut upper, pivots: front.pivots, delayed, size };
+    add_entries(blocks, values, summed_columns);
     (0..front.pivots).for_each(|own| columns[own * (size + 1)] += shift);
     let mut sums = vec![0.0; size];
-    let extensions = extensions(symbolic, front, children, delayed, &mut sums);
-    // the columns of this front, then those that it leaves
-    let add = |target: &mut [f64], length: usize, first: usize, lowest: usize, is_own: &dyn Fn(&&Run) -> bool| {
-        for ((runs, order), (_, child)) in extensions.iter().zip(children) {
-            for run in runs.iter().filter(is_own) {
-                for column in 0..run.length as usize {
-                    let source = &child.values[(run.from as usize + column) * order..][..*order];
-                    let target = &mut target[(run.to as usize + column - first) * length..][..length];
-                    for rows in runs.iter().filter(|rows| rows.to as usize >= lowest) {
-                        let own = rows.to as usize - first..(rows.to + rows.length) as usize - first;
-                        target[own].iter_mut().zip(&source[rows.from as usize..]).for_each(|(t, s)| *t += s);
-                    }
-                }
-            }
-        }
-    };
-    add(&mut columns, size, 0, 0, &|run| (run.to as usize) < summed);
+    for (([runs, own, _], source), (_, child)) in workspace.extensions(symbolic, &contributions).zip(children) {
+        extend(source, [runs, own], &mut columns, size, [0, 0]);
+        add_rows(runs, &child.sums, &mut sums, 0);
+    }
 
     let mut block = SymmetricBlock { values: &mut columns, size, summed, pivots: Vec::new(), sums, threads };
     let found = block.eliminate(&mut count.inertia);
@@ -167,7 +113,7 @@ fn eliminate_front(
     if front.is_last() {
         count.close(&block.sums[found..]);
         count.inertia.zero += summed - found;
-        return Contribution::default();
+        return Waiting::default();
     }
     let sums = block.sums[found..].to_vec();
     let left = summed - found;
@@ -187,8 +133,10 @@ fn eliminate_front(
         }
     }
     // rows of this front that are delayed again have theirs from the columns above
-    add(&mut contribution, order, found, summed, &|run| run.to as usize >= summed);
-    Contribution { values: contribution, delayed: left, sums }
+    for ([_, _, later], source) in workspace.extensions(symbolic, &contributions) {
+        extend(source, [later, later], &mut contribution, order, [found, found]);
+    }
+    Waiting { values: contribution, delayed: left, sums }
 }
 
 /// A pivot of D.
@@ -247,7 +195,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// Eliminates columns with pivots among themselves; returns the end of the pivots.
-    fn eliminate_panel(&mut self, columns: std::ops::Range<usize>, inertia: &mut Inertia) -> usize {
+    fn eliminate_panel(&mut self, columns: Range<usize>, inertia: &mut Inertia) -> usize {
         let mut next = columns.start;
         while next < columns.end {
             let Some((first, second)) = self.find_pivot(next..columns.end) else { break };
@@ -280,7 +228,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// One column, or two, whose pivots are large enough beside the rest of them.
-    fn find_pivot(&self, columns: std::ops::Range<usize>) -> Option<(usize, Option<usize>)> {
+    fn find_pivot(&self, columns: Range<usize>) -> Option<(usize, Option<usize>)> {
         let start = columns.start;
         let largest = |column: usize, without: [usize; 2]| {
             let entries = self.column(column).iter().enumerate().skip(start);
@@ -361,7 +309,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// D L^T of some pivots and rows.
-    fn upper(&self, pivots: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Vec<f64> {
+    fn upper(&self, pivots: Range<usize>, rows: Range<usize>) -> Vec<f64> {
         let count = pivots.len();
         let mut upper = vec![0.0; count * rows.len()];
         for (place, pivot) in pivots.enumerate() {
@@ -382,7 +330,7 @@ impl SymmetricBlock<'_> {
     }
 
     /// Subtracts pivots from the columns from `from` on.
-    fn subtract(&mut self, pivots: std::ops::Range<usize>, from: usize) {
+    fn subtract(&mut self, pivots: Range<usize>, from: usize) {
         if pivots.is_empty() || from == self.summed {
             return;
         }
@@ -399,17 +347,19 @@ impl SymmetricBlock<'_> {
 mod tests {
     use super::*;
     use crate::linalg::SparsePattern;
-    use crate::linalg::multifrontal::graph::Role;
     use crate::linalg::multifrontal::known_signs::known_signs;
     use crate::linalg::multifrontal::test_matrices::{Noise, chain, random_pattern, shell};
     use nalgebra::{DMatrix, SymmetricEigen};
 
-    fn dense_inertia(values: Vec<f64>, size: usize) -> Inertia {
-        known_signs(size, 0, |shift| dense_shifted_inertia(values.clone(), size, shift))
+    /// With all entries in one front.
+    fn dense_inertia(values: &[f64], size: usize, known: usize) -> Inertia {
+        let all = (0..size * size).map(|place| (place / size, place % size)).collect();
+        inertia(&SparsePattern::from_entries(size, all), values, known)
     }
 
-    fn inertia(symbolic: &Symbolic, values: &[f64], known: usize) -> Inertia {
-        known_signs(symbolic.size, known, |shift| shifted_inertia(symbolic, values, shift, 1))
+    fn inertia(pattern: &SparsePattern, values: &[f64], known: usize) -> Inertia {
+        let symbolic = Symbolic::new(pattern);
+        known_signs(symbolic.size, known, |shift| shifted_inertia(&symbolic, values, shift, 1))
     }
 
     /// Numbers of eigenvalues of a dense matrix by their signs.
@@ -447,12 +397,9 @@ mod tests {
             let pattern = random_pattern(&mut noise, nodes, case % 5);
             let (values, matrix) = symmetric(&mut noise, &pattern, case % 4);
             let expected = by_eigenvalues(&matrix);
-            let roles: Vec<Role> = (0..pattern.size)
-                .map(|i| if pattern.position(i, i).is_some() { Role::Primal } else { Role::Multiplier })
-                .collect();
-            let found = inertia(&Symbolic::new(&pattern, &roles), &values, 0);
+            let found = inertia(&pattern, &values, 0);
             assert_eq!(found, expected, "case {case}");
-            assert_eq!(dense_inertia(matrix.as_slice().to_vec(), pattern.size), expected, "case {case}, dense");
+            assert_eq!(dense_inertia(matrix.as_slice(), pattern.size, 0), expected, "case {case}, dense");
             compared += 1;
             indefinite += usize::from(found.negative > 0 && found.positive > 0);
         }
@@ -476,10 +423,7 @@ mod tests {
                     }
                 }
             }
-            let roles: Vec<Role> = (0..pattern.size)
-                .map(|i| if pattern.position(i, i).is_some() { Role::Primal } else { Role::Multiplier })
-                .collect();
-            let found = inertia(&Symbolic::new(&pattern, &roles), &values, 0);
+            let found = inertia(&pattern, &values, 0);
             let expected = by_eigenvalues(&matrix);
             assert_eq!(found, expected, "case {case}, {} unknowns", pattern.size);
         }
@@ -499,7 +443,7 @@ mod tests {
                 }
             }
             let expected = by_eigenvalues(&matrix);
-            assert_eq!(dense_inertia(matrix.as_slice().to_vec(), size), expected, "{size}, {multipliers}");
+            assert_eq!(dense_inertia(matrix.as_slice(), size, 0), expected, "{size}, {multipliers}");
             assert!(expected.negative >= multipliers);
         }
     }
@@ -507,10 +451,10 @@ mod tests {
     #[test]
     fn zero_eigenvalues_are_told() {
         let values = vec![1.0, 2.0, 0.0, 2.0, 4.0, 0.0, 0.0, 0.0, -3.0];
-        assert_eq!(dense_inertia(values, 3), Inertia { positive: 1, negative: 1, zero: 1 });
-        assert_eq!(dense_inertia(vec![0.0; 16], 4), Inertia { zero: 4, ..Inertia::default() });
-        assert_eq!(dense_inertia(Vec::new(), 0), Inertia::default());
-        assert_eq!(dense_inertia(vec![f64::NAN], 1).zero, 1);
+        assert_eq!(dense_inertia(&values, 3, 0), Inertia { positive: 1, negative: 1, zero: 1 });
+        assert_eq!(dense_inertia(&[0.0; 16], 4, 0), Inertia { zero: 4, ..Inertia::default() });
+        assert_eq!(dense_inertia(&[], 0, 0), Inertia::default());
+        assert_eq!(dense_inertia(&[f64::NAN], 1, 0).zero, 1);
     }
 
     /// [K, A^T; A, 0] of bodies of three unknowns in a chain, K with eigenvalues of either sign next to zero and A with rows that nearly depend
@@ -564,14 +508,9 @@ mod tests {
             // what the dense solver leaves open itself
             let open = 1e-15 * pattern.size as f64 * largest;
             let below = |bound: f64| eigenvalues.iter().filter(|value| **value < bound).count().max(constraints);
-            let roles: Vec<Role> = (0..pattern.size)
-                .map(|i| if i < pattern.size - constraints { Role::Primal } else { Role::Multiplier })
-                .collect();
-            let sparse = inertia(&Symbolic::new(&pattern, &roles), &values, constraints);
-            let dense = known_signs(pattern.size, constraints, |shift| {
-                dense_shifted_inertia(matrix.as_slice().to_vec(), pattern.size, shift)
-            });
-            let unsure = shifted_inertia(&Symbolic::new(&pattern, &roles), &values, 0.0, 1).inertia;
+            let sparse = inertia(&pattern, &values, constraints);
+            let dense = dense_inertia(matrix.as_slice(), pattern.size, constraints);
+            let unsure = shifted_inertia(&Symbolic::new(&pattern), &values, 0.0, 1).inertia;
             wrong_alone += usize::from(unsure.negative > below(open) || unsure.negative + unsure.zero < below(-open));
             let nearest = eigenvalues.iter().fold(f64::INFINITY, |least: f64, value| least.min(value.abs())) / largest;
             close += usize::from(nearest < 1e-8);

@@ -51,46 +51,6 @@ pub fn subtract_transposed_product(c: MatrixViewMut<'_>, a: MatrixView<'_>, b: M
     dispatch(TransposedProduct { c, a, b });
 }
 
-/// Where a block of columns that is read stands in memory.
-#[derive(Clone, Copy)]
-struct Columns {
-    first: *const f64,
-    stride: usize,
-}
-
-impl Columns {
-    fn of(matrix: MatrixView<'_>) -> Self {
-        Columns { first: matrix.as_ptr(), stride: matrix.stride() }
-    }
-    /// # Safety
-    /// The entry is one of the matrix.
-    #[inline(always)]
-    unsafe fn at(self, row: usize, column: usize) -> *const f64 {
-        // SAFETY: promised by the caller.
-        unsafe { self.first.add(row + column * self.stride) }
-    }
-}
-
-/// Where a block of columns that is written stands in memory; its pointer comes from the only reference to the entries.
-#[derive(Clone, Copy)]
-struct ColumnsMut {
-    first: *mut f64,
-    stride: usize,
-}
-
-impl ColumnsMut {
-    fn of(matrix: &mut MatrixViewMut<'_>) -> Self {
-        ColumnsMut { first: matrix.as_mut_ptr(), stride: matrix.as_view().stride() }
-    }
-    /// # Safety
-    /// The entry is one of the matrix.
-    #[inline(always)]
-    unsafe fn at(self, row: usize, column: usize) -> *mut f64 {
-        // SAFETY: promised by the caller.
-        unsafe { self.first.add(row + column * self.stride) }
-    }
-}
-
 struct Product<'j> {
     c: MatrixViewMut<'j>,
     target: Target,
@@ -101,63 +61,53 @@ struct Product<'j> {
 impl Kernel for Product<'_> {
     type Output = ();
     #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Product { mut c, target, a, b } = self;
-        let (rows, columns, depth) = (c.rows(), c.columns(), a.columns());
-        assert!(a.rows() == rows && b.columns() == columns && b.rows() == depth, "sizes of a product");
-        let tiles = Tiles { c: ColumnsMut::of(&mut c), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
+    fn run<const FUSED: bool>(mut self) {
+        let (rows, columns, depth) = (self.c.rows(), self.c.columns(), self.a.columns());
+        let same = self.a.rows() == rows && self.b.columns() == columns && self.b.rows() == depth;
+        assert!(same, "sizes of a product");
         let mut column = 0;
         // SAFETY: all tiles lie in the matrices, whose sizes were compared; C is ours alone.
         unsafe {
             while column + 6 <= columns {
-                tiles.strip::<FUSED, 6>(column);
+                self.strip::<FUSED, 6>(column);
                 column += 6;
             }
             while column + 2 <= columns {
-                tiles.strip::<FUSED, 2>(column);
+                self.strip::<FUSED, 2>(column);
                 column += 2;
             }
             if column < columns {
-                tiles.strip::<FUSED, 1>(column);
+                self.strip::<FUSED, 1>(column);
             }
         }
     }
 }
 
-struct Tiles {
-    c: ColumnsMut,
-    a: Columns,
-    b: Columns,
-    depth: usize,
-    rows: usize,
-    target: Target,
-}
-
-impl Tiles {
+impl Product<'_> {
     /// # Safety
     /// `W` columns from `column` on are in the matrices.
     #[inline(always)]
-    unsafe fn strip<const FUSED: bool, const W: usize>(&self, column: usize) {
-        let mut row = 0;
+    unsafe fn strip<const FUSED: bool, const W: usize>(&mut self, column: usize) {
+        let (mut row, rows) = (0, self.c.rows());
         // SAFETY: promised by the caller for columns, checked here for rows.
         unsafe {
-            while row + 24 <= self.rows {
+            while row + 24 <= rows {
                 self.tile::<FUSED, 24, W>(row, column);
                 row += 24;
             }
-            while row + 8 <= self.rows {
+            while row + 8 <= rows {
                 self.tile::<FUSED, 8, W>(row, column);
                 row += 8;
             }
-            if row + 4 <= self.rows {
+            if row + 4 <= rows {
                 self.tile::<FUSED, 4, W>(row, column);
                 row += 4;
             }
-            if row + 2 <= self.rows {
+            if row + 2 <= rows {
                 self.tile::<FUSED, 2, W>(row, column);
                 row += 2;
             }
-            if row < self.rows {
+            if row < rows {
                 self.tile::<FUSED, 1, W>(row, column);
             }
         }
@@ -166,9 +116,9 @@ impl Tiles {
     /// # Safety
     /// The tile is in the matrices.
     #[inline(always)]
-    unsafe fn tile<const FUSED: bool, const H: usize, const W: usize>(&self, row: usize, column: usize) {
+    unsafe fn tile<const FUSED: bool, const H: usize, const W: usize>(&mut self, row: usize, column: usize) {
         let mut sums = [[0.0; H]; W];
-        for p in 0..self.depth {
+        for p in 0..self.a.columns() {
             // SAFETY: promised by the caller.
             let left = unsafe { &*self.a.at(row, p).cast::<[f64; H]>() };
             for (w, sum) in sums.iter_mut().enumerate() {
@@ -209,21 +159,21 @@ impl Kernel for TransposedProduct<'_> {
             let left = [a.column(row), a.column(row + 1), a.column(row + 2)];
             let mut column = 0;
             while column + 2 <= columns {
-                let sums = dots::<FUSED, 3, 2>(left, [b.column(column), b.column(column + 1)]);
+                let sums = dots::<FUSED, false, 3, 2>(left, [b.column(column), b.column(column + 1)], 0);
                 for w in 0..2 {
                     c.column_mut(column + w)[row..row + 3].iter_mut().zip(&sums[w]).for_each(|(c, sum)| *c -= sum);
                 }
                 column += 2;
             }
             if column < columns {
-                let [sums] = dots::<FUSED, 3, 1>(left, [b.column(column)]);
+                let [sums] = dots::<FUSED, false, 3, 1>(left, [b.column(column)], 0);
                 c.column_mut(column)[row..row + 3].iter_mut().zip(&sums).for_each(|(c, sum)| *c -= sum);
             }
             row += 3;
         }
         for row in row..rows {
             for column in 0..columns {
-                let [[sum]] = dots::<FUSED, 1, 1>([a.column(row)], [b.column(column)]);
+                let [[sum]] = dots::<FUSED, false, 1, 1>([a.column(row)], [b.column(column)], 0);
                 c.column_mut(column)[row] -= sum;
             }
         }
@@ -255,24 +205,10 @@ unsafe fn add_products<const FUSED: bool, const H: usize>(
     }
 }
 
-/// Sums of products of each of some vectors with one or two others, all of one length, in lanes: each sum has the bits that it has alone.
+/// Sums of products of each of some vectors with one or two others, all of one length, in lanes: each sum has the bits that it has alone. Of columns
+/// of factors in memory, with `AHEAD`, asks for the numbers that stand `ahead` of those of `a`.
 #[inline(always)]
-pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b: [&[f64]; W]) -> [[f64; H]; W] {
-    dots_of::<FUSED, false, H, W>(a, b, 0)
-}
-
-/// The same for columns of factors in memory: asks for the numbers that stand `ahead` of those of `a`.
-#[inline(always)]
-pub fn dots_ahead<const FUSED: bool, const H: usize, const W: usize>(
-    a: [&[f64]; H],
-    b: [&[f64]; W],
-    ahead: isize,
-) -> [[f64; H]; W] {
-    dots_of::<FUSED, true, H, W>(a, b, ahead)
-}
-
-#[inline(always)]
-fn dots_of<const FUSED: bool, const AHEAD: bool, const H: usize, const W: usize>(
+pub fn dots<const FUSED: bool, const AHEAD: bool, const H: usize, const W: usize>(
     a: [&[f64]; H],
     b: [&[f64]; W],
     ahead: isize,
@@ -439,7 +375,6 @@ impl Kernel for UnitLower<'_> {
         let UnitLower { l, mut b } = self;
         let (size, columns) = (l.rows(), b.columns());
         assert!(l.columns() == size && b.rows() == size && size <= TRIANGLE, "sizes of a triangular system");
-        let (l, b) = (Columns::of(l), ColumnsMut::of(&mut b));
         let mut negative = [[0.0; TRIANGLE]; TRIANGLE];
         for p in 0..size {
             for row in p + 1..size {
@@ -452,14 +387,14 @@ impl Kernel for UnitLower<'_> {
         unsafe {
             while column + 4 <= columns {
                 match size {
-                    6 => unit_lower::<FUSED, 4>(&negative, 6, b, column),
-                    8 => unit_lower::<FUSED, 4>(&negative, 8, b, column),
-                    _ => unit_lower::<FUSED, 4>(&negative, size, b, column),
+                    6 => unit_lower::<FUSED, 4>(&negative, 6, &mut b, column),
+                    8 => unit_lower::<FUSED, 4>(&negative, 8, &mut b, column),
+                    _ => unit_lower::<FUSED, 4>(&negative, size, &mut b, column),
                 }
                 column += 4;
             }
             while column < columns {
-                unit_lower::<FUSED, 1>(&negative, size, b, column);
+                unit_lower::<FUSED, 1>(&negative, size, &mut b, column);
                 column += 1;
             }
         }
@@ -474,7 +409,7 @@ impl Kernel for UnitLower<'_> {
 unsafe fn unit_lower<const FUSED: bool, const W: usize>(
     negative: &[[f64; TRIANGLE]; TRIANGLE],
     size: usize,
-    b: ColumnsMut,
+    b: &mut MatrixViewMut<'_>,
     column: usize,
 ) {
     let mut x = [[0.0; TRIANGLE]; W];

@@ -14,20 +14,12 @@ pub struct MatrixView<'m> {
 }
 
 /// The same to write to; no other view of its entries is alive.
-pub struct MatrixViewMut<'m> {
-    first: *mut f64,
-    rows: usize,
-    columns: usize,
-    stride: usize,
-    values: PhantomData<&'m mut [f64]>,
-}
+pub struct MatrixViewMut<'m>(MatrixView<'m>, PhantomData<&'m mut [f64]>);
 
 // SAFETY: it is used as a shared reference to its entries.
 unsafe impl Send for MatrixView<'_> {}
 // SAFETY: as above.
 unsafe impl Sync for MatrixView<'_> {}
-// SAFETY: it is used as the only reference to its entries.
-unsafe impl Send for MatrixViewMut<'_> {}
 
 impl<'m> MatrixView<'m> {
     /// All entries, column by column.
@@ -55,10 +47,20 @@ impl<'m> MatrixView<'m> {
         self.stride
     }
 
-    /// The place of the first entry; with [`MatrixView::stride`] it leads to the others.
+    /// The place of the first entry.
     #[inline(always)]
     pub fn as_ptr(&self) -> *const f64 {
         self.first
+    }
+
+    /// The place of an entry.
+    ///
+    /// # Safety
+    /// It is one of the matrix.
+    #[inline(always)]
+    pub unsafe fn at(self, row: usize, column: usize) -> *const f64 {
+        // SAFETY: promised by the caller.
+        unsafe { self.first.add(row + column * self.stride) }
     }
 
     /// Some of the rows and columns.
@@ -92,72 +94,73 @@ impl<'m> MatrixViewMut<'m> {
     /// All entries, column by column.
     #[inline(always)]
     pub fn new(values: &'m mut [f64], rows: usize, columns: usize) -> Self {
-        assert_eq!(Some(values.len()), rows.checked_mul(columns), "entries of a matrix of {rows} x {columns}");
-        MatrixViewMut { first: values.as_mut_ptr(), rows, columns, stride: rows, values: PhantomData }
+        let first = values.as_mut_ptr().cast_const();
+        // to be written to by this pointer
+        MatrixViewMut(MatrixView { first, ..MatrixView::new(values, rows, columns) }, PhantomData)
     }
 
     /// Number of rows.
     #[inline(always)]
     pub fn rows(&self) -> usize {
-        self.rows
+        self.0.rows
     }
 
     /// Number of columns.
     #[inline(always)]
     pub fn columns(&self) -> usize {
-        self.columns
+        self.0.columns
     }
 
     /// The same to read.
     #[inline(always)]
     pub fn as_view(&self) -> MatrixView<'_> {
-        let MatrixViewMut { first, rows, columns, stride, .. } = *self;
-        MatrixView { first, rows, columns, stride, values: PhantomData }
+        self.0
     }
 
-    /// The place of the first entry.
+    /// The place of an entry.
+    ///
+    /// # Safety
+    /// It is one of the matrix.
     #[inline(always)]
-    pub fn as_mut_ptr(&mut self) -> *mut f64 {
-        self.first
+    pub unsafe fn at(&mut self, row: usize, column: usize) -> *mut f64 {
+        // SAFETY: promised by the caller.
+        unsafe { self.0.at(row, column).cast_mut() }
     }
 
     /// The same for a shorter time.
     #[inline(always)]
     pub fn reborrow(&mut self) -> MatrixViewMut<'_> {
-        MatrixViewMut { ..*self }
+        MatrixViewMut(self.0, PhantomData)
     }
 
     /// Some of the rows and columns.
     #[inline(always)]
     pub fn block(self, rows: Range<usize>, columns: Range<usize>) -> Self {
-        check(&rows, self.rows, "rows");
-        check(&columns, self.columns, "columns");
-        let first = self.first.wrapping_add(rows.start + columns.start * self.stride);
-        MatrixViewMut { first, rows: rows.len(), columns: columns.len(), ..self }
+        MatrixViewMut(self.0.block(rows, columns), PhantomData)
     }
 
     /// The first rows, and the others.
     pub fn split_rows(self, rows: usize) -> (Self, Self) {
-        let (all_rows, columns) = (self.rows, self.columns);
+        let MatrixView { rows: all_rows, columns, .. } = self.0;
         // two views of different entries
-        let other = MatrixViewMut { ..self };
+        let other = MatrixViewMut(self.0, PhantomData);
         (self.block(0..rows, 0..columns), other.block(rows..all_rows, 0..columns))
     }
 
     /// The first columns, and the others.
     pub fn split_columns(self, columns: usize) -> (Self, Self) {
-        let (rows, all_columns) = (self.rows, self.columns);
+        let MatrixView { rows, columns: all_columns, .. } = self.0;
         // two views of different entries
-        let other = MatrixViewMut { ..self };
+        let other = MatrixViewMut(self.0, PhantomData);
         (self.block(0..rows, 0..columns), other.block(0..rows, columns..all_columns))
     }
 
     /// One column.
     #[inline(always)]
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
-        assert!(column < self.columns, "column {column} of {}", self.columns);
+        assert!(column < self.columns(), "column {column} of {}", self.columns());
         // SAFETY: a column of the matrix is contiguous, and this view the only one of it.
-        unsafe { std::slice::from_raw_parts_mut(self.first.add(column * self.stride), self.rows) }
+        unsafe { std::slice::from_raw_parts_mut(self.at(0, column), self.rows()) }
     }
 
     /// The first `H` of some rows in the first `W` of some columns, if there are as many.
@@ -167,20 +170,17 @@ impl<'m> MatrixViewMut<'m> {
         rows: Range<usize>,
         columns: Range<usize>,
     ) -> Option<[&mut [f64; H]; W]> {
-        check(&rows, self.rows, "rows");
-        check(&columns, self.columns, "columns");
-        if rows.len() < H || columns.len() < W {
-            return None;
-        }
-        let (first, stride) = (self.first.wrapping_add(rows.start + columns.start * self.stride), self.stride);
+        let MatrixView { first, rows: height, columns: width, stride, .. } = self.0.block(rows, columns);
         // SAFETY: these entries are in the matrix, those of one column are contiguous and not in another one.
-        Some(std::array::from_fn(|w| unsafe { &mut *first.add(w * stride).cast::<[f64; H]>() }))
+        let column = |w: usize| unsafe { &mut *first.cast_mut().add(w * stride).cast::<[f64; H]>() };
+        (height >= H && width >= W).then(|| std::array::from_fn(column))
     }
 
     /// Takes over the entries of a matrix of the same size.
     pub fn copy_from(&mut self, source: MatrixView<'_>) {
-        assert_eq!((self.rows, self.columns), (source.rows, source.columns), "sizes of a matrix and its copy");
-        (0..self.columns).for_each(|column| self.column_mut(column).copy_from_slice(source.column(column)));
+        let size = (self.rows(), self.columns());
+        assert_eq!(size, (source.rows, source.columns), "sizes of a matrix and its copy");
+        (0..self.columns()).for_each(|column| self.column_mut(column).copy_from_slice(source.column(column)));
     }
 }
 
@@ -191,24 +191,7 @@ fn check(part: &Range<usize>, all: usize, what: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{MatrixView, MatrixViewMut};
-
-    #[test]
-    fn blocks_and_halves_stand_where_they_were_cut() {
-        let mut values: Vec<f64> = (0..12).map(f64::from).collect();
-        let matrix = MatrixView::new(&values, 3, 4);
-        let block = matrix.block(1..3, 2..4);
-        assert_eq!((block.column(0), block.column(1)), (&[7.0, 8.0][..], &[10.0, 11.0][..]));
-        assert_eq!(matrix.block(0..3, 1..3).entries(), [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
-        assert_eq!(matrix.block(3..3, 4..4).columns(), 0);
-        let (mut top, mut bottom) = MatrixViewMut::new(&mut values, 3, 4).split_rows(1);
-        top.column_mut(3)[0] = -1.0;
-        bottom.column_mut(0).fill(-2.0);
-        let (mut left, mut right) = bottom.split_columns(2);
-        right.copy_from(left.as_view());
-        left.column_mut(1)[1] = -3.0;
-        assert_eq!(values, [0.0, -2.0, -2.0, 3.0, 4.0, -3.0, 6.0, -2.0, -2.0, -1.0, 4.0, 5.0]);
-    }
+    use super::MatrixView;
 
     #[test]
     #[should_panic(expected = "rows 1..4 of 3")]

@@ -13,9 +13,9 @@ pub const TINY_PIVOT: f64 = 1e-14;
 /// Columns that are eliminated before the rest of the front is changed.
 pub const PANEL: usize = 32;
 /// Columns that are eliminated one by one before the rest of their panel is changed.
-const STRIP: usize = 4;
+pub const STRIP: usize = 4;
 /// Rows up to which all columns of a panel are changed one by one.
-const SMALL: usize = 64;
+pub const SMALL: usize = 64;
 
 /// The columns of a front whose unknowns may be eliminated.
 pub struct PivotBlock<'j> {
@@ -84,17 +84,10 @@ impl PivotBlock<'_> {
 
     /// Subtracts pivots from columns, while others subtract them from more columns.
     pub fn subtract(&mut self, pivots: Range<usize>, columns: Range<usize>, elsewhere: usize) {
-        if pivots.is_empty() || columns.is_empty() {
-            return;
+        if !pivots.is_empty() && !columns.is_empty() {
+            let workers = ColumnThreads { threads: self.threads, elsewhere };
+            subtract_pivots(&mut self.values[..columns.end * self.size], self.size, pivots, columns.start, workers);
         }
-        let (size, workers) = (self.size, ColumnThreads { threads: self.threads, elsewhere });
-        let (done, rest) = self.values[..columns.end * size].split_at_mut(columns.start * size);
-        let done = MatrixView::new(done, size, columns.start).block(pivots.start..size, pivots.clone());
-        let rest = MatrixViewMut::new(rest, size, columns.len()).block(pivots.start..size, 0..columns.len());
-        let (mut upper, lower) = rest.split_rows(pivots.len());
-        solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), workers);
-        let below = done.block(pivots.len()..done.rows(), 0..pivots.len());
-        subtract_product(lower, Target::Reduced, below, upper.as_view(), workers);
     }
 
     /// Exchanges two unknowns, rows and columns.
@@ -130,32 +123,10 @@ impl PivotBlock<'_> {
                 continue;
             };
             self.exchange_rows(next, row);
-            let column = &mut self.values[next * size..][..size];
-            let inverse = 1.0 / column[next];
-            column[next + 1..].iter_mut().for_each(|value| *value *= inverse);
-            let (done, rest) = self.values[..columns.end * size].split_at_mut((next + 1) * size);
-            let below = &done[next * size + next + 1..];
-            for column in rest.chunks_exact_mut(size) {
-                subtract_multiple::<FUSED>(below, column[next], &mut column[next + 1..]);
-            }
+            eliminate_column::<FUSED>(&mut self.values[..columns.end * size], size, next);
             next += 1;
         }
         next
-    }
-
-    /// Subtracts a few pivots from a column.
-    #[inline(always)]
-    fn subtract_few<const FUSED: bool>(&mut self, pivots: Range<usize>, column: usize) {
-        let size = self.size;
-        let (done, rest) = self.values.split_at_mut(column * size);
-        let (upper, lower) = rest[pivots.start..size].split_at_mut(pivots.len());
-        for pivot in pivots.clone() {
-            let (known, rest) = upper[pivot - pivots.start..].split_first_mut().expect("a pivot above the end");
-            for (value, l) in rest.iter_mut().zip(&done[pivot * size + pivot + 1..]) {
-                *value -= l * *known;
-            }
-        }
-        subtract_columns::<FUSED>(&done[pivots.start * size + pivots.end..], size, upper, lower);
     }
 
     /// The row of the pivot of a column, if it has one at `first` or below.
@@ -174,6 +145,51 @@ impl PivotBlock<'_> {
         let least = if self.is_last { 0.0 } else { PIVOT_SHARE * largest(&column[first..]) };
         best.filter(|&row| usable(column[row]) && column[row].abs() >= least)
     }
+}
+
+/// Divides what stands below a pivot by it, and subtracts it from all columns behind.
+#[inline(always)]
+pub fn eliminate_column<const FUSED: bool>(values: &mut [f64], size: usize, pivot: usize) {
+    let (done, rest) = values.split_at_mut((pivot + 1) * size);
+    let column = &mut done[pivot * size..];
+    let inverse = 1.0 / column[pivot];
+    let below = &mut column[pivot + 1..];
+    below.iter_mut().for_each(|value| *value *= inverse);
+    for column in rest.chunks_exact_mut(size) {
+        subtract_multiple::<FUSED>(below, column[pivot], &mut column[pivot + 1..]);
+    }
+}
+
+/// Subtracts a few pivots from a column.
+#[inline(always)]
+pub fn subtract_few<const FUSED: bool>(values: &mut [f64], size: usize, pivots: Range<usize>, column: usize) {
+    let (done, rest) = values.split_at_mut(column * size);
+    let (upper, lower) = rest[pivots.start..size].split_at_mut(pivots.len());
+    for pivot in pivots.clone() {
+        let (known, rest) = upper[pivot - pivots.start..].split_first_mut().expect("a pivot above the end");
+        for (value, l) in rest.iter_mut().zip(&done[pivot * size + pivot + 1..]) {
+            *value -= l * *known;
+        }
+    }
+    subtract_columns::<FUSED>(&done[pivots.start * size + pivots.end..], size, upper, lower);
+}
+
+/// Subtracts the pivots of a panel from all columns from `first` on.
+pub fn subtract_pivots(
+    values: &mut [f64],
+    size: usize,
+    pivots: Range<usize>,
+    first: usize,
+    workers: impl Into<ColumnThreads>,
+) {
+    let (workers, columns) = (workers.into(), values.len() / size - first);
+    let (done, rest) = values.split_at_mut(first * size);
+    let done = MatrixView::new(done, size, first).block(pivots.start..size, pivots.clone());
+    let rest = MatrixViewMut::new(rest, size, columns).block(pivots.start..size, 0..columns);
+    let (mut upper, lower) = rest.split_rows(pivots.len());
+    solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), workers);
+    let below = done.block(pivots.len()..done.rows(), 0..pivots.len());
+    subtract_product(lower, Target::Reduced, below, upper.as_view(), workers);
 }
 
 /// Columns that are eliminated a few at a time.
@@ -195,7 +211,7 @@ impl Kernel for Panel<'_, '_> {
             let found = block.eliminate_strip::<FUSED>(strip.clone());
             if done < found {
                 for column in strip.end..panel_end {
-                    block.subtract_few::<FUSED>(done..found, column);
+                    subtract_few::<FUSED>(block.values, block.size, done..found, column);
                 }
             }
             block.postpone(found..strip.end, &mut end);

@@ -11,9 +11,9 @@ use super::pivots::PANEL;
 use super::shared_front::{ColumnDistribution, Columns, Inbox, RankGroup, SharedFront};
 use super::stretch_solution::{Delayed, StretchSolution, delayed, end_out_of_step};
 use super::stretches::Stretches;
-use super::substitution::{BLOCK, Side, Substitution};
+use super::substitution::{Side, Substitution};
 use super::symbolic::Symbolic;
-use super::traversal::Piece;
+use super::traversal::Traversal;
 use crate::exchange::{Exchange, digest};
 use crate::linalg::{OwnUnknowns, Singular};
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ pub struct RankShare {
 /// What a rank does, one after the other.
 enum Task {
     /// All alone, for children of its own or of others.
-    Own(Piece),
+    Own(Traversal),
     /// A front with others.
     Shared(usize),
 }
@@ -62,12 +62,13 @@ impl RankShare {
             parted.map(|front| (front, ColumnDistribution::new(symbolic, stretches, front))).collect();
         let flops = symbolic.subtree_flops();
         let subtrees = solution.subtrees.iter().filter(|(_, is_parted)| !is_parted);
-        let subtrees = subtrees.map(|(fronts, _)| Task::Own(Piece::subtree(symbolic, fronts.end - 1, &flops, threads)));
+        let of_subtree = |root: usize| Traversal::of_subtrees(symbolic, &[root], &flops, threads);
+        let subtrees = subtrees.map(|(fronts, _)| Task::Own(of_subtree(fronts.end - 1)));
         // what waits for nobody comes first
         let with_others = distributions.values().filter(|distribution| distribution.member(exchange.rank()).is_some());
         let with_others = with_others.map(|distribution| match distribution.is_shared() {
             true => Task::Shared(distribution.front),
-            false => Task::Own(Piece::front(symbolic, distribution.front, threads)),
+            false => Task::Own(Traversal::of_front(symbolic, distribution.front, threads)),
         });
         let tasks = subtrees.chain(with_others).collect();
         let mail = Mail { exchange, early: Vec::new() };
@@ -178,24 +179,19 @@ impl RankShare {
         Ok(())
     }
 
-    /// Replaces right-hand sides, column by column, by solutions.
+    /// Replaces a block of right-hand sides, column by column, by solutions.
     pub fn solve(
         &mut self,
         symbolic: &Symbolic,
-        factors: &mut Factors,
+        factors: &Factors,
         substitution: &mut Substitution,
         side: Side,
         rhs: &mut [f64],
     ) {
-        if side == Side::Transposed {
-            factors.transpose(symbolic);
-        }
-        for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            self.solution.forward(self.mail.exchange, (symbolic, factors), substitution, side, block);
-            self.solution.backward(self.mail.exchange, (symbolic, factors), substitution, side);
-            self.gather(symbolic, substitution, block);
-            substitution.store(symbolic, block);
-        }
+        self.solution.forward(self.mail.exchange, (symbolic, factors), substitution, side, rhs);
+        self.solution.backward(self.mail.exchange, (symbolic, factors), substitution, side);
+        self.gather(symbolic, substitution, rhs);
+        substitution.store(symbolic, rhs, 0..symbolic.size);
     }
 
     /// Brings the unknowns of all ranks together, and compares what they were asked for.
@@ -235,7 +231,7 @@ impl Handing<'_> {
     /// Factors a subtree, or a front alone with the contributions of its children, and hands on what it contributes.
     fn factor_own(
         self,
-        piece: &mut Piece,
+        piece: &mut Traversal,
         values: &[f64],
         part: &mut Part<'_>,
         mut children: Vec<Vec<Columns>>,

@@ -11,15 +11,12 @@
 
 use super::entries::EntryBlock;
 use super::factors::FrontStorage;
-use super::front::{Contribution, Workspace, add};
-use super::kernels::{ColumnThreads, solve_unit_lower, subtract_product};
-use super::matrix_view::{MatrixView, MatrixViewMut};
+use super::front::{Contribution, Workspace, add, add_rows, reduce_others};
+use super::kernels::ColumnThreads;
 use super::pivots::{PANEL, PivotBlock};
-use super::product::Target;
 use super::stretches::Stretches;
 use super::symbolic::{Front, Run, Symbolic};
 use crate::exchange::Exchange;
-use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 
 /// Which ranks have which columns of a front that has fronts of several ranks below it.
@@ -244,7 +241,11 @@ impl SharedFront {
         };
         let found = eliminate(&mut block, group, inbox);
         *waiting = [&*rows, &*columns].map(|list| list[found..].to_vec());
-        own.reduce_others(found, exchanges, contribution);
+        let (size, count) = (own.size(), own.others.len());
+        let width = group.distribution.contributed(group.member, summed - found).len();
+        contribution.resize((size - found) * width, 0.0);
+        let workers = ColumnThreads { threads: group.threads, elsewhere: front.others() - count };
+        reduce_others(own.lower, &mut own.upper[..summed * count], [size, summed, found], exchanges, contribution, workers);
         own.add_others(children, workspace, found, contribution);
         own.gather_upper(inbox);
         found
@@ -344,39 +345,8 @@ impl Own<'_> {
                     (&mut self.lower[column * size..][..size], end)
                 }
             };
-            dispatch(AddRows { runs: &runs[start..end], source, target, shift: 0 });
+            add_rows(&runs[start..end], source, target, 0);
         });
-    }
-
-    /// Solves and reduces the own ones of the other columns with all pivots, after exchanges of rows: U, and what they contribute.
-    fn reduce_others(&mut self, found: usize, exchanges: &[(u32, u32)], contribution: &mut Vec<f64>) {
-        let (size, summed, own) = (self.size(), self.summed, self.others.len());
-        let left = summed - found;
-        let (order, width) =
-            (left + self.front.others(), self.group.distribution.contributed(self.group.member, left).len());
-        contribution.resize(order * width, 0.0);
-        if self.front.others() == 0 {
-            return;
-        }
-        let upper = &mut self.upper[..summed * own];
-        for column in upper.chunks_exact_mut(summed) {
-            exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
-        }
-        let workers = ColumnThreads { threads: self.group.threads, elsewhere: self.front.others() - own };
-        let pivots = MatrixView::new(&*self.lower, size, summed);
-        let (mut known, unknown) = MatrixViewMut::new(upper, summed, own).split_rows(found);
-        solve_unit_lower(pivots.block(0..found, 0..found), known.reborrow(), workers);
-        let matrix = MatrixViewMut::new(&mut *contribution, order, width);
-        let (mut late, matrix) = matrix.split_columns(width - own);
-        if width > own {
-            late.copy_from(pivots.block(found..size, found..summed));
-        }
-        let (mut top, bottom) = matrix.split_rows(left);
-        if left > 0 {
-            top.copy_from(unknown.as_view());
-            subtract_product(top, Target::Reduced, pivots.block(found..summed, 0..found), known.as_view(), workers);
-        }
-        subtract_product(bottom, Target::Replaced, pivots.block(summed..size, 0..found), known.as_view(), workers);
     }
 
     /// Adds what children contribute to rows and columns without a pivot here.
@@ -388,7 +358,7 @@ impl Own<'_> {
             let Some(other) = place.and_then(|place| place.checked_sub(self.front.pivots)) else { return };
             let target = &mut contribution[(left + other - first) * order..][..order];
             let [_, middle, end] = workspace.bounds[number];
-            dispatch(AddRows { runs: &workspace.runs[middle..end], source, target, shift: found });
+            add_rows(&workspace.runs[middle..end], source, target, found);
         });
     }
 
@@ -406,26 +376,6 @@ impl Own<'_> {
             let of_member = inbox.expect(group.distribution.ranks[member], [UPPER, group.distribution.front as f64]);
             let places = group.distribution.others(member);
             self.upper[places.start * summed..places.end * summed].copy_from_slice(&of_member);
-        }
-    }
-}
-
-/// target += source in some rows.
-struct AddRows<'j> {
-    runs: &'j [Run],
-    source: &'j [f64],
-    target: &'j mut [f64],
-    /// First row of the target.
-    shift: usize,
-}
-
-impl Kernel for AddRows<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        for run in self.runs {
-            let (from, to, length) = (run.from as usize, run.to as usize - self.shift, run.length as usize);
-            add(&mut self.target[to..][..length], &self.source[from..][..length]);
         }
     }
 }

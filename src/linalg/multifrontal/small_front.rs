@@ -6,10 +6,10 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::entries::EntryBlock;
+use super::factors::Form;
 use super::front::Contribution;
 use super::pivots::{PIVOT_SHARE, TINY_PIVOT};
-use super::symbolic::{Front, Run, Symbolic};
+use super::symbolic::{Front, Symbolic};
 use crate::linalg::vectors::{Instructions, Vector, VectorKernel};
 
 /// Most rows of a small front.
@@ -158,21 +158,11 @@ pub struct SmallFront<'j> {
     pub scratch: &'j mut Scratch,
 }
 
-/// How the elimination of a small front ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Elimination {
-    /// Every row has the pivot of its own column.
-    InOrder,
-    /// Rows were exchanged.
-    Exchanged,
-    /// A column has no pivot that is large enough; what was written has no meaning.
-    Refused,
-}
-
 impl VectorKernel for SmallFront<'_> {
-    type Output = Elimination;
+    /// How the front is stored: as a large one where a column has no pivot that is large enough, and what was written has no meaning.
+    type Output = Form;
     #[inline(always)]
-    fn run<I: Instructions>(self) -> Elimination {
+    fn run<I: Instructions>(self) -> Form {
         let shape = Shape::of(self.front);
         let (others, size) = (shape.others, shape.size());
         assert!(size <= SMALL_FRONT && self.storage.len() >= shape.storage() && self.rows.len() == shape.pivots);
@@ -219,7 +209,7 @@ impl SmallFront<'_> {
     /// # Safety
     /// The front has at most `CHUNKS` times `CHUNK` rows, and all lists the lengths that [`Kernel::run`] compares.
     #[inline(always)]
-    unsafe fn factor<I: Instructions, const CHUNKS: usize>(self, shape: Shape) -> Elimination {
+    unsafe fn factor<I: Instructions, const CHUNKS: usize>(self, shape: Shape) -> Form {
         let SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch } = self;
         let Shape { pivots, others } = shape;
         let (stride, size) = (CHUNKS * CHUNK, shape.size());
@@ -233,15 +223,25 @@ impl SmallFront<'_> {
                 store([I::Four::splat(zero); CHUNKS], all.add(column * stride));
             }
             for block in &symbolic.entries[front.entries.clone()] {
-                add_entries(block, values, all, stride);
+                let (row, column) = (block.row as usize, block.column as usize);
+                let from = values.as_ptr().add(block.source as usize);
+                let size = [block.height as usize, block.width as usize];
+                put::<false>((from, block.stride as usize), (all.add(row + column * stride), stride), size);
             }
             for child in children {
-                let from = &symbolic.fronts[child.front];
-                extend(&symbolic.extensions[from.extensions.clone()], child.values, from.others(), all, stride);
+                let below = &symbolic.fronts[child.front];
+                let (runs, order) = (&symbolic.extensions[below.extensions.clone()], below.others());
+                for columns in runs {
+                    for rows in runs {
+                        let from = child.values.as_ptr().add(rows.from as usize + columns.from as usize * order);
+                        let to = all.add(rows.to as usize + columns.to as usize * stride);
+                        put::<true>((from, order), (to, stride), [rows.length as usize, columns.length as usize]);
+                    }
+                }
             }
         }
         let mut inverses = [0.0; SMALL_FRONT];
-        let mut outcome = Elimination::InOrder;
+        let mut outcome = Form::Small;
         // two pivots at a time: every column is loaded and stored half as often
         for first in (0..pivots).step_by(2) {
             let mut l = [[I::Four::splat(0.0); CHUNKS]; 2];
@@ -256,21 +256,21 @@ impl SmallFront<'_> {
                         // the pivot by itself: its inverse is what takes longest and what all others wait for
                         let factor = *column.sub(stride).add(own) * inverses[first];
                         pivot = I::minus_product(pivot, factor, known);
-                        x = subtract_column::<I, CHUNKS, 0>(x, &l[0], I::Four::splat(known));
+                        x = subtract_column::<I, CHUNKS>(x, &l[0], I::Four::splat(known));
                         // numbers by their rows, through memory
                         store(x, column);
                     }
                     inverses[own] = 1.0 / pivot;
                     let mut below = scaled_below::<I, CHUNKS>(&x, own, inverses[own]);
-                    if !is_usable(pivot) || largest::<I, CHUNKS>(&below) > 1.0 / PIVOT_SHARE {
+                    if !is_usable(pivot) || I::largest(&below) > 1.0 / PIVOT_SHARE {
                         let values = std::slice::from_raw_parts(column, stride);
                         let Some(row) = other_pivot(values, own..pivots, front.is_last()) else {
-                            return Elimination::Refused;
+                            return Form::Large;
                         };
                         if row != own {
-                            if outcome == Elimination::InOrder {
+                            if outcome == Form::Small {
                                 rows.iter_mut().zip(front.first as u32..).for_each(|(row, place)| *row = place);
-                                outcome = Elimination::Exchanged;
+                                outcome = Form::SmallExchanged;
                             }
                             rows.swap(own, row);
                             (0..own).for_each(|k| lower.add(k * stride + own).swap(lower.add(k * stride + row)));
@@ -377,16 +377,6 @@ fn scaled_below<I: Instructions, const CHUNKS: usize>(
     scaled
 }
 
-/// Largest absolute value, not counting what is not a number.
-#[inline(always)]
-fn largest<I: Instructions, const CHUNKS: usize>(x: &Column<I::Four, CHUNKS>) -> f64 {
-    let mut most = I::Four::splat(0.0);
-    for chunk in 0..CHUNKS {
-        most = x[chunk].absolute().larger(most);
-    }
-    most.largest()
-}
-
 /// Subtracts two pivots, or one and zeros, from columns: all but the chunks before `FROM`, where L is zero.
 ///
 /// # Safety
@@ -415,14 +405,14 @@ unsafe fn subtract_pair<I: Instructions, const CHUNKS: usize, const FROM: usize>
     }
 }
 
-/// x - l f, but for the first chunks.
+/// x - l f.
 #[inline(always)]
-fn subtract_column<I: Instructions, const CHUNKS: usize, const FIRST: usize>(
+fn subtract_column<I: Instructions, const CHUNKS: usize>(
     mut x: Column<I::Four, CHUNKS>,
     l: &Column<I::Four, CHUNKS>,
     factor: I::Four,
 ) -> Column<I::Four, CHUNKS> {
-    for chunk in FIRST..CHUNKS {
+    for chunk in 0..CHUNKS {
         x[chunk] = x[chunk].minus_product(l[chunk], factor);
     }
     x
@@ -439,80 +429,50 @@ fn other_pivot(column: &[f64], rows: std::ops::Range<usize>, is_last: bool) -> O
     is_enough.then_some(best)
 }
 
-/// Writes entries of the matrix to their places.
+/// Writes a block to columns of `stride` numbers, or adds it to what stands there.
 ///
 /// # Safety
-/// The block lies in the values and in the columns, `stride` numbers each.
+/// The block, whose columns are `step` numbers apart, lies in what it is read from and in the columns.
 #[inline(always)]
-unsafe fn add_entries(block: &EntryBlock, values: &[f64], columns: *mut f64, stride: usize) {
+unsafe fn put<const ADDED: bool>(
+    (source, step): (*const f64, usize),
+    (target, stride): (*mut f64, usize),
+    [height, width]: [usize; 2],
+) {
     #[inline(always)]
-    unsafe fn of<const H: usize>(source: *const f64, step: usize, target: *mut f64, stride: usize, width: usize) {
-        for column in 0..width {
-            // SAFETY: promised by the caller.
-            unsafe { *target.add(column * stride).cast::<[f64; H]>() = *source.add(column * step).cast::<[f64; H]>() };
-        }
-    }
-    let EntryBlock { source, stride: step, row, column, height, width } = *block;
-    let (step, width, height) = (step as usize, width as usize, height as usize);
-    debug_assert!(source as usize + (width - 1) * step + height <= values.len());
-    // SAFETY: promised by the caller.
-    unsafe {
-        let (source, target) = (values.as_ptr().add(source as usize), columns.add(row as usize + column as usize * stride));
-        match height {
-            1 => of::<1>(source, step, target, stride, width),
-            2 => of::<2>(source, step, target, stride, width),
-            3 => of::<3>(source, step, target, stride, width),
-            6 => of::<6>(source, step, target, stride, width),
-            12 => of::<12>(source, step, target, stride, width),
-            _ => {
-                for column in 0..width {
-                    for row in 0..height {
-                        *target.add(row + column * stride) = *source.add(row + column * step);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Adds a contribution of some rows.
-///
-/// # Safety
-/// The runs lie in the contribution and in the columns, `stride` numbers each.
-#[inline(always)]
-unsafe fn extend(runs: &[Run], contribution: &[f64], size: usize, columns: *mut f64, stride: usize) {
-    #[inline(always)]
-    unsafe fn of<const H: usize>(source: *const f64, step: usize, target: *mut f64, stride: usize, width: usize) {
+    unsafe fn of<const ADDED: bool, const H: usize>(
+        (source, step): (*const f64, usize),
+        (target, stride): (*mut f64, usize),
+        width: usize,
+    ) {
         for column in 0..width {
             // SAFETY: promised by the caller.
             let (source, target) = unsafe {
                 (&*source.add(column * step).cast::<[f64; H]>(), &mut *target.add(column * stride).cast::<[f64; H]>())
             };
+            if !ADDED {
+                *target = *source;
+                continue;
+            }
             for row in 0..H {
                 target[row] += source[row];
             }
         }
     }
-    debug_assert!(contribution.len() >= size * size);
-    for columns_of in runs {
-        let (from, to, width) = (columns_of.from as usize, columns_of.to as usize, columns_of.length as usize);
-        for rows in runs {
-            // SAFETY: promised by the caller.
-            unsafe {
-                let source = contribution.as_ptr().add(from * size + rows.from as usize);
-                let target = columns.add(to * stride + rows.to as usize);
-                match rows.length {
-                    1 => of::<1>(source, size, target, stride, width),
-                    2 => of::<2>(source, size, target, stride, width),
-                    3 => of::<3>(source, size, target, stride, width),
-                    6 => of::<6>(source, size, target, stride, width),
-                    12 => of::<12>(source, size, target, stride, width),
-                    length => {
-                        for column in 0..width {
-                            for row in 0..length as usize {
-                                *target.add(row + column * stride) += *source.add(row + column * size);
-                            }
-                        }
+    let (from, to) = ((source, step), (target, stride));
+    // SAFETY: promised by the caller.
+    unsafe {
+        match height {
+            1 => of::<ADDED, 1>(from, to, width),
+            2 => of::<ADDED, 2>(from, to, width),
+            3 => of::<ADDED, 3>(from, to, width),
+            6 => of::<ADDED, 6>(from, to, width),
+            12 => of::<ADDED, 12>(from, to, width),
+            _ => {
+                for column in 0..width {
+                    for row in 0..height {
+                        let (source, target) = (source.add(row + column * step), target.add(row + column * stride));
+                        *target = if ADDED { *target + *source } else { *source };
                     }
                 }
             }

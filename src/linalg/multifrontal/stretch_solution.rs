@@ -195,7 +195,7 @@ impl StretchSolution {
 pub fn delayed(symbolic: &Symbolic, part: &Part<'_>, pieces: &[(Range<usize>, Vec<usize>)]) -> Vec<Delayed> {
     let of_piece = |(piece, _): &(Range<usize>, Vec<usize>)| {
         let front = piece.end - 1;
-        let (parent, places) = (symbolic.fronts[front].parent?, part.delayed(symbolic, front).map(<[u32]>::to_vec));
+        let (parent, places) = (symbolic.fronts[front].parent?, part.delayed(front).map(<[u32]>::to_vec));
         (!places[0].is_empty()).then_some(Delayed { front, parent, places })
     };
     pieces.iter().filter_map(of_piece).collect()

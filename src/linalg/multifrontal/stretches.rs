@@ -179,14 +179,13 @@ impl Stretches {
 
 #[cfg(test)]
 mod tests {
-    use super::super::graph::Role;
     use super::super::test_matrices::shell;
     use super::*;
 
     #[test]
     fn cuts_are_between_the_halves_of_a_mesh_and_part_few_fronts() {
         let pattern = shell(41, 0);
-        let symbolic = Symbolic::new(&pattern, &vec![Role::Primal; pattern.size]);
+        let symbolic = Symbolic::new(&pattern);
         let total: f64 = symbolic.fronts.iter().map(front_time).sum();
         for ranks in [2, 3, 4] {
             let stretches = Stretches::new(&symbolic, ranks);

@@ -5,7 +5,7 @@
 
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
-    dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
+    dots, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
     subtract_product, subtract_transposed_product,
 };
 use super::matrix_view::{MatrixView, MatrixViewMut};
@@ -56,18 +56,13 @@ impl Substitution {
         self.solution.chunks_exact_mut(stride(symbolic))
     }
 
-    /// Replaces right-hand sides, column by column, by solutions.
-    pub fn solve(&mut self, symbolic: &Symbolic, factors: &mut Factors, side: Side, rhs: &mut [f64]) {
-        if side == Side::Transposed {
-            factors.transpose(symbolic);
-        }
-        for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            self.load(symbolic, block);
-            let all = 0..symbolic.fronts.len();
-            self.forward(symbolic, factors, side, all.clone());
-            self.backward(symbolic, factors, side, all);
-            self.store(symbolic, block);
-        }
+    /// Replaces up to [`BLOCK`] right-hand sides, column by column, by solutions.
+    pub fn solve(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, rhs: &mut [f64]) {
+        self.load(symbolic, rhs);
+        let all = 0..symbolic.fronts.len();
+        self.forward(symbolic, factors, side, all.clone());
+        self.backward(symbolic, factors, side, all);
+        self.store(symbolic, rhs, 0..symbolic.size);
     }
 
     /// Memory for as many vectors as right-hand sides.
@@ -82,17 +77,8 @@ impl Substitution {
         }
     }
 
-    /// Gives solutions out at some places.
-    pub fn store_some(&self, symbolic: &Symbolic, rhs: &mut [f64], places: Range<usize>) {
-        let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
-        for (solution, rhs) in columns {
-            let own = solution[places.clone()].iter().zip(&symbolic.order[places.clone()]);
-            own.for_each(|(own, &unknown)| rhs[unknown as usize] = *own);
-        }
-    }
-
     /// Takes right-hand sides over.
-    pub fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+    fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
         let size = symbolic.size.max(1);
         self.make_room(symbolic, rhs);
         let columns = self.residual.chunks_exact_mut(stride(symbolic)).zip(rhs.chunks_exact(size));
@@ -104,11 +90,11 @@ impl Substitution {
         }
     }
 
-    /// Gives solutions out.
-    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
+    /// Gives solutions out at some places.
+    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64], places: Range<usize>) {
         let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
         for (solution, rhs) in columns {
-            for (own, &unknown) in solution.iter().zip(&symbolic.order) {
+            for (own, &unknown) in solution[places.clone()].iter().zip(&symbolic.order[places.clone()]) {
                 // SAFETY: as above.
                 unsafe { *rhs.get_unchecked_mut(unknown as usize) = *own };
             }
@@ -128,7 +114,8 @@ impl Substitution {
                 let Substitution { residual, solution, .. } = self;
                 dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: Some(residual), solution });
             } else {
-                self.forward_large(symbolic, factors, side, fronts);
+                let Substitution { residual, solution, front } = self;
+                dispatch(Forward { symbolic, factors, side, fronts, residual, solution, front });
             }
         }
     }
@@ -159,81 +146,8 @@ impl Substitution {
                 let solution = &mut self.solution;
                 dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: None, solution });
             } else {
-                self.backward_large(symbolic, factors, side, fronts);
-            }
-        }
-    }
-
-    fn forward_large(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
-        let Substitution { residual, solution, front } = self;
-        let stride = stride(symbolic);
-        if residual.len() <= FEW * stride {
-            return dispatch(ForwardFew { symbolic, factors, side, fronts, residual, solution, front });
-        }
-        for number in fronts {
-            let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
-            let columns = lists.gather(residual, stride, front);
-            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-            let order = lists.len();
-            let (mut own, mut rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
-            let pivots = 0..eliminated;
-            let square = lower.block(pivots.clone(), pivots.clone());
-            match side {
-                Side::Plain => {
-                    solve_unit_lower(square, own.reborrow(), 1);
-                    let below = lower.block(eliminated..order, pivots);
-                    subtract_product(rest, Target::Reduced, below, own.as_view(), 1);
-                }
-                Side::Transposed => {
-                    solve_upper_transposed(square, own.reborrow());
-                    let (delayed, others) = rest.reborrow().split_rows(rows.len() - eliminated);
-                    let beside = lower.block(pivots.clone(), eliminated..rows.len());
-                    subtract_transposed_product(delayed, beside, own.as_view());
-                    let beside = upper.block(pivots, 0..upper.columns());
-                    subtract_transposed_product(others, beside, own.as_view());
-                }
-            }
-            for (values, (residual, solution)) in
-                front.chunks_exact(order.max(1)).zip(residual.chunks_mut(stride).zip(solution.chunks_mut(stride)))
-            {
-                lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
-                lists.scatter_rest(&values[eliminated..], residual);
-            }
-        }
-    }
-
-    fn backward_large(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
-        let Substitution { solution, front, .. } = self;
-        let stride = stride(symbolic);
-        if solution.len() <= FEW * stride {
-            return dispatch(BackwardFew { symbolic, factors, side, fronts, solution, front });
-        }
-        for number in fronts.rev() {
-            let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
-            let columns = lists.gather(solution, stride, front);
-            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-            let order = lists.len();
-            let (mut own, rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
-            let rest = rest.as_view();
-            let pivots = 0..eliminated;
-            let square = lower.block(pivots.clone(), pivots.clone());
-            match side {
-                Side::Plain => {
-                    let left = rows.len() - eliminated;
-                    let beside = lower.block(pivots.clone(), eliminated..rows.len());
-                    subtract_product(own.reborrow(), Target::Reduced, beside, rest.block(0..left, 0..columns), 1);
-                    let (beside, others) =
-                        (upper.block(pivots, 0..upper.columns()), rest.block(left..rest.rows(), 0..columns));
-                    subtract_product(own.reborrow(), Target::Reduced, beside, others, 1);
-                    solve_upper(square, own);
-                }
-                Side::Transposed => {
-                    subtract_transposed_product(own.reborrow(), lower.block(eliminated..order, pivots), rest);
-                    solve_unit_lower_transposed(square, own);
-                }
-            }
-            for (values, solution) in front.chunks_exact(order.max(1)).zip(solution.chunks_mut(stride)) {
-                lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
+                let Substitution { solution, front, .. } = self;
+                dispatch(Backward { symbolic, factors, side, fronts, solution, front });
             }
         }
     }
@@ -280,28 +194,22 @@ impl<'l> Lists<'l> {
         self.others.iter().zip(of_others).for_each(|(&place, value)| vector[place as usize] = *value);
     }
 
-    /// Copies the rows of the front out of vectors; returns the number of vectors.
+    /// Copies the rows of the front out of vectors, place by place for up to [`FEW`] of them; asks for the factors meanwhile, a cache line a place
+    /// from `factors` on by `step`.
     #[inline(always)]
-    fn gather(&self, vectors: &[f64], size: usize, front: &mut Vec<f64>) -> usize {
-        front.clear();
-        for vector in vectors.chunks_exact(size.max(1)) {
-            front.extend(self.given.iter().map(|&place| vector[place as usize]));
-            front.extend(self.others.iter().map(|&place| vector[place as usize]));
-        }
-        vectors.len() / size.max(1)
-    }
-
-    /// The same for up to [`FEW`] vectors, place by place; asks for the factors meanwhile, a cache line a place from `factors` on by `step`.
-    #[inline(always)]
-    fn gather_few(&self, vectors: &[f64], size: usize, front: &mut Vec<f64>, factors: *const f64, step: isize) {
-        let count = vectors.len() / size;
-        front.resize(count * self.len(), 0.0);
+    fn gather(&self, vectors: &[f64], size: usize, front: &mut Vec<f64>, factors: *const f64, step: isize) {
+        let (count, order) = (vectors.len() / size, self.len());
+        front.resize(count * order, 0.0);
         match count {
-            1 => self.gather_columns::<1>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
-            2 => self.gather_columns::<2>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
-            3 => self.gather_columns::<3>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
-            FEW => self.gather_columns::<FEW>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
-            _ => unreachable!("one to {FEW} vectors"),
+            1 => self.gather_columns::<1>(columns_of(vectors, size), columns_of_mut(front, order), factors, step),
+            2 => self.gather_columns::<2>(columns_of(vectors, size), columns_of_mut(front, order), factors, step),
+            3 => self.gather_columns::<3>(columns_of(vectors, size), columns_of_mut(front, order), factors, step),
+            FEW => self.gather_columns::<FEW>(columns_of(vectors, size), columns_of_mut(front, order), factors, step),
+            _ => {
+                for (vector, front) in vectors.chunks_exact(size).zip(front.chunks_exact_mut(order.max(1))) {
+                    self.gather_columns::<1>([vector], [front], factors, 0);
+                }
+            }
         }
     }
 
@@ -444,7 +352,8 @@ unsafe fn scatter_rows(rows: &[u32], first: usize, vector: *mut f64) {
     }
 }
 
-struct ForwardFew<'j> {
+/// L y = b, or U^T y = b, in large fronts that follow each other.
+struct Forward<'j> {
     symbolic: &'j Symbolic,
     factors: &'j Factors,
     side: Side,
@@ -454,20 +363,21 @@ struct ForwardFew<'j> {
     front: &'j mut Vec<f64>,
 }
 
-impl Kernel for ForwardFew<'_> {
+impl Kernel for Forward<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let ForwardFew { symbolic, factors, side, fronts, residual, solution, front } = self;
+        let Forward { symbolic, factors, side, fronts, residual, solution, front } = self;
         let size = stride(symbolic);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
             let FrontFactors { eliminated, lower, upper, .. } = lists.factors;
             // what is read first, or beside a triangle that is short
             let factors = if side == Side::Plain { lower } else { upper };
-            lists.gather_few(residual, size, front, factors.as_ptr(), LANES as isize);
+            lists.gather(residual, size, front, factors.as_ptr(), LANES as isize);
             let order = lists.len().max(1);
             match side {
+                _ if front.len() > FEW * order => forward_many(&lists, side, front),
                 // loops: a closure would not be compiled for wide vectors
                 Side::Plain => {
                     for front in front.chunks_exact_mut(order) {
@@ -482,6 +392,54 @@ impl Kernel for ForwardFew<'_> {
                 lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
                 lists.scatter_rest(rest, residual);
             }
+        }
+    }
+}
+
+/// L y = b, or U^T y = b, in a front with many vectors.
+fn forward_many(lists: &Lists, side: Side, front: &mut [f64]) {
+    let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+    let (order, columns) = (lists.len(), front.len() / lists.len());
+    let (mut own, mut rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
+    let pivots = 0..eliminated;
+    let square = lower.block(pivots.clone(), pivots.clone());
+    match side {
+        Side::Plain => {
+            solve_unit_lower(square, own.reborrow(), 1);
+            let below = lower.block(eliminated..order, pivots);
+            subtract_product(rest, Target::Reduced, below, own.as_view(), 1);
+        }
+        Side::Transposed => {
+            solve_upper_transposed(square, own.reborrow());
+            let (delayed, others) = rest.reborrow().split_rows(rows.len() - eliminated);
+            let beside = lower.block(pivots.clone(), eliminated..rows.len());
+            subtract_transposed_product(delayed, beside, own.as_view());
+            let beside = upper.block(pivots, 0..upper.columns());
+            subtract_transposed_product(others, beside, own.as_view());
+        }
+    }
+}
+
+/// U x = y, or L^T x = y, in a front with many vectors.
+fn backward_many(lists: &Lists, side: Side, front: &mut [f64]) {
+    let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+    let (order, columns) = (lists.len(), front.len() / lists.len());
+    let (mut own, rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
+    let rest = rest.as_view();
+    let pivots = 0..eliminated;
+    let square = lower.block(pivots.clone(), pivots.clone());
+    match side {
+        Side::Plain => {
+            let left = rows.len() - eliminated;
+            let beside = lower.block(pivots.clone(), eliminated..rows.len());
+            subtract_product(own.reborrow(), Target::Reduced, beside, rest.block(0..left, 0..columns), 1);
+            let (beside, others) = (upper.block(pivots, 0..upper.columns()), rest.block(left..rest.rows(), 0..columns));
+            subtract_product(own.reborrow(), Target::Reduced, beside, others, 1);
+            solve_upper(square, own);
+        }
+        Side::Transposed => {
+            subtract_transposed_product(own.reborrow(), lower.block(eliminated..order, pivots), rest);
+            solve_unit_lower_transposed(square, own);
         }
     }
 }
@@ -531,7 +489,7 @@ impl OnColumns for ForwardTransposed<'_> {
             // those before the strip, then those in it
             let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
             let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][..first]);
-            let sums = dots_ahead::<FUSED, STRIP, W>(columns.map(|column| &column[..first]), known, ahead(lower));
+            let sums = dots::<FUSED, true, STRIP, W>(columns.map(|column| &column[..first]), known, ahead(lower));
             for w in 0..W {
                 for p in 0..strip {
                     let mut value = x[w][first + p] - sums[w][p];
@@ -557,14 +515,14 @@ impl OnColumns for ForwardTransposed<'_> {
         let count = left + upper.columns();
         let mut index = 0;
         while index + STRIP <= count {
-            let sums = dots_ahead::<FUSED, STRIP, W>(std::array::from_fn(|p| column(index + p)), own, ahead(upper));
+            let sums = dots::<FUSED, true, STRIP, W>(std::array::from_fn(|p| column(index + p)), own, ahead(upper));
             for w in 0..W {
                 rest[w][index..index + STRIP].iter_mut().zip(sums[w]).for_each(|(value, sum)| *value -= sum);
             }
             index += STRIP;
         }
         while index < count {
-            let sums = dots::<FUSED, 1, W>([column(index)], own);
+            let sums = dots::<FUSED, false, 1, W>([column(index)], own, 0);
             (0..W).for_each(|w| rest[w][index] -= sums[w][0]);
             index += 1;
         }
@@ -588,7 +546,7 @@ impl OnColumns for BackwardTransposed<'_> {
             // those behind the strip, then those in it
             let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
             let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][end..]);
-            let sums = dots_ahead::<FUSED, STRIP, W>(columns.map(|column| &column[end..]), known, -ahead(lower));
+            let sums = dots::<FUSED, true, STRIP, W>(columns.map(|column| &column[end..]), known, -ahead(lower));
             for w in 0..W {
                 for p in (0..strip).rev() {
                     let mut value = x[w][first + p] - sums[w][p];
@@ -603,7 +561,8 @@ impl OnColumns for BackwardTransposed<'_> {
     }
 }
 
-struct BackwardFew<'j> {
+/// U x = y, or L^T x = y, in large fronts that follow each other.
+struct Backward<'j> {
     symbolic: &'j Symbolic,
     factors: &'j Factors,
     side: Side,
@@ -612,11 +571,11 @@ struct BackwardFew<'j> {
     front: &'j mut Vec<f64>,
 }
 
-impl Kernel for BackwardFew<'_> {
+impl Kernel for Backward<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let BackwardFew { symbolic, factors, side, fronts, solution, front } = self;
+        let Backward { symbolic, factors, side, fronts, solution, front } = self;
         let size = stride(symbolic);
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
@@ -625,9 +584,10 @@ impl Kernel for BackwardFew<'_> {
                 Side::Plain => (upper.as_ptr(), LANES as isize),
                 Side::Transposed => (lower.entries().as_ptr_range().end, -(LANES as isize)),
             };
-            lists.gather_few(solution, size, front, factors, step);
+            lists.gather(solution, size, front, factors, step);
             let order = lists.len().max(1);
             match side {
+                _ if front.len() > FEW * order => backward_many(&lists, side, front),
                 Side::Plain => {
                     for front in front.chunks_exact_mut(order) {
                         backward_plain::<FUSED>(&lists, front);

@@ -1,7 +1,7 @@
 use super::dissection::dissect;
 use super::elimination_tree::EliminationTree;
 use super::entries::{EntryBlock, entry_blocks};
-use super::graph::{Graph, Role};
+use super::graph::Graph;
 use super::small_front::{SMALL_FRONT, Shape, SmallPlan};
 use super::supernodes::{Supernode, elimination_flops, factor_entries, supernodes};
 use crate::linalg::SparsePattern;
@@ -41,8 +41,6 @@ pub struct Front {
     pub parent: Option<usize>,
     /// First front of the subtree below; the subtree is all from there to this one.
     pub subtree: usize,
-    /// Where its factors start among those of all large fronts.
-    pub factors: usize,
     /// Where its factors start among those of all small fronts.
     pub small: usize,
     /// Entries of the matrix that it is the first to use, in [`Symbolic::entries`].
@@ -165,8 +163,8 @@ impl Vertices {
 
 impl Symbolic {
     /// Orders and analyses a pattern.
-    pub fn new(pattern: &SparsePattern, roles: &[Role]) -> Self {
-        let graph = Graph::new(pattern, roles);
+    pub fn new(pattern: &SparsePattern) -> Self {
+        let graph = Graph::new(pattern);
         let tree = EliminationTree::new(&graph, &dissect(&graph));
         let supernodes = supernodes(&graph, &tree);
 
@@ -185,7 +183,7 @@ impl Symbolic {
         let mut structures: Vec<Vec<u32>> = Vec::with_capacity(supernodes.len());
         let mut child_lists = vec![Vec::new(); supernodes.len()];
         let mut seen_by = vec![usize::MAX; graph.len()];
-        let (mut next_vertex, mut factors, mut small) = (0, 0, 0);
+        let (mut next_vertex, mut small) = (0, 0);
         for (s, supernode) in supernodes.iter().enumerate() {
             let own = next_vertex..next_vertex + supernode.vertices.len();
             next_vertex = own.end;
@@ -205,13 +203,11 @@ impl Symbolic {
                 children: first_child..symbolic.children.len(),
                 parent: supernode.parent,
                 subtree,
-                factors,
                 small,
                 entries: 0..0,
                 extensions: 0..0,
                 depth: 0,
             };
-            factors += front.storage();
             small += front.small_storage();
             structures.push(structure);
             symbolic.fronts.push(front);
@@ -269,12 +265,7 @@ impl Symbolic {
         flops
     }
 
-    /// Numbers of the factors of all large fronts as they are stored.
-    pub fn factor_storage(&self) -> usize {
-        self.fronts.iter().map(Front::storage).sum()
-    }
-
-    /// The same of all small fronts.
+    /// Numbers of the factors of all small fronts as they are stored.
     pub fn small_storage(&self) -> usize {
         self.fronts.iter().map(Front::small_storage).sum()
     }
@@ -307,7 +298,9 @@ impl Symbolic {
         Analysis {
             flops: fronts().map(|front| elimination_flops(front.pivots, front.size())).sum(),
             entries: fronts().map(|front| factor_entries(front.pivots, front.size())).sum(),
-            bytes: size_of::<f64>() * (self.factor_storage() + self.small_storage()) + waiting + indices,
+            bytes: size_of::<f64>() * (fronts().map(Front::storage).sum::<usize>() + self.small_storage())
+                + waiting
+                + indices,
             fronts: self.fronts.len(),
             largest_front: fronts().map(Front::size).max().unwrap_or(0),
         }

@@ -1,9 +1,7 @@
 //! Matrices for tests, and a dense elimination to compare with.
 
-// indices carry meaning in matrix code
-#![allow(clippy::needless_range_loop)]
-
 use crate::linalg::SparsePattern;
+use nalgebra::{DMatrix, DVector, Dyn, FullPivLU};
 
 /// Numbers between -1 and 1 without a visible order.
 pub struct Noise(pub u64);
@@ -21,75 +19,25 @@ impl Noise {
 }
 
 /// LU with complete pivoting, which also knows how far from singular a matrix is.
-pub struct Reference {
-    size: usize,
-    lu: Vec<Vec<f64>>,
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-}
+pub struct Reference(FullPivLU<f64, Dyn, Dyn>);
 
 impl Reference {
-    pub fn new(pattern: &SparsePattern, values: &[f64]) -> Self {
-        let size = pattern.size;
-        let mut lu = vec![vec![0.0; size]; size];
-        for column in 0..size {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                lu[pattern.rows[place] as usize][column] = values[place];
-            }
-        }
-        let (mut rows, mut columns): (Vec<_>, Vec<_>) = ((0..size).collect(), (0..size).collect());
-        for k in 0..size {
-            let all = (k..size).flat_map(|i| (k..size).map(move |j| (i, j)));
-            let best = all.max_by(|a, b| lu[a.0][a.1].abs().total_cmp(&lu[b.0][b.1].abs()));
-            let (row, column) = best.expect("not empty");
-            lu.swap(k, row);
-            rows.swap(k, row);
-            lu.iter_mut().for_each(|line| line.swap(k, column));
-            columns.swap(k, column);
-            if lu[k][k] == 0.0 {
-                continue;
-            }
-            for i in k + 1..size {
-                let factor = lu[i][k] / lu[k][k];
-                lu[i][k] = factor;
-                for j in k + 1..size {
-                    lu[i][j] -= factor * lu[k][j];
-                }
-            }
-        }
-        Reference { size, lu, rows, columns }
+    /// Of a matrix, and of its transpose.
+    pub fn both(pattern: &SparsePattern, values: &[f64]) -> [Self; 2] {
+        let mut matrix = DMatrix::zeros(pattern.size, pattern.size);
+        pattern.spread(values, matrix.as_mut_slice());
+        [matrix.clone(), matrix.transpose()].map(|matrix| Reference(matrix.full_piv_lu()))
     }
 
     /// The last pivot as a share of the first: about the inverse of the condition number.
     pub fn distance_from_singular(&self) -> f64 {
-        let pivot = |k: usize| self.lu[k][k].abs();
-        if self.size == 0 { 1.0 } else { pivot(self.size - 1) / pivot(0).max(f64::MIN_POSITIVE) }
+        let pivots = self.0.u().diagonal();
+        pivots[pivots.len() - 1].abs() / pivots[0].abs().max(f64::MIN_POSITIVE)
     }
 
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
-        let mut y: Vec<f64> = self.rows.iter().map(|&row| b[row]).collect();
-        for k in 0..self.size {
-            y[k] -= (0..k).map(|j| self.lu[k][j] * y[j]).sum::<f64>();
-        }
-        for k in (0..self.size).rev() {
-            y[k] = (y[k] - (k + 1..self.size).map(|j| self.lu[k][j] * y[j]).sum::<f64>()) / self.lu[k][k];
-        }
-        let mut x = vec![0.0; self.size];
-        y.iter().zip(&self.columns).for_each(|(y, &column)| x[column] = *y);
-        x
+        self.0.solve(&DVector::from_column_slice(b)).expect("regular").as_slice().to_vec()
     }
-}
-
-pub fn transposed(pattern: &SparsePattern, values: &[f64]) -> (SparsePattern, Vec<f64>) {
-    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-    for column in 0..pattern.size {
-        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            entries.push((pattern.rows[place] as usize, column, values[place]));
-        }
-    }
-    entries.sort_unstable_by_key(|&(column, row, _)| (column, row));
-    let other = SparsePattern::from_entries(pattern.size, entries.iter().map(|&(column, row, _)| (column, row)).collect());
-    (other, entries.into_iter().map(|(_, _, value)| value).collect())
 }
 
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
@@ -171,6 +119,17 @@ pub fn dominant(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
     for column in 0..pattern.size {
         let rows = &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
         values.extend(rows.iter().map(|&row| if row as usize == column { rows.len() as f64 } else { noise.next() }));
+    }
+    values
+}
+
+/// Numbers of which those near the diagonal are small, so that pivots have to be searched.
+pub fn weak(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
+    let mut values = noise.vector(pattern.rows.len());
+    for column in 0..pattern.size {
+        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+            values[place] *= if (pattern.rows[place] as usize).abs_diff(column) < 4 { 1e-6 } else { 1.0 };
+        }
     }
     values
 }

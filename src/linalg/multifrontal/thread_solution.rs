@@ -3,7 +3,7 @@
 use super::factors::Factors;
 use super::stretch_solution::{Delayed, StretchSolution, delayed};
 use super::stretches::Stretches;
-use super::substitution::{BLOCK, Side, Substitution};
+use super::substitution::{Side, Substitution};
 use super::symbolic::{SMALL_FILL, Symbolic};
 use crate::exchange::on_threads;
 use crate::linalg::Owners;
@@ -47,28 +47,23 @@ impl ThreadSolution {
         self.threads.iter_mut().for_each(|(own, _)| own.delayed.clone_from(&delayed));
     }
 
-    /// Replaces right-hand sides, column by column, by solutions.
+    /// Replaces a block of right-hand sides, column by column, by solutions.
     pub fn solve(&mut self, symbolic: &Symbolic, factors: &mut Factors, side: Side, rhs: &mut [f64]) {
-        if side == Side::Transposed {
-            factors.transpose(symbolic);
-        }
-        for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
-            while self.solve_block((symbolic, factors), side, block).is_err() {
-                // the system starts no more threads: the one that there is has the same bits
-                *self = Self::of(symbolic, Stretches::new(symbolic, 1));
-                self.set_delayed(symbolic, factors);
-            }
+        while self.solve_on_threads((symbolic, factors), side, rhs).is_err() {
+            // the system starts no more threads: the one that there is has the same bits
+            *self = Self::of(symbolic, Stretches::new(symbolic, 1));
+            self.set_delayed(symbolic, factors);
         }
     }
 
-    fn solve_block(&mut self, both: (&Symbolic, &Factors), side: Side, block: &mut [f64]) -> io::Result<()> {
-        let given = &*block;
+    fn solve_on_threads(&mut self, both: (&Symbolic, &Factors), side: Side, rhs: &mut [f64]) -> io::Result<()> {
+        let given = &*rhs;
         on_threads(&mut self.threads, |exchange, (own, vectors)| {
             own.forward(exchange, both, vectors, side, given);
             own.backward(exchange, both, vectors, side);
         })?;
         for (number, (_, vectors)) in self.threads.iter().enumerate() {
-            vectors.store_some(both.0, block, self.stretches.places(both.0, number));
+            vectors.store(both.0, rhs, self.stretches.places(both.0, number));
         }
         Ok(())
     }

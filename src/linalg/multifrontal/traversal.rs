@@ -1,34 +1,13 @@
 //! The way up the tree of fronts: subtrees one front after the other, and the fronts above them by several threads.
 
-use super::factors::{Factors, Part};
-use super::front::{Contribution, Output, Workspace, factor_front};
+use super::factors::Part;
+use super::front::{Contribution, Stack, Workspace, factor_front};
 use super::small_front::LANES;
 use super::symbolic::Symbolic;
 use crate::linalg::Singular;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::ops::Range;
-
-/// Contributions that wait for the front above, the last one first.
-#[derive(Default)]
-struct Stack {
-    memory: Vec<f64>,
-    height: usize,
-}
-
-impl Output for Stack {
-    fn space(&mut self, length: usize) -> &mut [f64] {
-        let start = self.height;
-        self.height += length;
-        if self.memory.len() < self.height + LANES {
-            self.memory.resize(self.height + LANES, 0.0);
-        }
-        &mut self.memory[start..self.height + LANES]
-    }
-    fn take_back(&mut self, length: usize) {
-        self.height -= length;
-    }
-}
 
 /// Fronts that one thread factors, or the one front above other tasks in which threads work together.
 struct Task {
@@ -41,7 +20,7 @@ struct Task {
     workspace: Workspace,
 }
 
-/// Factors fronts in the order of the tree.
+/// Factors fronts in the order of the tree: all of them, a subtree, or one front whose children others factor.
 pub struct Traversal {
     tasks: Vec<Task>,
     threads: usize,
@@ -53,66 +32,34 @@ const TASK_FLOPS: f64 = 2e6;
 const TASKS_PER_THREAD: f64 = 4.0;
 
 impl Traversal {
-    /// Divides the fronts among a number of threads.
+    /// All fronts, divided among a number of threads.
     pub fn new(symbolic: &Symbolic, threads: usize) -> Self {
-        let flops = symbolic.subtree_flops();
-        let roots = || (0..symbolic.fronts.len()).filter(|&front| symbolic.fronts[front].parent.is_none());
-        let total: f64 = roots().map(|root| flops[root]).sum();
+        let roots: Vec<usize> = (0..symbolic.fronts.len()).filter(|&front| symbolic.fronts[front].is_last()).collect();
+        Self::of_subtrees(symbolic, &roots, &symbolic.subtree_flops(), threads)
+    }
+
+    /// The subtrees below some fronts, which follow each other; `flops` are those of all subtrees.
+    pub fn of_subtrees(symbolic: &Symbolic, roots: &[usize], flops: &[f64], threads: usize) -> Self {
+        let total: f64 = roots.iter().map(|&root| flops[root]).sum();
         let share = (total / (threads as f64 * TASKS_PER_THREAD)).max(TASK_FLOPS);
         let mut tasks = Vec::new();
         if threads <= 1 || total <= TASK_FLOPS {
-            tasks.push(Task::new(symbolic, 0..symbolic.fronts.len(), 0));
+            let first = roots.first().map_or(0, |&root| symbolic.fronts[root].subtree);
+            tasks.push(Task::new(symbolic, first..roots.last().map_or(0, |&root| root + 1), 0));
         } else {
-            roots().for_each(|root| divide(symbolic, root, &flops, share, &mut tasks));
+            roots.iter().for_each(|&root| divide(symbolic, root, flops, share, &mut tasks));
         }
         Traversal { tasks, threads }
     }
 
-    /// Bytes of waiting contributions at their peak.
-    pub fn bytes(&self) -> usize {
-        let stacks = self.tasks.iter().flat_map(|task| &task.stacks);
-        size_of::<f64>() * stacks.map(|stack| stack.memory.len()).sum::<usize>()
-    }
-
-    /// Factors values given in the order of the pattern.
-    ///
-    /// # Errors
-    /// [`Singular`] with the column that has no pivot.
-    pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
-        if let [task] = &mut self.tasks[..] {
-            return task.factor_subtree(symbolic, values, &mut factors.part(symbolic));
-        }
-        factor_tasks(symbolic, values, &mut self.tasks, factors.part(symbolic), self.threads)
-    }
-}
-
-/// A subtree, or one front alone, whose contribution goes to fronts that others factor.
-pub struct Piece {
-    tasks: Vec<Task>,
-    threads: usize,
-}
-
-impl Piece {
-    /// The subtree below a front; `flops` are those of all subtrees.
-    pub fn subtree(symbolic: &Symbolic, root: usize, flops: &[f64], threads: usize) -> Self {
-        let mut tasks = Vec::new();
-        let share = (flops[root] / (threads as f64 * TASKS_PER_THREAD)).max(TASK_FLOPS);
-        if threads <= 1 {
-            tasks.push(Task::new(symbolic, symbolic.fronts[root].subtree..root + 1, 0));
-        } else {
-            divide(symbolic, root, flops, share, &mut tasks);
-        }
-        Piece { tasks, threads }
-    }
-
     /// One front, which takes up contributions of others.
-    pub fn front(symbolic: &Symbolic, front: usize, threads: usize) -> Self {
+    pub fn of_front(symbolic: &Symbolic, front: usize, threads: usize) -> Self {
         let below = symbolic.fronts[front].children.len();
-        Piece { tasks: vec![Task::new(symbolic, front..front + 1, below)], threads }
+        Traversal { tasks: vec![Task::new(symbolic, front..front + 1, below)], threads }
     }
 
     fn last(&self) -> &Task {
-        self.tasks.last().expect("a piece has a task")
+        self.tasks.last().expect("a traversal has a task")
     }
 
     /// All fronts.
@@ -131,21 +78,27 @@ impl Piece {
         size_of::<f64>() * stacks.map(|stack| stack.memory.len()).sum::<usize>()
     }
 
-    /// Factors a subtree, whose fronts begin the part.
+    /// Factors values given in the order of the pattern; the fronts begin the part.
     ///
     /// # Errors
     /// [`Singular`] with the column that has no pivot.
     pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], mut part: Part<'_>) -> Result<(), Singular> {
-        match &mut self.tasks[..] {
-            [task] => task.factor_subtree(symbolic, values, &mut part),
-            tasks => factor_tasks(symbolic, values, tasks, part, self.threads),
+        if let [task] = &mut self.tasks[..] {
+            return task.factor_subtree(symbolic, values, &mut part);
         }
+        let (mut running, mut rest) = (Vec::with_capacity(self.tasks.len()), part);
+        for task in &mut self.tasks {
+            let (part, after) = rest.split_at(symbolic, task.fronts.end);
+            running.push(Running { task, part });
+            rest = after;
+        }
+        factor_subtrees(symbolic, values, &mut running, self.threads)
     }
 
     /// Factors a front alone, which begins the part.
     ///
     /// # Errors
-    /// As for [`Piece::factor`].
+    /// As for [`Traversal::factor`].
     pub fn factor_front(
         &mut self,
         symbolic: &Symbolic,
@@ -154,7 +107,7 @@ impl Piece {
         children: &[Contribution<'_>],
     ) -> Result<(), Singular> {
         let number = self.root();
-        let Task { stacks, workspace, .. } = self.tasks.last_mut().expect("a piece has a task");
+        let Task { stacks, workspace, .. } = self.tasks.last_mut().expect("a traversal has a task");
         let output = &mut stacks[symbolic.fronts[number].depth % 2];
         output.height = 0;
         factor_front(symbolic, number, values, part, children, output, workspace, self.threads)
@@ -165,23 +118,6 @@ impl Piece {
         let root = self.root();
         contribution(symbolic, part, root, &self.last().stacks[symbolic.fronts[root].depth % 2].memory, |_| 0)
     }
-}
-
-/// Factors the fronts of tasks, which begin the part.
-fn factor_tasks(
-    symbolic: &Symbolic,
-    values: &[f64],
-    tasks: &mut [Task],
-    part: Part<'_>,
-    threads: usize,
-) -> Result<(), Singular> {
-    let (mut running, mut rest) = (Vec::with_capacity(tasks.len()), part);
-    for task in tasks {
-        let (part, after) = rest.split_at(symbolic, task.fronts.end);
-        running.push(Running { task, part });
-        rest = after;
-    }
-    factor_subtrees(symbolic, values, &mut running, threads)
 }
 
 fn divide(symbolic: &Symbolic, front: usize, flops: &[f64], share: f64, tasks: &mut Vec<Task>) {
@@ -241,7 +177,7 @@ fn contribution<'c>(
     memory: &'c [f64],
     start: impl Fn(usize) -> usize,
 ) -> Contribution<'c> {
-    let [delayed_rows, delayed_columns] = part.delayed(symbolic, front);
+    let [delayed_rows, delayed_columns] = part.delayed(front);
     let order = delayed_rows.len() + symbolic.fronts[front].others();
     Contribution { front, delayed_rows, delayed_columns, values: &memory[start(order * order)..][..order * order] }
 }
