@@ -210,7 +210,7 @@ impl Graph {
         }
         for index in (0..needed.len()).rev() {
             let bar = seeds[index];
-            if !needed[index] || !depends[index] || bar == zero || asked[index] && self.operations()[index].is_input() {
+            if !needed[index] || !depends[index] || bar == zero || asked[index] && self.operations()[index].is_leaf() {
                 continue;
             }
             for (operand, partial) in self.partials(Node(index as u32)) {

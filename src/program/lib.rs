@@ -2,8 +2,7 @@
 //!
 //! * [`Recorded`]: the number with which a formula is recorded into a [`Graph`]
 //! * derivatives forward, in reverse and of derivatives: transformations of the graph
-//! * [`Listing`]: a straight line of instructions
-//! * [`Program`]: a listing that is executed, by a loop in any scalar or as machine code for one or several elements at a time
+//! * [`Program`]: a straight line of operations that is executed, by a loop in any scalar or as machine code for one or several elements at a time
 //! * [`Formula`]: a recording shared by all elements whose recordings are equal, with its programs
 
 extern crate self as program;
@@ -11,7 +10,6 @@ extern crate self as program;
 pub mod scalar;
 
 mod arguments;
-mod assemble;
 #[cfg(test)]
 mod back_ends;
 mod batches;
@@ -39,7 +37,6 @@ pub use formula::panic_is_caught;
 pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
-pub use listing::Listing;
 pub use operation::Node;
 pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
 pub use refused::refuses_machine_code;

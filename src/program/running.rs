@@ -1,6 +1,7 @@
-use super::listing::{Instruction, Listing, Source};
+use super::listing::Listing;
 use super::loop_code::{F64x8, LoopCode};
 use super::native::{NativeCode, Width};
+use super::operation::Operation;
 use crate::scalar::Scalar;
 use std::cell::Cell;
 use std::sync::OnceLock;
@@ -80,13 +81,13 @@ impl<S> Clone for ProgramWork<S> {
 
 impl Program {
     /// Of a listing, with a number for each of its results.
-    pub fn new(listing: Listing, labels: Vec<u32>) -> Self {
+    pub(super) fn new(listing: Listing, labels: Vec<u32>) -> Self {
         Program { listing, labels, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
     }
 
-    /// The instructions.
-    pub fn listing(&self) -> &Listing {
-        &self.listing
+    /// How many operations are executed.
+    pub fn instructions(&self) -> usize {
+        self.listing.instructions
     }
     /// What each result is.
     pub fn labels(&self) -> &[u32] {
@@ -95,16 +96,9 @@ impl Program {
     /// Which arguments are read.
     pub fn reads(&self) -> Vec<bool> {
         let mut reads = vec![false; self.listing.inputs];
-        let mut mark = |source: Source| {
-            if let Source::Input(input) = source {
+        for operation in &self.listing.operations {
+            if let Operation::Input(input) = *operation {
                 reads[input as usize] = true;
-            }
-        };
-        self.listing.outputs.iter().for_each(|&source| mark(source));
-        for instruction in &self.listing.instructions {
-            instruction.for_each_source(&mut mark);
-            if let Instruction::Gather { first, count, .. } = *instruction {
-                (first..first + count).for_each(|input| mark(Source::Input(input)));
             }
         }
         reads

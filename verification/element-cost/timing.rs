@@ -108,7 +108,7 @@ impl ProgramCost {
         let compiling = 1e3 * (compile_time() - before);
         let [one, wide] = least(all, MEASUREMENTS);
         let times = [1e6 * one, 1e6 * wide / lanes() as f64];
-        ProgramCost { operations: program.listing().instructions.len(), times, compiling }
+        ProgramCost { operations: program.instructions(), times, compiling }
     }
 }
 

@@ -38,9 +38,6 @@ struct CacheLine([f64; 8]);
 
 impl NativeCode {
     /// Makes code for this machine; none where its processor lacks the instructions or the system refuses.
-    ///
-    /// # Panics
-    /// Where an operand of the listing is not a number that exists when it is read.
     pub fn compile(listing: &Listing, width: Width) -> Option<Self> {
         Level::ALL.into_iter().find_map(|level| Self::compile_for(listing, width, level, SECTION))
     }

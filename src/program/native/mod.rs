@@ -67,7 +67,7 @@ impl Width {
 impl NativeCode {
     /// The most elements that this machine evaluates together; none where no code is made.
     pub fn widest() -> Option<Width> {
-        let listing = crate::program::Listing::default();
+        let listing = crate::program::listing::Listing::default();
         [Width::Eight, Width::Four, Width::Two, Width::One]
             .into_iter()
             .find(|&width| NativeCode::compile(&listing, width).is_some())

@@ -10,6 +10,7 @@ use super::encoder::Operand;
 use super::encoder::{Address, Base, Encoder, Level};
 use super::next_uses::{NEVER, NextUses};
 use crate::program::listing::Listing;
+use crate::program::operation::Operation;
 
 /// How much farther than that of a stored number the next use of one must be that would have to be stored. Between 1
 /// and 16 this changes the number of instructions by less than 1 %.
@@ -63,13 +64,13 @@ pub struct Storage<'a> {
 
 impl<'a> Storage<'a> {
     pub fn new(listing: &Listing, width: Width, level: Level, uses: &'a NextUses) -> Self {
-        let (constants, inputs) = (listing.constants.len(), listing.inputs);
+        let (constants, inputs) = (listing.constants().count(), listing.inputs);
         // short displacements reach to both sides: the base points into the array, not to its start
         let reach = level.reach(width);
         let middle = |count: usize| (count * 8 * width.lanes() / 2).min(reach).next_multiple_of(64);
         let biases = [middle(inputs), middle(listing.outputs.len()), reach, middle(constants + OWN_CONSTANTS)];
         let mut storage = Storage {
-            encoder: Encoder::new(level, 12 * listing.instructions.len() + 256),
+            encoder: Encoder::new(level, 12 * listing.instructions + 256),
             width,
             #[cfg(target_arch = "x86_64")]
             level,
@@ -86,13 +87,12 @@ impl<'a> Storage<'a> {
             dying_slots: Vec::new(),
             biases: biases.map(|bias| bias as i32),
         };
-        for (number, &next_use) in uses.first.iter().enumerate() {
-            let memory = if number < constants {
-                Some(storage.constant(number))
-            } else if number < constants + inputs {
-                Some(storage.address(Base::Inputs, number - constants))
-            } else {
-                None
+        let mut next_constant = 0..;
+        for (operation, &next_use) in listing.operations.iter().zip(&uses.first) {
+            let memory = match *operation {
+                Operation::Constant(_) => next_constant.next().map(|place| storage.constant(place)),
+                Operation::Input(input) => Some(storage.address(Base::Inputs, input as usize)),
+                _ => None,
             };
             storage.numbers.push(Number { register: None, memory, next_use });
         }
@@ -100,11 +100,11 @@ impl<'a> Storage<'a> {
     }
 
     /// Constants of the code itself and of the listing, for all lanes.
-    pub fn constants(width: Width, listed: &[f64]) -> Vec<f64> {
+    pub fn constants(width: Width, listing: &Listing) -> Vec<f64> {
         // logical instructions of one lane read two numbers
         let mut all = vec![-0.0; width.lanes().max(2)];
         all.extend(vec![1.0; width.lanes().max(2)]);
-        all.extend(listed.iter().flat_map(|&constant| std::iter::repeat_n(constant, width.lanes())));
+        all.extend(listing.constants().flat_map(|constant| std::iter::repeat_n(constant, width.lanes())));
         all
     }
 
