@@ -2,6 +2,7 @@
 
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
+use super::recorded::continued;
 use smallvec::{SmallVec, smallvec};
 
 /// A partial derivative of an operation towards an operand.
@@ -27,7 +28,12 @@ impl Graph {
         match self.operation(node) {
             Operation::Input(_) | Operation::Constant(_) => smallvec![],
             Operation::Binary(Binary::Less, ..) | Operation::Unary(Unary::Floor, _) => smallvec![],
-            Operation::Unary(function, x) => smallvec![(x, self.slope(function, x, node))],
+            Operation::Unary(Unary::Neg, x) => smallvec![(x, Partial::MinusOne)],
+            Operation::Unary(function, x) => {
+                let slope = continued(self, &[x], |x| vec![function.with_slope(x[0])[1]])[0];
+                let may_be_infinite = matches!(function, Unary::Sqrt | Unary::Ln | Unary::Asin | Unary::Acos);
+                smallvec![(x, if may_be_infinite { Steep(slope) } else { Factor(slope) })]
+            }
             Operation::Binary(function, x, y) => self.slopes(function, [x, y], node),
             Operation::Power(x, bits) => {
                 let exponent = f64::from_bits(bits);
@@ -46,50 +52,6 @@ impl Graph {
             Operation::Gather { first, count, at } => {
                 (0..count).map(|place| (Node(first.0 + place), Partial::At(at, place))).collect()
             }
-        }
-    }
-
-    /// Of a function of one number whose value is a node.
-    fn slope(&mut self, function: Unary, x: Node, node: Node) -> Partial {
-        use Partial::{Factor, MinusOne, Steep};
-        let one = self.constant(1.0);
-        match function {
-            Unary::Neg => MinusOne,
-            Unary::Sqrt => {
-                let half = self.constant(0.5);
-                Steep(self.div(half, node))
-            }
-            Unary::Exp => Factor(node),
-            Unary::Ln => Steep(self.div(one, x)),
-            Unary::Sin => Factor(self.unary(Unary::Cos, x)),
-            Unary::Cos => {
-                let sine = self.unary(Unary::Sin, x);
-                Factor(self.neg(sine))
-            }
-            Unary::Tan => {
-                let square = self.mul(node, node);
-                Factor(self.add(square, one))
-            }
-            Unary::Asin | Unary::Acos => {
-                // (1 - x)(1 + x) keeps the digits that 1 - x^2 loses near the ends
-                let (below, above) = (self.sub(one, x), self.add(one, x));
-                let complement = self.mul(below, above);
-                let root = self.unary(Unary::Sqrt, complement);
-                let slope = self.div(one, root);
-                Steep(if function == Unary::Asin { slope } else { self.neg(slope) })
-            }
-            Unary::Atan => {
-                let square = self.mul(x, x);
-                let sum = self.add(square, one);
-                Factor(self.div(one, sum))
-            }
-            Unary::Sinh => Factor(self.unary(Unary::Cosh, x)),
-            Unary::Cosh => Factor(self.unary(Unary::Sinh, x)),
-            Unary::Tanh => {
-                let square = self.mul(node, node);
-                Factor(self.sub(one, square))
-            }
-            Unary::Floor => unreachable!("steps have no derivative"),
         }
     }
 

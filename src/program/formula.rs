@@ -3,7 +3,7 @@ use super::digest::Digest;
 use super::graph::{Graph, OperationHasher};
 use super::listing::Listing;
 use super::operation::{Node, Operation};
-use super::recorded::{Recorded, Recording, extend, record};
+use super::recorded::{Recorded, Recording, record};
 use super::running::{Making, Program};
 use smallvec::{SmallVec, smallvec};
 use std::cell::Cell;
@@ -435,12 +435,6 @@ impl Formula {
     pub fn inspect<T>(&self, look: impl FnOnce(&mut Graph, &[Node]) -> T) -> T {
         look(&mut lock(&self.graph), &self.outputs)
     }
-}
-
-/// Goes on with a recording: `formula` gets nodes of it as numbers.
-pub fn continued(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Vec<Node> {
-    let results = extend(graph, nodes, formula);
-    results.into_iter().map(|result| result.node(graph)).collect()
 }
 
 #[cfg(test)]

@@ -142,7 +142,7 @@ impl Graph {
     /// A function of one number.
     pub fn unary(&mut self, function: Unary, x: Node) -> Node {
         if let Some(value) = self.constant_of(x) {
-            return self.constant(function.apply(value));
+            return self.constant(value.unary(function));
         }
         match (function, self.operation(x)) {
             (Unary::Neg, Operation::Unary(Unary::Neg, inner)) => inner,
@@ -302,29 +302,6 @@ impl Graph {
         }
     }
 
-    /// x^n for an integer, by squaring.
-    pub fn integer_power(&mut self, x: Node, exponent: i32) -> Node {
-        if exponent == 0 {
-            return self.constant(1.0);
-        }
-        let (mut power, mut square, mut rest) = (None, x, exponent.unsigned_abs());
-        while rest > 0 {
-            if rest % 2 == 1 {
-                power = Some(power.map_or(square, |power| self.mul(power, square)));
-            }
-            rest /= 2;
-            if rest > 0 {
-                square = self.mul(square, square);
-            }
-        }
-        let power = power.unwrap_or(x);
-        if exponent > 0 {
-            return power;
-        }
-        let one = self.constant(1.0);
-        self.div(one, power)
-    }
-
     /// `then` where `mask` is not 0, otherwise `otherwise`.
     pub fn select(&mut self, mask: Node, then: Node, otherwise: Node) -> Node {
         match self.constant_of(mask) {
@@ -466,7 +443,7 @@ impl Graph {
         match operation {
             Operation::Input(index) => inputs[index as usize],
             Operation::Constant(bits) => S::from(f64::from_bits(bits)),
-            Operation::Unary(function, x) => function.apply(of(x)),
+            Operation::Unary(function, x) => of(x).unary(function),
             Operation::Binary(function, x, y) => function.apply(of(x), of(y)),
             Operation::Power(x, bits) => of(x).powf(f64::from_bits(bits)),
             Operation::Select([mask, then, otherwise]) => of(mask).select(of(then), of(otherwise)),

@@ -187,11 +187,11 @@ impl LoopCode {
                 Operation::Binary(Binary::Div, ..) => each!(|[x, y, _]| Binary::Div.apply(x, y)),
                 Operation::Binary(Binary::Less, ..) => each!(|[x, y, _]| Binary::Less.apply(x, y)),
                 Operation::Binary(Binary::Vanishing, ..) => each!(|[x, y, _]| Binary::Vanishing.apply(x, y)),
-                Operation::Unary(Unary::Neg, _) => each!(|[x, _, _]| Unary::Neg.apply(x)),
-                Operation::Unary(Unary::Sqrt, _) => each!(|[x, _, _]| Unary::Sqrt.apply(x)),
+                Operation::Unary(Unary::Neg, _) => each!(|[x, _, _]| x.unary(Unary::Neg)),
+                Operation::Unary(Unary::Sqrt, _) => each!(|[x, _, _]| x.unary(Unary::Sqrt)),
                 Operation::Select(_) => each!(|[x, y, z]| Scalar::select(x, y, z)),
                 Operation::Binary(function, ..) => each!(|[x, y, _]| function.apply(x, y)),
-                Operation::Unary(function, _) => each!(|[x, _, _]| function.apply(x)),
+                Operation::Unary(function, _) => each!(|[x, _, _]| x.unary(function)),
                 Operation::Power(_, bits) => each!(|[x, _, _]| Scalar::powf(x, f64::from_bits(bits))),
                 Operation::Curve { curve, order, .. } => {
                     let curve = &self.curves[curve as usize];

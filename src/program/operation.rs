@@ -1,44 +1,12 @@
 //! What a recorded formula is made of.
 
 use crate::scalar::Scalar;
+pub use crate::scalar::Unary;
 use smallvec::SmallVec;
 
 /// A value of a recording: the place of the operation that makes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node(pub u32);
-
-/// Functions of one number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Unary {
-    /// -x.
-    Neg,
-    /// Square root.
-    Sqrt,
-    /// Exponential.
-    Exp,
-    /// Natural logarithm.
-    Ln,
-    /// Sine.
-    Sin,
-    /// Cosine.
-    Cos,
-    /// Tangent.
-    Tan,
-    /// Arc sine.
-    Asin,
-    /// Arc cosine.
-    Acos,
-    /// Arc tangent.
-    Atan,
-    /// Hyperbolic sine.
-    Sinh,
-    /// Hyperbolic cosine.
-    Cosh,
-    /// Hyperbolic tangent.
-    Tanh,
-    /// The largest integer that is not above x.
-    Floor,
-}
 
 /// Functions of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -132,29 +100,6 @@ impl Operation {
     /// True for an argument of the formula and for a constant.
     pub fn is_leaf(self) -> bool {
         matches!(self, Operation::Input(_) | Operation::Constant(_))
-    }
-}
-
-impl Unary {
-    /// The function in any scalar.
-    #[inline(always)]
-    pub fn apply<S: Scalar>(self, x: S) -> S {
-        match self {
-            Unary::Neg => -x,
-            Unary::Sqrt => x.sqrt(),
-            Unary::Exp => x.exp(),
-            Unary::Ln => x.ln(),
-            Unary::Sin => x.sin(),
-            Unary::Cos => x.cos(),
-            Unary::Tan => x.tan(),
-            Unary::Asin => x.asin(),
-            Unary::Acos => x.acos(),
-            Unary::Atan => x.atan(),
-            Unary::Sinh => x.sinh(),
-            Unary::Cosh => x.cosh(),
-            Unary::Tanh => x.tanh(),
-            Unary::Floor => x.floor(),
-        }
     }
 }
 

@@ -41,7 +41,7 @@ impl Call {
             // SAFETY: as above, for each of the lanes.
             let (x, y) = unsafe { (*x.add(lane), *y.add(lane)) };
             let value = match *operation {
-                Operation::Unary(function, _) => function.apply(x),
+                Operation::Unary(function, _) => x.unary(function),
                 Operation::Binary(function, ..) => function.apply(x, y),
                 Operation::Power(_, bits) => Scalar::powf(x, f64::from_bits(bits)),
                 Operation::Curve { order, .. } => curve.as_ref().map_or(f64::NAN, |curve| curve.value(order as usize, x)),

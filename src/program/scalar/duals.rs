@@ -1,11 +1,10 @@
 //! num-dual's types among the scalars.
 //!
-//! First-order types follow the chain rule of [`jet`](super::jet), where a zero derivative stays zero though the slope of the function is
+//! First-order types follow the chain rule of [`jet`], where a zero derivative stays zero though the slope of the function is
 //! infinite; types of higher order take num-dual's own functions, which makes them independent of everything else here, but for roots,
 //! powers and angles, whose derivatives at zero are not numbers there.
 
-use super::jet::{Jet, functions_by_chain};
-use super::{Curve, Scalar};
+use super::{Curve, Scalar, Unary, jet};
 use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, DualNum, DualSVec64, HyperDual64};
 use std::sync::Arc;
 
@@ -18,7 +17,7 @@ pub type Tangents = DualSVec64<TANGENTS>;
 /// A type that carries first derivatives.
 trait FirstOrder: Sized {
     /// f(x) with the derivatives f' dx; zero ones stay zero where f' is infinite.
-    fn chain(self, jet: Jet) -> Self;
+    fn chain(self, jet: [f64; 2]) -> Self;
     /// The derivative along eight directions, or one.
     fn combined(re: f64, parts: [(f64, Self); 2]) -> Self;
 }
@@ -31,7 +30,7 @@ fn along(slope: f64, dx: f64) -> f64 {
 
 impl FirstOrder for Dual64 {
     #[inline]
-    fn chain(self, [f, slope]: Jet) -> Self {
+    fn chain(self, [f, slope]: [f64; 2]) -> Self {
         Dual64::new(f, along(slope, self.eps))
     }
     fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
@@ -41,7 +40,7 @@ impl FirstOrder for Dual64 {
 
 impl<const N: usize> FirstOrder for DualSVec64<N> {
     #[inline]
-    fn chain(self, [f, slope]: Jet) -> Self {
+    fn chain(self, [f, slope]: [f64; 2]) -> Self {
         DualSVec64::new(f, Derivative::new(self.eps.0.map(|eps| eps.map(|dx| along(slope, dx)))))
     }
     fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
@@ -70,10 +69,6 @@ macro_rules! choices {
             if self.re != 0.0 { then } else { otherwise }
         }
         #[inline]
-        fn floor(self) -> Self {
-            Self::from(self.re.floor())
-        }
-        #[inline]
         fn vanishing_times(self, other: Self) -> Self {
             if self.re == 0.0 && self.is_constant() { self } else { self * other }
         }
@@ -89,12 +84,22 @@ macro_rules! first_order {
                 let $x = self;
                 $constant
             }
-            functions_by_chain!(re: sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            #[inline(always)]
+            fn unary(self, function: Unary) -> Self {
+                match function {
+                    Unary::Neg => -self,
+                    Unary::Floor => Self::from(self.re.floor()),
+                    _ => self.chain(function.with_slope(self.re)),
+                }
+            }
+            fn recip(self) -> Self {
+                self.chain(jet::recip(self.re))
+            }
             fn powi(self, exponent: i32) -> Self {
-                self.chain(super::jet::powi(self.re, exponent))
+                self.chain(jet::powi(self.re, exponent))
             }
             fn powf(self, exponent: f64) -> Self {
-                self.chain(super::jet::powf(self.re, exponent))
+                self.chain(jet::powf(self.re, exponent))
             }
             fn atan2(self, other: Self) -> Self {
                 let norm = self.re.hypot(other.re);
@@ -111,11 +116,6 @@ macro_rules! first_order {
 first_order!([] Dual64, x => x.eps == 0.0);
 first_order!([const N: usize] DualSVec64<N>, x => x.eps.0.is_none_or(|eps| eps.iter().all(|&dx| dx == 0.0)));
 
-/// Functions of num-dual.
-macro_rules! of_num_dual {
-    ($($name:ident),*) => { $(fn $name(self) -> Self { DualNum::$name(&self) })* };
-}
-
 /// Types that carry derivatives of higher order.
 macro_rules! higher_order {
     ($($type:ty, $x:ident => $constant:expr, $chain:expr);*) => {$(
@@ -125,16 +125,35 @@ macro_rules! higher_order {
                 let $x = self;
                 $constant
             }
-            of_num_dual!(exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            fn unary(self, function: Unary) -> Self {
+                match function {
+                    Unary::Neg => -self,
+                    Unary::Sqrt => {
+                        let derivatives = jet::derivatives_of_power(self.re, 0.5);
+                        $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
+                    }
+                    Unary::Exp => DualNum::exp(&self),
+                    Unary::Ln => DualNum::ln(&self),
+                    Unary::Sin => DualNum::sin(&self),
+                    Unary::Cos => DualNum::cos(&self),
+                    Unary::Tan => DualNum::tan(&self),
+                    Unary::Asin => DualNum::asin(&self),
+                    Unary::Acos => DualNum::acos(&self),
+                    Unary::Atan => DualNum::atan(&self),
+                    Unary::Sinh => DualNum::sinh(&self),
+                    Unary::Cosh => DualNum::cosh(&self),
+                    Unary::Tanh => DualNum::tanh(&self),
+                    Unary::Floor => Self::from(self.re.floor()),
+                }
+            }
+            fn recip(self) -> Self {
+                DualNum::recip(&self)
+            }
             fn powi(self, exponent: i32) -> Self {
                 DualNum::powi(&self, exponent)
             }
-            fn sqrt(self) -> Self {
-                let derivatives = super::jet::derivatives_of_power(self.re, 0.5);
-                $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
-            }
             fn powf(self, exponent: f64) -> Self {
-                $chain(self, super::jet::derivatives_of_power(self.re, exponent))
+                $chain(self, jet::derivatives_of_power(self.re, exponent))
             }
             fn atan2(self, other: Self) -> Self {
                 let angle = self.re.atan2(other.re);
