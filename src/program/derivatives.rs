@@ -150,20 +150,9 @@ impl Graph {
         let zero = self.zero();
         let needed = self.needed(outputs);
         // only what depends on the nodes that are asked for
-        let mut depends = vec![false; needed.len()];
-        towards.iter().for_each(|node| {
-            if let Some(depends) = depends.get_mut(node.0 as usize) {
-                *depends = true;
-            }
-        });
-        let asked = depends.clone();
-        for index in 0..needed.len() {
-            if needed[index] && !depends[index] {
-                let mut any = false;
-                self.operations()[index].for_each_operand(|operand| any |= depends[operand.0 as usize]);
-                depends[index] = any;
-            }
-        }
+        let mut asked = vec![false; needed.len()];
+        towards.iter().filter(|node| (node.0 as usize) < needed.len()).for_each(|node| asked[node.0 as usize] = true);
+        let depends = self.depending_on(asked.clone(), &needed);
         let (guarded, under_roots) = (self.perhaps_left_aside(&needed), self.under_roots(&needed));
         let mut seeds = vec![zero; needed.len()];
         for (output, &weight) in outputs.iter().zip(weights) {
@@ -215,7 +204,7 @@ impl Graph {
 
     /// What may be left aside by a choice, and need not be a number where it is: the sides of a choice, factors of what vanishes, and what
     /// these are made of.
-    fn perhaps_left_aside(&self, needed: &[bool]) -> Vec<bool> {
+    pub(super) fn perhaps_left_aside(&self, needed: &[bool]) -> Vec<bool> {
         let mut guarded = vec![false; needed.len()];
         let mut mark = |node: Node| guarded[node.0 as usize] = true;
         for (operation, _) in self.operations().iter().zip(needed).filter(|(_, needed)| **needed) {
@@ -225,11 +214,6 @@ impl Graph {
                 _ => {}
             }
         }
-        for index in (0..needed.len()).rev() {
-            if needed[index] && guarded[index] {
-                self.operations()[index].for_each_operand(|operand| guarded[operand.0 as usize] = true);
-            }
-        }
-        guarded
+        self.made_of(guarded)
     }
 }

@@ -26,11 +26,6 @@ impl Digest {
         digest
     }
 
-    /// The two halves.
-    pub fn words(self) -> [u64; 2] {
-        self.0
-    }
-
     /// Both halves take a word in, by the steps of MurmurHash3 (x64, 128 bits; Appleby, in the public domain).
     fn mix(&mut self, word: u64) {
         let [first, second] = &mut self.0;

@@ -1,15 +1,14 @@
 use super::arguments::{ArgumentKind, Arguments};
 use super::digest::Digest;
-use super::graph::{Graph, OperationHasher};
+use super::graph::Graph;
 use super::listing::Listing;
-use super::operation::{Node, Operation};
+use super::operation::Node;
 use super::recorded::{Recorded, Recording, record};
 use super::running::{Making, Program};
 use smallvec::{SmallVec, smallvec};
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{BuildHasherDefault, Hash, Hasher};
+use std::hash::BuildHasherDefault;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
 
@@ -94,10 +93,10 @@ pub struct Formula {
     /// Stages of the residual of an element with a node map.
     pub stages: Option<Stages<Node>>,
     graph: Mutex<Graph>,
-    programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
+    programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<Digest>>>,
     values: OnceLock<Arc<Program>>,
     gradients: ProgramCache,
-    digest: OnceLock<Digest>,
+    digest: Digest,
 }
 
 /// Numbers between the coordinates of an element and its residual R: y = m(q) of each node by itself, the residual F of these numbers, and
@@ -154,21 +153,18 @@ impl ProgramCache {
 /// Formulas that are kept for models to come, whether one of today uses them or not.
 const KEPT: usize = 1000;
 
-/// A formula with its recorded operations and what tells its curves.
+/// A formula of the process.
 #[derive(Debug)]
 struct Listed {
-    operations: Vec<Operation>,
-    curves: Digest,
     formula: Weak<Formula>,
     /// It is kept while nobody uses it, but for one with tables, which may be long.
     kept: Option<Arc<Formula>>,
 }
 
-/// The formulas of the process, by the hash of their operations.
+/// The formulas of the process.
 #[derive(Default)]
 struct Formulas {
-    known: HashMap<u64, Vec<Listed>>,
-    count: usize,
+    known: HashMap<Digest, Listed>,
     /// Count at which those are forgotten that no model uses.
     full: usize,
 }
@@ -176,15 +172,10 @@ struct Formulas {
 impl Formulas {
     /// Makes room: a process may build model after model, each with formulas of its own.
     fn forget_unused(&mut self) {
-        if self.count < self.full.max(KEPT) {
-            return;
+        if self.known.len() >= self.full.max(KEPT) {
+            self.known.retain(|_, own| own.formula.strong_count() > usize::from(own.kept.is_some()));
+            self.full = 2 * self.known.len();
         }
-        self.known.retain(|_, same| {
-            same.retain(|own| own.formula.strong_count() > usize::from(own.kept.is_some()));
-            !same.is_empty()
-        });
-        self.count = self.known.values().map(Vec::len).sum();
-        self.full = 2 * self.count;
     }
 }
 
@@ -274,26 +265,18 @@ impl Formula {
     }
 
     fn shared(arguments: Arguments, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
-        let mut hasher = DefaultHasher::new();
-        let curves = Digest::of(graph.curves());
-        (&arguments, &outputs, &stages, graph.operations(), curves).hash(&mut hasher);
+        let digest = Digest::of(&(&arguments, &outputs, &stages, &graph));
         let mut all = lock(formulas());
-        let hash = hasher.finish();
-        for own in all.known.get(&hash).into_iter().flatten() {
-            let Some(formula) = own.formula.upgrade() else { continue };
-            let same = (&formula.arguments, &formula.outputs, &formula.stages) == (&arguments, &outputs, &stages);
-            if same && own.curves == curves && own.operations == graph.operations() {
-                return formula;
-            }
+        if let Some(formula) = all.known.get(&digest).and_then(|own| own.formula.upgrade()) {
+            return formula;
         }
         all.forget_unused();
-        let (operations, has_curves) = (graph.operations().to_vec(), !graph.curves().is_empty());
+        let has_curves = !graph.curves().is_empty();
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
-        let (inputs, gradients, digest) = (arguments.count(), ProgramCache::default(), OnceLock::new());
+        let (inputs, gradients) = (arguments.count(), ProgramCache::default());
         let formula = Arc::new(Formula { inputs, arguments, outputs, stages, graph, programs, values, gradients, digest });
         let kept = (!has_curves).then(|| Arc::clone(&formula));
-        all.known.entry(hash).or_default().push(Listed { operations, curves, formula: Arc::downgrade(&formula), kept });
-        all.count += 1;
+        all.known.insert(digest, Listed { formula: Arc::downgrade(&formula), kept });
         formula
     }
 
@@ -345,8 +328,7 @@ impl Formula {
 
     /// The results themselves.
     pub fn values(&self) -> &Arc<Program> {
-        self.values
-            .get_or_init(|| self.dense_program((ProgramKind::Values, smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
+        self.values.get_or_init(|| self.dense_program((ProgramKind::Values, smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
     }
 
     /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
@@ -416,14 +398,7 @@ impl Formula {
 
     /// What it computes of which arguments: the same for equal recordings in every process.
     pub fn digest(&self) -> Digest {
-        *self.digest.get_or_init(|| {
-            let graph = lock(&self.graph);
-            let mut digest = Digest::of(&(&self.arguments, &self.outputs, &self.stages));
-            // what programs have added behind is none of the formula's
-            let count = self.outputs.iter().map(|output| output.0 as usize + 1).max().unwrap_or(0);
-            graph.hash_first(count, &mut digest);
-            digest
-        })
+        self.digest
     }
 
     /// What its arguments are.
@@ -446,7 +421,7 @@ mod tests {
         let record = |k: usize| Formula::record(1, |x| vec![x[0] * (k as f64 + 0.5)]).expect("does not branch");
         let used = record(0);
         (1..5 * KEPT).for_each(|k| drop(record(k)));
-        let count = lock(formulas()).count;
+        let count = lock(formulas()).known.len();
         assert!(count < 3 * KEPT, "{count} formulas are kept");
         assert!(Arc::ptr_eq(&used, &record(0)), "one that is used was forgotten");
     }

@@ -1,5 +1,7 @@
+use super::digest::Digest;
 use super::operation::{Binary, Node, Operation, Unary};
 use crate::scalar::{Curve, Scalar, gathered_place};
+use hashbrown::HashTable;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -9,60 +11,24 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     operations: Vec<Operation>,
-    /// Numbers of operations, each where its hash says or behind; [`NONE`] where there is none. At most half full, a power of two long.
-    places: Vec<u32>,
-    choices: bool,
+    /// Their numbers, found by their hashes: a tenth of the memory of a map from operations.
+    numbers: HashTable<u32>,
     curves: Vec<Arc<Curve>>,
 }
 
-/// No operation.
-const NONE: u32 = u32::MAX;
-/// Length of the shortest table of places.
-const PLACES: usize = 64;
-
-/// Multiplies and rotates: operations are a few small numbers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct OperationHasher(u64);
-
-impl OperationHasher {
-    #[inline(always)]
-    fn mix(&mut self, x: u64) {
-        self.0 = (self.0.rotate_left(5) ^ x).wrapping_mul(0x517c_c1b7_2722_0a95);
-    }
-}
-
-impl Hasher for OperationHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 29)
-    }
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.mix(u64::from(byte)));
-    }
-    fn write_u32(&mut self, x: u32) {
-        self.mix(u64::from(x));
-    }
-    fn write_u64(&mut self, x: u64) {
-        self.mix(x);
-    }
-    fn write_isize(&mut self, x: isize) {
-        self.mix(x as u64);
-    }
-    fn write_usize(&mut self, x: usize) {
-        self.mix(x as u64);
+/// That of its operations, curves by what they are.
+impl Hash for Graph {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        for operation in &self.operations {
+            match *operation {
+                Operation::Curve { curve, order, at } => (&self.curves[curve as usize], order, at).hash(state),
+                operation => operation.hash(state),
+            }
+        }
     }
 }
 
 impl Graph {
-    /// Takes its first operations into a digest, curves by what they are.
-    pub fn hash_first(&self, count: usize, digest: &mut impl Hasher) {
-        for operation in &self.operations[..count] {
-            match *operation {
-                Operation::Curve { curve, order, at } => (&self.curves[curve as usize], order, at).hash(digest),
-                operation => operation.hash(digest),
-            }
-        }
-    }
-
     /// The operations so far; operands come first.
     pub fn operations(&self) -> &[Operation] {
         &self.operations
@@ -79,36 +45,15 @@ impl Graph {
     }
 
     fn push(&mut self, operation: Operation) -> Node {
-        if 2 * self.operations.len() >= self.places.len() {
-            self.widen();
+        let operations = &mut self.operations;
+        let hash = |operation: &Operation| Digest::of(operation).finish();
+        let is_same = |number: &u32| operations[*number as usize] == operation;
+        let entry = self.numbers.entry(hash(&operation), is_same, |number| hash(&operations[*number as usize]));
+        let number = *entry.or_insert(operations.len() as u32).get();
+        if number as usize == operations.len() {
+            operations.push(operation);
         }
-        let place = self.place_of(operation);
-        if self.places[place] == NONE {
-            self.places[place] = self.operations.len() as u32;
-            self.operations.push(operation);
-        }
-        Node(self.places[place])
-    }
-
-    /// Where the number of an operation stands, or will.
-    fn place_of(&self, operation: Operation) -> usize {
-        let mut hasher = OperationHasher::default();
-        operation.hash(&mut hasher);
-        let mask = self.places.len() - 1;
-        let mut place = hasher.finish() as usize & mask;
-        while self.places[place] != NONE && self.operations[self.places[place] as usize] != operation {
-            place = (place + 1) & mask;
-        }
-        place
-    }
-
-    /// Doubles the table of places.
-    fn widen(&mut self) {
-        self.places = vec![NONE; PLACES.max(2 * self.places.len())];
-        for (number, &operation) in (0u32..).zip(&self.operations) {
-            let place = self.place_of(operation);
-            self.places[place] = number;
-        }
+        Node(number)
     }
 
     /// The value of a node that is a constant.
@@ -305,24 +250,16 @@ impl Graph {
     /// `then` where `mask` is not 0, otherwise `otherwise`.
     pub fn select(&mut self, mask: Node, then: Node, otherwise: Node) -> Node {
         match self.constant_of(mask) {
-            Some(mask) => {
-                if mask != 0.0 {
-                    then
-                } else {
-                    otherwise
-                }
-            }
+            Some(0.0) => otherwise,
+            Some(_) => then,
             None if then == otherwise => then,
-            None => {
-                self.choices = true;
-                self.push(Operation::Select([mask, then, otherwise]))
-            }
+            None => self.push(Operation::Select([mask, then, otherwise])),
         }
     }
 
     /// True if any value is a choice between two.
     pub fn has_choices(&self) -> bool {
-        self.choices
+        self.operations.iter().any(|own| matches!(own, Operation::Select(_)))
     }
 
     /// Derivative of some order of a curve.
@@ -456,11 +393,26 @@ impl Graph {
     pub fn needed(&self, nodes: &[Node]) -> Vec<bool> {
         let mut needed = vec![false; nodes.iter().map(|node| node.0 as usize + 1).max().unwrap_or(0)];
         nodes.iter().for_each(|node| needed[node.0 as usize] = true);
-        for index in (0..needed.len()).rev() {
-            if needed[index] {
-                self.operations[index].for_each_operand(|operand| needed[operand.0 as usize] = true);
+        self.made_of(needed)
+    }
+
+    /// Which operations some of the first are made of, these among them.
+    pub fn made_of(&self, mut marked: Vec<bool>) -> Vec<bool> {
+        for index in (0..marked.len()).rev() {
+            if marked[index] {
+                self.operations[index].for_each_operand(|operand| marked[operand.0 as usize] = true);
             }
         }
-        needed
+        marked
+    }
+
+    /// Which of those that are needed depend on some operations, these among them.
+    pub fn depending_on(&self, mut marked: Vec<bool>, needed: &[bool]) -> Vec<bool> {
+        for index in (0..marked.len()).filter(|&index| needed[index]) {
+            let mut depends = marked[index];
+            self.operations[index].for_each_operand(|operand| depends |= marked[operand.0 as usize]);
+            marked[index] = depends;
+        }
+        marked
     }
 }
