@@ -21,61 +21,8 @@ pub fn panic_is_caught() -> bool {
     IS_CAUGHT.get()
 }
 
-/// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
-pub type ProgramKey = (ProgramKind, Codes);
-
-/// Kinds of programs: what is made of the formula of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ProgramKind {
-    /// The results themselves.
-    Values,
-    /// Gradient of the sum of some results.
-    Gradient,
-    /// Matrix of an element.
-    Matrix,
-    /// Products of an element with adjoint variables.
-    Products,
-    /// Derivative of a residual by time.
-    TimeRate,
-    /// Equations of a constraint with their derivatives along the motion.
-    Motion,
-    /// Derivatives of reaction and equations by time.
-    TimeRates,
-    /// Reaction of a constraint.
-    Reaction,
-    /// Derivatives of a reaction.
-    AlongRows,
-    /// Rows of a constraint.
-    Rows,
-    /// Reactions and equations of a constraint at a level.
-    Equations,
-    /// Matrix of a constraint.
-    ConstraintMatrix,
-    /// Products of a constraint with adjoint variables.
-    ConstraintProducts,
-    /// Correction of the unknowns of a node by the constraint inside.
-    NodeCorrection,
-    /// Reaction inside a node, of a force.
-    NodeElimination,
-    /// Matrix of the constraint inside a node.
-    NodeMatrix,
-    /// Products of the constraint inside a node with adjoint variables.
-    NodeProducts,
-    /// What is measured at points of an element.
-    PointValues,
-    /// Gradient of what is made of these.
-    PointGradient,
-    /// Numbers that tell the sides of switches.
-    Switches,
-    /// Rates of these numbers along a change of all arguments.
-    SwitchRates,
-    /// Numbers at which tables are read.
-    TableArguments,
-    /// Results, and their rates along a change of all arguments.
-    Course,
-    /// One of a caller's own, by its number.
-    Own(u32),
-}
+/// What a program of a formula computes: a name, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
+pub type ProgramKey = (&'static str, Codes);
 
 /// Numbers of a key; lists of usual lengths take no memory of their own.
 pub type Codes = SmallVec<[u32; 16]>;
@@ -328,14 +275,14 @@ impl Formula {
 
     /// The results themselves.
     pub fn values(&self) -> &Arc<Program> {
-        self.values.get_or_init(|| self.dense_program((ProgramKind::Values, smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
+        self.values.get_or_init(|| self.dense_program(("values", smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
     }
 
     /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
     pub fn gradient(&self, results: &[usize]) -> &Arc<Program> {
         let code = results.iter().fold(0, |code, &result| code | 1 << result);
         self.gradients.get(code, || {
-            self.sparse_program((ProgramKind::Gradient, smallvec![code]), 0, |graph, inputs, outputs| {
+            self.sparse_program(("gradient", smallvec![code]), 0, |graph, inputs, outputs| {
                 let chosen: Vec<Node> = results.iter().map(|&result| outputs[result]).collect();
                 let weights = vec![graph.constant(1.0); chosen.len()];
                 graph.reverse(&chosen, &weights, inputs)

@@ -34,7 +34,7 @@ mod undefined;
 pub use arguments::ArgumentKind;
 pub use digest::Digest;
 pub use formula::panic_is_caught;
-pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages};
+pub use formula::{Codes, Formula, ProgramCache, ProgramKey, Stages};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
 pub use operation::Node;

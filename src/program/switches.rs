@@ -1,6 +1,6 @@
 //! Where a formula passes from one piece to another.
 
-use super::formula::{Codes, Formula, ProgramKind};
+use super::formula::{Codes, Formula};
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
@@ -105,9 +105,9 @@ impl Formula {
             graph.forward(results, &seeds)
         };
         let rates =
-            self.dense_program((ProgramKind::SwitchRates, Codes::from_slice(&code)), count, |graph, x, _| along(graph, x, &nodes));
-        let program = self.dense_program((ProgramKind::Switches, Codes::from_slice(&code)), 0, |_, _, _| nodes);
-        let course = self.dense_program((ProgramKind::Course, smallvec![]), count, |graph, x, outputs| {
+            self.dense_program(("switch rates", Codes::from_slice(&code)), count, |graph, x, _| along(graph, x, &nodes));
+        let program = self.dense_program(("switches", Codes::from_slice(&code)), 0, |_, _, _| nodes);
+        let course = self.dense_program(("course", smallvec![]), count, |graph, x, outputs| {
             let rates = along(graph, x, outputs);
             outputs.iter().copied().chain(rates).collect()
         });

@@ -1,6 +1,6 @@
 //! What the tables of a formula are read at.
 
-use super::formula::{Formula, ProgramKind};
+use super::formula::Formula;
 use super::graph::Graph;
 use super::operation::{Node, Operation};
 use super::running::Program;
@@ -21,7 +21,7 @@ impl Formula {
             return None;
         }
         let (nodes, ranges): (Vec<Node>, Vec<TableRange>) = found.into_iter().unzip();
-        Some((ranges, self.dense_program((ProgramKind::TableArguments, smallvec![]), 0, |_, _, _| nodes)))
+        Some((ranges, self.dense_program(("table arguments", smallvec![]), 0, |_, _, _| nodes)))
     }
 }
 

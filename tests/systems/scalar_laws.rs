@@ -3,7 +3,7 @@
 //! A new type is one line in `types!` and one `Probe`; a new function is one line in `functions!`.
 
 use crate::support::Random;
-use costate::internals::{Formula, Graph, Moving, Node, Program, ProgramKind, ProgramWork, Recorded, record};
+use costate::internals::{Formula, Graph, Moving, Node, Program, ProgramWork, Recorded, record};
 use costate::scalar::{COMPLEX_STEP, Complex64, Curve, Interpolant, Scalar, TANGENTS, Tangents};
 use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, HyperDual64};
 use std::sync::{Arc, OnceLock};
@@ -108,9 +108,8 @@ impl Probe for Recorded {
             let one = graph.constant(1.0);
             [graph.forward(of, &[(x[0], one)])[0], graph.reverse(of, &[one], &x[..1])[0]]
         };
-        let first =
-            formula.dense_program((ProgramKind::Own(1), Default::default()), 0, |graph, x, y| derive(graph, x, y).to_vec());
-        let second = formula.dense_program((ProgramKind::Own(2), Default::default()), 0, |graph, x, y| {
+        let first = formula.dense_program(("own 1", Default::default()), 0, |graph, x, y| derive(graph, x, y).to_vec());
+        let second = formula.dense_program(("own 2", Default::default()), 0, |graph, x, y| {
             derive(graph, x, y).into_iter().flat_map(|first| derive(graph, x, &[first])).collect()
         });
         Parts { value: run(formula.values(), x)[0], first: run(&first, x), second: run(&second, x) }
@@ -573,7 +572,7 @@ fn a_recorded_gradient_equals_that_of_tangents() {
     let dual = composite(&x.iter().enumerate().map(variable).collect::<Vec<_>>());
     let formula = Formula::record(TANGENTS, |x| vec![composite(x)]).expect("no branches");
     // weights are arguments: the sweep is linear in what comes back
-    let program = formula.dense_program((ProgramKind::Own(1), Default::default()), 1, |graph, x, y| {
+    let program = formula.dense_program(("own 1", Default::default()), 1, |graph, x, y| {
         [y, &graph.reverse(y, &x[TANGENTS..], &x[..TANGENTS])].concat()
     });
     for weight in [1.0, 2.0] {

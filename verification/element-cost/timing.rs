@@ -5,8 +5,8 @@ use crate::Clock;
 use costate::elements::NodeKind;
 use costate::internals::{
     Codes, ConstraintPhysics, ElementPhysics, Equations, Formula, Graph, Jacobian, Level, Model, Node, PartPrograms,
-    Program, ProgramKind, ProgramWork, Residual, RunScalar, StageCoefficients, StageSystem, System, SystemOptions,
-    VectorsAvq, compile_time, lanes, motion_derivatives,
+    Program, ProgramWork, Residual, RunScalar, StageCoefficients, StageSystem, System, SystemOptions, VectorsAvq, lanes,
+    making_time, motion_derivatives,
 };
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;
@@ -245,7 +245,7 @@ fn second(graph: &mut Graph, (outputs, weights): (&[Node], &[Node]), towards: &[
 fn second_of_element(physics: &ElementPhysics) -> Arc<Program> {
     let n = physics.dof_count();
     let formula: &Formula = physics.residual();
-    formula.dense_program((ProgramKind::Own(1), Codes::new()), 4 * n, |graph, inputs, outputs| {
+    formula.dense_program(("own 1", Codes::new()), 4 * n, |graph, inputs, outputs| {
         let (lambda, z) = inputs[formula.inputs..].split_at(n);
         second(graph, (outputs, lambda), &inputs[..3 * n], z)
     })
@@ -255,7 +255,7 @@ fn second_of_element(physics: &ElementPhysics) -> Arc<Program> {
 fn second_of_constraint(physics: &ConstraintPhysics) -> Arc<Program> {
     let (n, count, is_nonholonomic) = (physics.dof_count(), physics.equation_count(), physics.is_nonholonomic());
     let formula: &Formula = physics.formula();
-    formula.dense_program((ProgramKind::Own(1), Codes::new()), 5 * n + 3 * count, |graph, inputs, outputs| {
+    formula.dense_program(("own 1", Codes::new()), 5 * n + 3 * count, |graph, inputs, outputs| {
         let (v, q, time) = (&inputs[..n], &inputs[n..2 * n], inputs[formula.inputs - 1]);
         let (own, rest) = inputs[formula.inputs..].split_at(n + count);
         let (a, mu) = own.split_at(n);
