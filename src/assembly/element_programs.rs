@@ -218,7 +218,7 @@ fn in_stages(
 fn along_coordinates(
     graph: &mut Graph,
     outputs: &[Node],
-    forms: &[LinearForm<3>],
+    forms: &[LinearForm],
     (n, rates, moves): (usize, &[Node], [bool; 3]),
 ) -> Vec<Vec<Node>> {
     let zero = graph.zero();

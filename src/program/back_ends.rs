@@ -3,7 +3,7 @@
 use super::graph::Graph;
 use super::listing::Listing;
 use super::loop_code::LoopCode;
-use super::native::{NativeCode, Width};
+use super::native::NativeCode;
 use super::operation::{Binary, Node, Unary};
 use crate::scalar::{Curve, Interpolant};
 
@@ -136,17 +136,24 @@ fn side_by_side(elements: &[Vec<f64>]) -> Vec<f64> {
     (0..elements[0].len()).flat_map(|number| elements.iter().map(move |element| element[number])).collect()
 }
 
-/// Codes of all widths and of all instruction sets that this machine has.
+/// Machine code by its name, for so many lanes.
+type Native = (String, usize, NativeCode);
+
+fn run(code: &NativeCode, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
+    (0..code.sections()).for_each(|section| code.run_section(section, inputs, outputs, scratch));
+}
+
+/// Codes for all numbers of lanes and of all instruction sets that this machine has.
 #[cfg(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri)))]
-fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
+fn native_codes(listing: &Listing) -> Vec<Native> {
     use super::native::Level;
     let mut codes = Vec::new();
     for level in Level::ALL {
-        for width in [Width::One, Width::Two, Width::Four, Width::Eight] {
+        for lanes in [1, 2, 4, 8] {
             for section in [400, 1 << 20] {
-                let code = NativeCode::compile_for(listing, width, level, section);
-                let name = format!("{width:?} lanes with {level:?}, sections of {section} bytes");
-                codes.extend(code.map(|code| (name, code)));
+                let code = NativeCode::compile_for(listing, lanes, level, section);
+                let name = format!("{lanes} lanes with {level:?}, sections of {section} bytes");
+                codes.extend(code.map(|code| (name, lanes, code)));
             }
         }
     }
@@ -154,8 +161,14 @@ fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
 }
 
 #[cfg(not(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri))))]
-fn native_codes(_listing: &Listing) -> Vec<(String, NativeCode)> {
+fn native_codes(_listing: &Listing) -> Vec<Native> {
     Vec::new()
+}
+
+fn check_loop<const L: usize>(code: &LoopCode, listing: &Listing, elements: &[Vec<f64>], expected: &[Vec<f64>]) {
+    let mut outputs = vec![7.0; L * listing.outputs.len()];
+    code.run_lanes::<L>(&side_by_side(&elements[..L]), &mut outputs, &mut Vec::new());
+    assert_same_bits(&outputs, &side_by_side(&expected[..L]), &format!("loop of {L} lanes"), listing);
 }
 
 fn check(recorded: &Recorded, random: &mut Random) {
@@ -169,24 +182,17 @@ fn check(recorded: &Recorded, random: &mut Random) {
         code.run::<f64>(inputs, &mut outputs, &mut work);
         assert_same_bits(&outputs, expected, "loop", listing);
     }
-    let mut outputs = vec![7.0; 8 * listing.outputs.len()];
-    code.run_lanes::<8>(&side_by_side(&elements), &mut outputs, &mut Vec::new());
-    assert_same_bits(&outputs, &side_by_side(&expected), "loop of eight lanes", listing);
-    let outputs = &mut outputs[..4 * listing.outputs.len()];
-    code.run_lanes::<4>(&side_by_side(&elements[..4]), outputs, &mut Vec::new());
-    assert_same_bits(outputs, &side_by_side(&expected[..4]), "loop of four lanes", listing);
-    let outputs = &mut outputs[..2 * listing.outputs.len()];
-    code.run_lanes::<2>(&side_by_side(&elements[..2]), outputs, &mut Vec::new());
-    assert_same_bits(outputs, &side_by_side(&expected[..2]), "loop of two lanes", listing);
+    check_loop::<8>(&code, listing, &elements, &expected);
+    check_loop::<4>(&code, listing, &elements, &expected);
+    check_loop::<2>(&code, listing, &elements, &expected);
 
     let mut scratch = Vec::new();
-    for (way, code) in native_codes(listing) {
-        let lanes = code.width().lanes();
+    for (way, lanes, code) in native_codes(listing) {
         for start in (0..8).step_by(lanes) {
             // one number more behind the outputs must stay as it is
             let mut outputs = vec![7.0; lanes * listing.outputs.len() + 1];
             let (inside, behind) = outputs.split_at_mut(lanes * listing.outputs.len());
-            code.run(&side_by_side(&elements[start..start + lanes]), inside, &mut scratch);
+            run(&code, &side_by_side(&elements[start..start + lanes]), inside, &mut scratch);
             assert_same_bits(inside, &side_by_side(&expected[start..start + lanes]), &way, listing);
             assert_eq!(behind, [7.0], "{way} wrote behind its outputs");
         }
@@ -230,8 +236,8 @@ fn long_listings_reach_the_far_addresses() {
     }
     let outputs = values.into_iter().rev().step_by(2).collect();
     let recorded = Recorded { graph, outputs, inputs };
-    let short = |(way, _): &(String, NativeCode)| way.ends_with("sections of 400 bytes");
-    assert!(native_codes(&recorded.listing()).iter().filter(|code| short(code)).all(|(_, code)| code.sections() > 50));
+    let short = |(way, ..): &Native| way.ends_with("sections of 400 bytes");
+    assert!(native_codes(&recorded.listing()).iter().filter(|code| short(code)).all(|(.., code)| code.sections() > 50));
     check(&recorded, &mut random);
 }
 
@@ -256,11 +262,11 @@ fn runs_allocate_once_and_share_their_work_arrays() {
     let first = (work.as_ptr(), work.len());
     code.run_lanes::<8>(&inputs, &mut outputs, &mut work);
     assert_eq!(first, (work.as_ptr(), work.len()));
-    if let Some(code) = NativeCode::compile(&listing, Width::Eight) {
+    if let Some(code) = NativeCode::compile(&listing, 8) {
         let mut scratch = Vec::new();
-        code.run(&inputs, &mut outputs, &mut scratch);
+        run(&code, &inputs, &mut outputs, &mut scratch);
         let first = (scratch.as_ptr(), scratch.len());
-        code.run(&inputs, &mut outputs, &mut scratch);
+        run(&code, &inputs, &mut outputs, &mut scratch);
         assert_eq!(first, (scratch.as_ptr(), scratch.len()));
     }
 }
@@ -282,5 +288,5 @@ fn no_memory_is_writable_and_executable_at_once() {
     let maps = std::fs::read_to_string("/proc/self/maps").expect("the list of mappings");
     let permissions = |line: &str| line.split(' ').nth(1).map(str::to_owned);
     assert!(maps.lines().filter_map(permissions).all(|own| !(own.contains('w') && own.contains('x'))));
-    assert_eq!(codes.is_empty(), !super::native::Level::ALL.into_iter().any(|level| level.is_available(Width::One)));
+    assert_eq!(codes.is_empty(), !super::native::Level::ALL.into_iter().any(|level| level.is_available(1)));
 }

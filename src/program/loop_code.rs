@@ -109,59 +109,50 @@ impl LoopCode {
     ///
     /// * `work` grows to the length that is needed, and may be shared with other programs
     pub fn run<S: Scalar>(&self, inputs: &[S], outputs: &mut [S], work: &mut Vec<S>) {
-        assert_eq!(inputs.len(), self.inputs, "number of inputs");
-        assert_eq!(outputs.len(), self.outputs.len(), "number of outputs");
-        if work.len() < self.places {
-            work.resize(self.places, S::from(0.0));
-        }
-        let work = &mut work[..self.places];
-        for (place, &constant) in work.iter_mut().zip(&self.constants) {
-            *place = S::from(constant);
-        }
-        work[self.constants.len()..][..self.inputs].copy_from_slice(inputs);
-        self.execute(work);
-        for (output, &place) in outputs.iter_mut().zip(&self.outputs) {
-            *output = work[place as usize];
-        }
+        self.evaluate::<S, 1>(inputs, outputs, self.room(work, S::zero()));
     }
 
     /// Evaluates `L` elements, at most eight: number i of element l stands at L i + l, for inputs and outputs.
     ///
     /// * `work` grows to the length that is needed, and may be shared with other programs
     pub fn run_lanes<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut Vec<F64x8>) {
-        assert_eq!(inputs.len(), L * self.inputs, "inputs: their number times that of lanes");
-        assert_eq!(outputs.len(), L * self.outputs.len(), "outputs: their number times that of lanes");
-        if work.len() < self.places {
-            work.resize(self.places, F64x8([0.0; 8]));
-        }
-        let work = &mut work[..self.places];
+        let work = self.room(work, F64x8([0.0; 8]));
         // vectors of AVX-512 gained nothing here: a result is mostly read soon after it is stored, and forwarding it
         // takes longer the wider it is
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has the instructions.
-            return unsafe { self.lanes_avx2::<L>(inputs, outputs, work) };
+            return unsafe { self.evaluate_avx2::<L>(inputs, outputs, work) };
         }
-        self.lanes::<L>(inputs, outputs, work);
+        self.evaluate::<F64x8, L>(inputs, outputs, work);
+    }
+
+    fn room<'w, N: Copy>(&self, work: &'w mut Vec<N>, zero: N) -> &'w mut [N] {
+        if work.len() < self.places {
+            work.resize(self.places, zero);
+        }
+        &mut work[..self.places]
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn lanes_avx2<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
-        self.lanes::<L>(inputs, outputs, work);
+    fn evaluate_avx2<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
+        self.evaluate::<F64x8, L>(inputs, outputs, work);
     }
 
     #[inline(always)]
-    fn lanes<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
+    fn evaluate<N: Number, const L: usize>(&self, inputs: &[N::Lane], outputs: &mut [N::Lane], work: &mut [N]) {
+        assert_eq!(inputs.len(), L * self.inputs, "inputs: their number times that of lanes");
+        assert_eq!(outputs.len(), L * self.outputs.len(), "outputs: their number times that of lanes");
         for (place, &constant) in work.iter_mut().zip(&self.constants) {
-            *place = F64x8([constant; 8]);
+            place.lanes().fill(constant.into());
         }
         for (place, input) in work[self.constants.len()..].iter_mut().zip(inputs.as_chunks::<L>().0) {
-            place.0[..L].copy_from_slice(input);
+            place.lanes()[..L].copy_from_slice(input);
         }
         self.execute(work);
         for (output, &place) in outputs.as_chunks_mut::<L>().0.iter_mut().zip(&self.outputs) {
-            output.copy_from_slice(&work[place as usize].0[..L]);
+            output.copy_from_slice(&work[place as usize].lanes()[..L]);
         }
     }
 
@@ -227,6 +218,7 @@ unsafe fn each_step<N: Number>(work: &mut [N], steps: &[Step], operation: impl F
 /// A number of the loop, or several side by side.
 trait Number: Copy {
     type Lane: Scalar;
+    fn lanes(&mut self) -> &mut [Self::Lane];
     /// An operation in each lane.
     fn in_lanes(operands: [Self; 3], operation: impl Fn([Self::Lane; 3]) -> Self::Lane) -> Self;
     /// The number at this place of a list.
@@ -235,6 +227,10 @@ trait Number: Copy {
 
 impl<S: Scalar> Number for S {
     type Lane = S;
+    #[inline(always)]
+    fn lanes(&mut self) -> &mut [S] {
+        std::slice::from_mut(self)
+    }
     #[inline(always)]
     fn in_lanes(operands: [S; 3], operation: impl Fn([S; 3]) -> S) -> S {
         operation(operands)
@@ -247,6 +243,10 @@ impl<S: Scalar> Number for S {
 
 impl Number for F64x8 {
     type Lane = f64;
+    #[inline(always)]
+    fn lanes(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
     #[inline(always)]
     fn in_lanes([x, y, z]: [F64x8; 3], operation: impl Fn([f64; 3]) -> f64) -> F64x8 {
         F64x8(std::array::from_fn(|lane| operation([x.0[lane], y.0[lane], z.0[lane]])))

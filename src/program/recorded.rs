@@ -325,8 +325,6 @@ fn derived(derive: impl FnOnce(&mut Graph) -> Vec<Node>) -> Vec<Recorded> {
 pub fn evaluate(values: &[f64], numbers: &[Recorded]) -> Vec<f64> {
     with_graph(|graph| {
         let nodes: Vec<Node> = numbers.iter().map(|number| number.node(graph)).collect();
-        let mut all = Vec::new();
-        graph.evaluate(values, &mut all);
-        nodes.into_iter().map(|node| all[node.0 as usize]).collect()
+        graph.values_of(&nodes, values)
     })
 }

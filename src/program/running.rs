@@ -1,6 +1,6 @@
 use super::listing::Listing;
 use super::loop_code::{F64x8, LoopCode};
-use super::native::{NativeCode, Width};
+use super::native::NativeCode;
 use super::operation::Operation;
 use crate::scalar::Scalar;
 use std::cell::Cell;
@@ -8,7 +8,6 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-static COMPILING: AtomicU64 = AtomicU64::new(0);
 static MAKING: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
@@ -20,11 +19,6 @@ thread_local! {
 fn is_looped() -> bool {
     static IS_LOOPED: OnceLock<bool> = OnceLock::new();
     *IS_LOOPED.get_or_init(|| std::env::var_os("COSTATE_PROGRAMS").is_some_and(|way| way == "loop"))
-}
-
-/// Time that this process has spent on making machine code \[s\].
-pub fn compile_time() -> f64 {
-    COMPILING.load(Ordering::Relaxed) as f64 * 1e-9
 }
 
 /// Time that this process has spent on programs \[s\]: recording formulas, deriving programs from them, and making machine code.
@@ -60,7 +54,7 @@ pub struct Program {
 }
 
 /// Numbers that programs need on the way.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ProgramWork<S> {
     slots: Vec<S>,
     lanes: Vec<F64x8>,
@@ -70,12 +64,6 @@ pub struct ProgramWork<S> {
 impl<S> Default for ProgramWork<S> {
     fn default() -> Self {
         ProgramWork { slots: Vec::new(), lanes: Vec::new(), scratch: Vec::new() }
-    }
-}
-
-impl<S> Clone for ProgramWork<S> {
-    fn clone(&self) -> Self {
-        Self::default()
     }
 }
 
@@ -116,16 +104,13 @@ impl Program {
         self.looped.get_or_init(|| LoopCode::new(&self.listing))
     }
 
-    fn native(&self, place: usize, width: Width) -> Option<&NativeCode> {
+    fn native(&self, place: usize, lanes: usize) -> Option<&NativeCode> {
         if is_looped() {
             return None;
         }
         let compile = || {
             let _making = Making::begin();
-            let start = Instant::now();
-            let code = NativeCode::compile(&self.listing, width);
-            COMPILING.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-            code
+            NativeCode::compile(&self.listing, lanes)
         };
         self.native[place].get_or_init(compile).as_ref()
     }
@@ -137,8 +122,10 @@ impl Program {
 
     /// Executes it for one element.
     pub fn run(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
-        match self.native(0, Width::One) {
-            Some(code) => code.run(inputs, outputs, &mut work.scratch),
+        match self.native(0, 1) {
+            Some(code) => {
+                (0..code.sections()).for_each(|section| code.run_section(section, inputs, outputs, &mut work.scratch));
+            }
             None => self.looped().run(inputs, outputs, &mut work.slots),
         }
     }
@@ -166,12 +153,7 @@ impl Program {
     }
 
     fn native_of_lanes(&self) -> Option<&NativeCode> {
-        let width = match lanes() {
-            2 => Width::Two,
-            4 => Width::Four,
-            _ => Width::Eight,
-        };
-        self.native(1, width)
+        self.native(1, lanes())
     }
 }
 
@@ -179,5 +161,5 @@ impl Program {
 /// has AVX2 but not AVX-512, otherwise 8.
 pub fn lanes() -> usize {
     static LANES: OnceLock<usize> = OnceLock::new();
-    *LANES.get_or_init(|| NativeCode::widest().map(Width::lanes).filter(|&lanes| lanes > 1).unwrap_or(8))
+    *LANES.get_or_init(|| NativeCode::most_lanes().filter(|&lanes| lanes > 1).unwrap_or(8))
 }

@@ -159,7 +159,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use crate::scalar::{Curve, Interpolant, Scalar};
-    use crate::program::{ArgumentKind, Formula, Reads, Recorded};
+    use crate::{ArgumentKind, Formula, Reads, Recorded};
 
     /// A law of the time and a parameter, and its switches for a parameter of 0.3 with their derivatives by it.
     type Law = (&'static str, fn(Recorded, Recorded) -> Recorded, Vec<(f64, f64)>);

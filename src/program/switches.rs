@@ -626,7 +626,7 @@ pub fn between(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64
 mod tests {
     use super::*;
     use crate::scalar::{Interpolant, Scalar};
-    use crate::program::{ArgumentKind, Recorded};
+    use crate::{ArgumentKind, Recorded};
 
     /// A law of x by its name, the place of a switch of it on the way from 0 to 1, and what that does.
     type Law = (&'static str, fn(Recorded) -> Recorded, f64, Option<SwitchKind>);

@@ -97,7 +97,7 @@ fn passed_on(operation: Operation, infinite: bool, mut shown: impl FnMut(Node)) 
 #[cfg(test)]
 mod tests {
     use crate::scalar::Scalar;
-    use crate::program::{Formula, ProgramWork, Recorded};
+    use crate::{Formula, ProgramWork, Recorded};
 
     /// A formula of one number, in two scalars.
     type Pair = (fn(f64) -> f64, fn(Recorded) -> Recorded);

@@ -103,9 +103,9 @@ pub struct ProgramCost {
 
 impl ProgramCost {
     pub fn of(program: &Program) -> Self {
-        let before = compile_time();
+        let before = making_time();
         let all = [repeated(program, false), repeated(program, true)];
-        let compiling = 1e3 * (compile_time() - before);
+        let compiling = 1e3 * (making_time() - before);
         let [one, wide] = least(all, MEASUREMENTS);
         let times = [1e6 * one, 1e6 * wide / lanes() as f64];
         ProgramCost { operations: program.instructions(), times, compiling }

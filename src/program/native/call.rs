@@ -1,7 +1,6 @@
 //! Functions that the processor has no instruction for.
 
-use super::Width;
-use crate::program::operation::{Binary, Operation, Unary};
+use crate::operation::{Binary, Operation, Unary};
 use crate::scalar::{Curve, Scalar, gathered_place};
 use std::sync::Arc;
 
@@ -9,14 +8,14 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Call {
     operation: Operation,
-    width: Width,
+    lanes: usize,
     /// Where the operation takes one.
     curve: Option<Arc<Curve>>,
 }
 
 impl Call {
     /// The call that evaluates an operation, if it needs one.
-    pub fn of(operation: Operation, width: Width, curves: &[Arc<Curve>]) -> Option<Self> {
+    pub fn of(operation: Operation, lanes: usize, curves: &[Arc<Curve>]) -> Option<Self> {
         let curve = match operation {
             Operation::Input(_) | Operation::Constant(_) | Operation::Select(_) => return None,
             Operation::Unary(Unary::Neg | Unary::Sqrt | Unary::Floor, _) => return None,
@@ -25,7 +24,7 @@ impl Call {
             Operation::Unary(..) | Operation::Power(..) | Operation::Gather { .. } => None,
             Operation::Curve { curve, .. } => Some(Arc::clone(&curves[curve as usize])),
         };
-        Some(Call { operation, width, curve })
+        Some(Call { operation, lanes, curve })
     }
 
     /// Evaluates the operation for all lanes at `x`, and `y` where it has a second operand. What is gathered lies from `x` on, its place at `y`.
@@ -35,9 +34,9 @@ impl Call {
     /// gathers for each number that it chooses from, and `result` written.
     pub unsafe fn evaluate(call: *const Call, x: *const f64, y: *const f64, result: *mut f64) {
         // SAFETY: promised by the caller.
-        let Call { operation, width, curve } = unsafe { &*call };
-        for lane in 0..width.lanes() {
-            let (lanes, first) = (width.lanes(), x);
+        let Call { operation, lanes, curve } = unsafe { &*call };
+        let first = x;
+        for lane in 0..*lanes {
             // SAFETY: as above, for each of the lanes.
             let (x, y) = unsafe { (*x.add(lane), *y.add(lane)) };
             let value = match *operation {

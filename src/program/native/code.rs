@@ -1,12 +1,12 @@
 //! Machine code in executable memory.
 
-use super::Width;
+use super::REFUSED;
 use super::call::Call;
 use super::emitter::{Emitted, emit};
 use super::encoder::{Entry, Level, make_visible};
-use crate::program::listing::Listing;
-use crate::program::refused::memory_refused;
+use crate::listing::Listing;
 use memmap2::{Mmap, MmapMut};
+use std::sync::atomic::Ordering;
 
 /// Bytes of a section: the caches for instructions hold it, and moving numbers out of the registers at its end costs nothing.
 const SECTION: usize = 1 << 15;
@@ -14,7 +14,7 @@ const SECTION: usize = 1 << 15;
 /// Machine code of a listing.
 #[derive(Debug)]
 pub struct NativeCode {
-    width: Width,
+    lanes: usize,
     inputs: usize,
     outputs: usize,
     /// Numbers that the code stores in between.
@@ -38,23 +38,23 @@ struct CacheLine([f64; 8]);
 
 impl NativeCode {
     /// Makes code for this machine; none where its processor lacks the instructions or the system refuses.
-    pub fn compile(listing: &Listing, width: Width) -> Option<Self> {
-        Level::ALL.into_iter().find_map(|level| Self::compile_for(listing, width, level, SECTION))
+    pub fn compile(listing: &Listing, lanes: usize) -> Option<Self> {
+        Level::ALL.into_iter().find_map(|level| Self::compile_for(listing, lanes, level, SECTION))
     }
 
     /// As [`compile`](Self::compile), with the instructions of one level only and sections of a length in bytes.
-    pub fn compile_for(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Self> {
-        if !level.is_available(width) {
+    pub fn compile_for(listing: &Listing, lanes: usize, level: Level, section: usize) -> Option<Self> {
+        if !level.is_available(lanes) {
             return None;
         }
-        let Emitted { bytes, sections, constants, calls, scratch, biases } = emit(listing, width, level, section)?;
+        let Emitted { bytes, sections, constants, calls, scratch, biases } = emit(listing, lanes, level, section)?;
         let executable = || -> std::io::Result<Mmap> {
             let mut memory = MmapMut::map_anon(bytes.len())?;
             memory.copy_from_slice(&bytes);
             memory.make_exec()
         };
         let Ok(memory) = executable() else {
-            memory_refused();
+            REFUSED.store(true, Ordering::Relaxed);
             return None;
         };
         make_visible(&memory);
@@ -63,22 +63,7 @@ impl NativeCode {
             .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))
             .collect();
         let (inputs, outputs) = (listing.inputs, listing.outputs.len());
-        Some(NativeCode { width, inputs, outputs, scratch, memory, sections, constants, _calls: calls, biases })
-    }
-
-    /// Elements evaluated together.
-    #[cfg(test)]
-    pub fn width(&self) -> Width {
-        self.width
-    }
-
-    /// Evaluates the elements: with n lanes, number i of element l stands at n i + l, for inputs and outputs.
-    ///
-    /// Eight lanes run faster where inputs and outputs start at a multiple of 64 bytes.
-    ///
-    /// * `scratch` grows to the length that is needed, and may be shared with other programs
-    pub fn run(&self, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
-        (0..self.sections()).for_each(|section| self.run_section(section, inputs, outputs, scratch));
+        Some(NativeCode { lanes, inputs, outputs, scratch, memory, sections, constants, _calls: calls, biases })
     }
 
     /// Number of sections: code that is longer than the caches for instructions has several.
@@ -87,8 +72,14 @@ impl NativeCode {
     }
 
     /// Executes one section, for the inputs, outputs and scratch with which those before it were executed.
+    ///
+    /// With n lanes, number i of element l stands at n i + l, for inputs and outputs.
+    ///
+    /// Eight lanes run faster where inputs and outputs start at a multiple of 64 bytes.
+    ///
+    /// * `scratch` grows to the length that is needed, and may be shared with other programs
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
-        let lanes = self.width.lanes();
+        let lanes = self.lanes;
         assert_eq!(inputs.len(), lanes * self.inputs, "inputs: their number times {lanes}");
         assert_eq!(outputs.len(), lanes * self.outputs, "outputs: their number times {lanes}");
         // seven more than needed, so that some place among them starts a cache line

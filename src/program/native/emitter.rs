@@ -1,12 +1,10 @@
 //! From a listing to machine code, in one pass: what each operation becomes. Results that are outputs are stored as soon as they are made.
 
-use super::Width;
 use super::call::Call;
 use super::encoder::{ADD, Base, DIV, Level, MUL, Opcode, SUB};
-use super::next_uses::NextUses;
 use super::storage::Storage;
-use crate::program::listing::Listing;
-use crate::program::operation::{Binary, Operation, Unary};
+use crate::listing::Listing;
+use crate::operation::{Binary, Operation, Unary};
 use smallvec::SmallVec;
 
 /// Machine code, and what it needs to run.
@@ -25,14 +23,13 @@ pub struct Emitted {
 }
 
 /// Makes the code of a listing, in sections of so many bytes or some more; none where it is too long for the addresses of the instructions.
-pub fn emit(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Emitted> {
-    let uses = NextUses::of(listing);
-    let longest = listing.outputs.len().max(uses.first.len()) + 64;
-    i32::try_from(longest.checked_mul(8 * width.lanes())?).ok()?;
+pub fn emit(listing: &Listing, lanes: usize, level: Level, section: usize) -> Option<Emitted> {
+    let longest = listing.outputs.len().max(listing.operations.len()) + 64;
+    i32::try_from(longest.checked_mul(8 * lanes)?).ok()?;
 
     let calls: Box<[Call]> =
-        listing.operations.iter().filter_map(|&operation| Call::of(operation, width, &listing.curves)).collect();
-    let mut emitter = Emitter::new(listing, Storage::new(listing, width, level, &uses));
+        listing.operations.iter().filter_map(|&operation| Call::of(operation, lanes, &listing.curves)).collect();
+    let mut emitter = Emitter::new(listing, Storage::new(listing, lanes, level));
     if !calls.is_empty() {
         emitter.storage.encoder.save_bases();
     }
@@ -54,19 +51,19 @@ pub fn emit(listing: &Listing, width: Width, level: Level, section: usize) -> Op
     let mut storage = emitter.storage;
     storage.encoder.finish_function(!calls.is_empty());
     let (scratch, biases) = (storage.scratch(), storage.biases());
-    let constants = Storage::constants(width, listing);
+    let constants = Storage::constants(lanes, listing);
     Some(Emitted { sections, bytes: storage.encoder.finish(), constants, calls, scratch, biases })
 }
 
-pub struct Emitter<'a> {
-    pub storage: Storage<'a>,
+pub struct Emitter {
+    pub storage: Storage,
     /// For each number the first place where it is an output, and for each output the next place of the same number.
     first_output: Vec<Option<u32>>,
     next_output: Vec<Option<u32>>,
 }
 
-impl<'a> Emitter<'a> {
-    fn new(listing: &Listing, storage: Storage<'a>) -> Self {
+impl Emitter {
+    fn new(listing: &Listing, storage: Storage) -> Self {
         let mut first_output = vec![None; listing.operations.len()];
         let mut next_output = vec![None; listing.outputs.len()];
         for (place, output) in listing.outputs.iter().enumerate().rev() {
