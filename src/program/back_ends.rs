@@ -271,13 +271,6 @@ fn runs_allocate_once_and_share_their_work_arrays() {
     }
 }
 
-#[test]
-fn code_may_be_used_from_any_thread() {
-    fn assert_send_and_sync<T: Send + Sync>() {}
-    assert_send_and_sync::<NativeCode>();
-    assert_send_and_sync::<LoopCode>();
-}
-
 /// Mappings of this process, as Linux tells them.
 #[test]
 #[cfg(all(any(target_arch = "x86_64", target_arch = "aarch64"), target_os = "linux", not(miri)))]

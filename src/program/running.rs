@@ -130,13 +130,8 @@ impl Program {
         }
     }
 
-    /// Executes it for [`lanes`] elements, whose numbers lie side by side.
-    pub fn run_lanes(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
-        (0..self.sections()).for_each(|section| self.run_section(section, inputs, outputs, work));
-    }
-
-    /// As [`run_lanes`](Self::run_lanes), one of the [`sections`](Self::sections): those before it were executed with the same arguments,
-    /// results and workspace.
+    /// Executes one of its [`sections`](Self::sections) for [`lanes`] elements, whose numbers lie side by side: those before it were executed
+    /// with the same arguments, results and workspace.
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
         match self.native_of_lanes() {
             Some(code) => code.run_section(section, inputs, outputs, &mut work.scratch),

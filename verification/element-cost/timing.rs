@@ -87,7 +87,11 @@ pub fn repeated(program: &Program, wide: bool) -> Measured<'_> {
     let mut work = ProgramWork::default();
     Measured::new(move || {
         let (inputs, outputs) = (inputs.all(counts[0]), outputs.all(counts[1]));
-        if wide { program.run_lanes(inputs, outputs, &mut work) } else { program.run(inputs, outputs, &mut work) }
+        if wide {
+            (0..program.sections()).for_each(|section| program.run_section(section, inputs, outputs, &mut work));
+        } else {
+            program.run(inputs, outputs, &mut work);
+        }
     })
 }
 

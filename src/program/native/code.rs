@@ -1,7 +1,6 @@
 //! Machine code in executable memory.
 
 use super::REFUSED;
-use super::call::Call;
 use super::emitter::{Emitted, emit};
 use super::encoder::{Entry, Level, make_visible};
 use crate::listing::Listing;
@@ -17,18 +16,12 @@ pub struct NativeCode {
     lanes: usize,
     inputs: usize,
     outputs: usize,
-    /// Numbers that the code stores in between.
-    scratch: usize,
     /// Executable, not writable.
     memory: Mmap,
-    /// Where the functions begin that are called one after the other.
-    sections: Vec<usize>,
     /// Constants for all lanes, aligned to a cache line.
     constants: Box<[CacheLine]>,
-    /// What the code passes to the functions it calls: it holds the addresses of the entries.
-    _calls: Box<[Call]>,
-    /// Bytes by which the addresses passed lie behind the start of inputs, outputs, scratch and constants.
-    biases: [usize; 4],
+    /// What the code was emitted with, beside its bytes: the calls that it has the addresses of among it.
+    emitted: Emitted,
 }
 
 /// Eight numbers that no other cache line holds.
@@ -47,7 +40,8 @@ impl NativeCode {
         if !level.is_available(lanes) {
             return None;
         }
-        let Emitted { bytes, sections, constants, calls, scratch, biases } = emit(listing, lanes, level, section)?;
+        let mut emitted = emit(listing, lanes, level, section)?;
+        let (bytes, constants) = (std::mem::take(&mut emitted.bytes), std::mem::take(&mut emitted.constants));
         let executable = || -> std::io::Result<Mmap> {
             let mut memory = MmapMut::map_anon(bytes.len())?;
             memory.copy_from_slice(&bytes);
@@ -63,12 +57,12 @@ impl NativeCode {
             .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))
             .collect();
         let (inputs, outputs) = (listing.inputs, listing.outputs.len());
-        Some(NativeCode { lanes, inputs, outputs, scratch, memory, sections, constants, _calls: calls, biases })
+        Some(NativeCode { lanes, inputs, outputs, memory, constants, emitted })
     }
 
     /// Number of sections: code that is longer than the caches for instructions has several.
     pub fn sections(&self) -> usize {
-        self.sections.len()
+        self.emitted.sections.len()
     }
 
     /// Executes one section, for the inputs, outputs and scratch with which those before it were executed.
@@ -79,26 +73,26 @@ impl NativeCode {
     ///
     /// * `scratch` grows to the length that is needed, and may be shared with other programs
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
-        let lanes = self.lanes;
+        let (lanes, Emitted { sections, scratch: scratch_length, biases, .. }) = (self.lanes, &self.emitted);
         assert_eq!(inputs.len(), lanes * self.inputs, "inputs: their number times {lanes}");
         assert_eq!(outputs.len(), lanes * self.outputs, "outputs: their number times {lanes}");
         // seven more than needed, so that some place among them starts a cache line
-        if scratch.len() < self.scratch + 7 {
-            scratch.resize(self.scratch + 7, 0.0);
+        if scratch.len() < scratch_length + 7 {
+            scratch.resize(scratch_length + 7, 0.0);
         }
         let start = scratch.as_ptr().align_offset(64).min(7);
-        let scratch = &mut scratch[start..][..self.scratch];
-        let begin = &self.memory[self.sections[section]..];
+        let scratch = &mut scratch[start..][..*scratch_length];
+        let begin = &self.memory[sections[section]..];
         // SAFETY: at the start of each section `memory` holds a whole function of this type, which `emit` made for a listing with these
         // numbers of inputs and outputs: it reads `inputs` and `constants`, writes `outputs` and `scratch`, and reads of them what it or
         // those before it wrote, or other numbers if they were not called. It keeps the convention of the type. The processor has its instructions: `compile_for` asked.
         unsafe {
             let entry = std::mem::transmute::<*const u8, Entry>(begin.as_ptr());
             entry(
-                inputs.as_ptr().wrapping_byte_add(self.biases[0]),
-                outputs.as_mut_ptr().wrapping_byte_add(self.biases[1]),
-                scratch.as_mut_ptr().wrapping_byte_add(self.biases[2]),
-                self.constants.as_ptr().cast::<f64>().wrapping_byte_add(self.biases[3]),
+                inputs.as_ptr().wrapping_byte_add(biases[0]),
+                outputs.as_mut_ptr().wrapping_byte_add(biases[1]),
+                scratch.as_mut_ptr().wrapping_byte_add(biases[2]),
+                self.constants.as_ptr().cast::<f64>().wrapping_byte_add(biases[3]),
             );
         }
     }

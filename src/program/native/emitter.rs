@@ -1,13 +1,14 @@
 //! From a listing to machine code, in one pass: what each operation becomes. Results that are outputs are stored as soon as they are made.
 
 use super::call::Call;
-use super::encoder::{ADD, Base, DIV, Level, MUL, Opcode, SUB};
+use super::encoder::{ADD, Base, DIV, Level, MUL, Opcode, ROUND_DOWN, SQRT, SUB};
 use super::storage::Storage;
 use crate::listing::Listing;
 use crate::operation::{Binary, Operation, Unary};
 use smallvec::SmallVec;
 
 /// Machine code, and what it needs to run.
+#[derive(Debug)]
 pub struct Emitted {
     pub bytes: Vec<u8>,
     /// Where each section begins: a function of its own, to be called when those before it have been.
@@ -15,7 +16,7 @@ pub struct Emitted {
     /// Constants for all lanes.
     pub constants: Vec<f64>,
     /// Calls, at the addresses that the code has.
-    pub calls: Box<[Call]>,
+    pub _calls: Box<[Call]>,
     /// Numbers of scratch memory.
     pub scratch: usize,
     /// Bytes by which inputs, outputs, scratch and constants are to be passed behind their start.
@@ -52,24 +53,22 @@ pub fn emit(listing: &Listing, lanes: usize, level: Level, section: usize) -> Op
     storage.encoder.finish_function(!calls.is_empty());
     let (scratch, biases) = (storage.scratch(), storage.biases());
     let constants = Storage::constants(lanes, listing);
-    Some(Emitted { sections, bytes: storage.encoder.finish(), constants, calls, scratch, biases })
+    Some(Emitted { sections, bytes: storage.encoder.finish(), constants, _calls: calls, scratch, biases })
 }
 
 pub struct Emitter {
     pub storage: Storage,
-    /// For each number the first place where it is an output, and for each output the next place of the same number.
-    first_output: Vec<Option<u32>>,
-    next_output: Vec<Option<u32>>,
+    /// The places where each number is an output.
+    outputs: Vec<SmallVec<[usize; 1]>>,
 }
 
 impl Emitter {
     fn new(listing: &Listing, storage: Storage) -> Self {
-        let mut first_output = vec![None; listing.operations.len()];
-        let mut next_output = vec![None; listing.outputs.len()];
-        for (place, output) in listing.outputs.iter().enumerate().rev() {
-            next_output[place] = first_output[output.0 as usize].replace(place as u32);
+        let mut outputs = vec![SmallVec::new(); listing.operations.len()];
+        for (place, output) in listing.outputs.iter().enumerate() {
+            outputs[output.0 as usize].push(place);
         }
-        Emitter { storage, first_output, next_output }
+        Emitter { storage, outputs }
     }
 
     fn operation<'c>(&mut self, number: usize, operation: Operation, calls: &mut impl Iterator<Item = &'c Call>) {
@@ -81,8 +80,8 @@ impl Emitter {
             (Operation::Binary(Binary::Sub, ..), &[x, y]) => self.binary(SUB, x, y),
             (Operation::Binary(Binary::Div, ..), &[x, y]) => self.binary(DIV, x, y),
             (Operation::Unary(Unary::Neg, _), &[x]) => self.negate(x),
-            (Operation::Unary(Unary::Sqrt, _), &[x]) => self.square_root(x),
-            (Operation::Unary(Unary::Floor, _), &[x]) => self.floor(x),
+            (Operation::Unary(Unary::Sqrt, _), &[x]) => self.unary(SQRT, x),
+            (Operation::Unary(Unary::Floor, _), &[x]) => self.unary(ROUND_DOWN, x),
             (Operation::Binary(Binary::Less, ..), &[x, y]) => self.less(x, y),
             (Operation::Binary(Binary::Vanishing, ..), &[x, y]) => self.vanishing(x, y),
             (Operation::Select(_), &[mask, then, otherwise]) => self.select(mask, then, otherwise),
@@ -96,12 +95,10 @@ impl Emitter {
 
     /// Stores the result of an operation where it is an output, and keeps it if it is read later.
     fn finish(&mut self, number: usize, target: u8) {
-        let mut output = self.first_output[number];
-        while let Some(place) = output {
-            let address = self.storage.address(Base::Outputs, place as usize);
+        for &place in &self.outputs[number] {
+            let address = self.storage.address(Base::Outputs, place);
             self.storage.store(target, address);
             self.storage.stored(number, address);
-            output = self.next_output[place as usize];
         }
         self.storage.hold(target, number);
     }
@@ -143,15 +140,14 @@ impl Emitter {
         self.storage.retire_operands();
         // a call keeps no vector register
         self.storage.clear_registers();
-        let output = self.first_output[number];
-        let result = match output {
-            Some(place) => self.storage.address(Base::Outputs, place as usize),
+        let result = match self.outputs[number].first() {
+            Some(&place) => self.storage.address(Base::Outputs, place),
             None => self.storage.take_slot(),
         };
         self.storage.encoder.call(std::ptr::from_ref(call) as usize, x, y, result);
         self.storage.encoder.restore_bases();
         self.storage.stored(number, result);
-        if output.is_some_and(|place| self.next_output[place as usize].is_some()) {
+        if self.outputs[number].len() > 1 {
             let register = self.storage.take_register();
             self.storage.load(register, result);
             self.finish(number, register);

@@ -91,6 +91,8 @@ pub struct Opcode {
     opcode: u8,
     /// Bytes that the form for one lane reads from memory.
     single: i32,
+    /// A byte behind the operands.
+    last: Option<u8>,
 }
 
 const P66: u8 = 1;
@@ -98,11 +100,17 @@ const PF2: u8 = 3;
 
 /// Instruction that has a form for one lane (prefix F2) and one for several (66).
 const fn arithmetic(opcode: u8) -> [Opcode; 2] {
-    [Opcode { map: 1, prefix: PF2, opcode, single: 8 }, packed(1, opcode)]
+    [Opcode { map: 1, prefix: PF2, opcode, single: 8, last: None }, packed(1, opcode)]
+}
+
+/// Comparison by its predicate.
+const fn comparison(predicate: u8) -> [Opcode; 2] {
+    let [single, packed] = arithmetic(0xc2);
+    [Opcode { last: Some(predicate), ..single }, Opcode { last: Some(predicate), ..packed }]
 }
 
 const fn packed(map: u8, opcode: u8) -> Opcode {
-    Opcode { map, prefix: P66, opcode, single: 16 }
+    Opcode { map, prefix: P66, opcode, single: 16, last: None }
 }
 
 pub const ADD: [Opcode; 2] = arithmetic(0x58);
@@ -110,10 +118,15 @@ pub const MUL: [Opcode; 2] = arithmetic(0x59);
 pub const SUB: [Opcode; 2] = arithmetic(0x5c);
 pub const DIV: [Opcode; 2] = arithmetic(0x5e);
 pub const SQRT: [Opcode; 2] = arithmetic(0x51);
-pub const COMPARE: [Opcode; 2] = arithmetic(0xc2);
+/// False for NaN.
+pub const LESS: [Opcode; 2] = comparison(0x11);
+/// True for NaN.
+pub const DIFFERENT: [Opcode; 2] = comparison(0x04);
 pub const LOAD: [Opcode; 2] = arithmetic(0x10);
 const STORE: [Opcode; 2] = arithmetic(0x11);
-pub const ROUND: [Opcode; 2] = [Opcode { map: 3, prefix: P66, opcode: 0x0b, single: 8 }, packed(3, 0x09)];
+/// Rounding to the integer below, without a flag for inexact results.
+pub const ROUND_DOWN: [Opcode; 2] =
+    [Opcode { single: 8, last: Some(9), ..packed(3, 0x0b) }, Opcode { last: Some(9), ..packed(3, 0x09) }];
 pub const AND: Opcode = packed(1, 0x54);
 pub const XOR: Opcode = packed(1, 0x57);
 /// vblendvpd; VEX only.
@@ -182,15 +195,9 @@ impl Encoder {
         self.vector(lanes, STORE[usize::from(lanes > 1)], register, 0, Operand::Memory(address));
     }
 
-    /// The last byte of an instruction that has one behind its operands.
-    pub fn byte(&mut self, byte: u8) {
-        self.bytes.push(byte);
-    }
-
     /// Compares into mask register 1 (EVEX).
-    pub fn compare_to_mask(&mut self, lanes: usize, first: u8, second: Operand, predicate: u8) {
-        self.evex(lanes, COMPARE[usize::from(lanes > 1)], 1, first, second, Masking::default());
-        self.bytes.push(predicate);
+    pub fn compare_to_mask(&mut self, lanes: usize, opcode: Opcode, first: u8, second: Operand) {
+        self.evex(lanes, opcode, 1, first, second, Masking::default());
     }
 
     /// `target = mask register 1 ? first op second : 0` (EVEX).
@@ -224,6 +231,7 @@ impl Encoder {
             Operand::Register(register) => self.bytes.push(0xc0 | (target & 7) << 3 | register & 7),
             Operand::Memory(address) => self.address(target, address, i8::try_from(address.displacement).ok()),
         }
+        self.bytes.extend(opcode.last);
     }
 
     fn evex(&mut self, lanes: usize, opcode: Opcode, target: u8, first: u8, second: Operand, masking: Masking) {
@@ -245,6 +253,7 @@ impl Encoder {
             Operand::Register(register) => self.bytes.push(0xc0 | (target & 7) << 3 | register & 7),
             Operand::Memory(address) => self.address(target, address, compressed(lanes, opcode, address.displacement)),
         }
+        self.bytes.extend(opcode.last);
     }
 
     /// The bytes that name a register and an address; `short` is its displacement in one byte.

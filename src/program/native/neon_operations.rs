@@ -1,7 +1,7 @@
 //! Which instructions of NEON an operation becomes. Both operands are in registers.
 
 use super::emitter::Emitter;
-use super::encoder::{AND, AND_NOT, ASIDE, CHOOSE, GREATER, IS_ZERO, MUL, NEG, ONE, OR, Opcode, ROUND_DOWN, SQRT};
+use super::encoder::{AND, AND_NOT, ASIDE, CHOOSE, GREATER, IS_ZERO, MUL, NEG, ONE, OR, Opcode};
 
 impl Emitter {
     pub fn binary(&mut self, opcodes: [Opcode; 2], x: usize, y: usize) -> u8 {
@@ -11,19 +11,11 @@ impl Emitter {
         target
     }
 
-    pub fn square_root(&mut self, x: usize) -> u8 {
-        self.unary(SQRT, x)
-    }
-
-    pub fn floor(&mut self, x: usize) -> u8 {
-        self.unary(ROUND_DOWN, x)
-    }
-
     pub fn negate(&mut self, x: usize) -> u8 {
         self.unary(NEG, x)
     }
 
-    fn unary(&mut self, opcodes: [Opcode; 2], x: usize) -> u8 {
+    pub fn unary(&mut self, opcodes: [Opcode; 2], x: usize) -> u8 {
         let source = self.storage.in_register(x);
         let target = self.target();
         self.vector(opcodes, target, [source, 0]);

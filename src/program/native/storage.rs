@@ -13,18 +13,8 @@ use smallvec::SmallVec;
 
 /// A number that is never read (again).
 const NEVER: u32 = u32::MAX;
-/// Constants in front of the listing's own.
-const OWN_CONSTANTS: usize = 2;
-
-/// Constants that the code needs itself.
-#[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy)]
-pub enum OwnConstant {
-    /// -0.0: the sign bit and nothing else.
-    Sign,
-    /// 1.
-    One,
-}
+/// Constants of the code itself, in front of the listing's: the sign bit, and 1. Logical instructions of one lane read the next number, too.
+const OWN_CONSTANTS: [f64; 2] = [-0.0, 1.0];
 
 #[derive(Clone, Copy)]
 struct Number {
@@ -66,7 +56,7 @@ impl Storage {
         // short displacements reach to both sides: the base points into the array, not to its start
         let reach = level.reach(lanes);
         let middle = |count: usize| (count * 8 * lanes / 2).min(reach).next_multiple_of(64);
-        let biases = [middle(inputs), middle(listing.outputs.len()), reach, middle(constants + OWN_CONSTANTS)];
+        let biases = [middle(inputs), middle(listing.outputs.len()), reach, middle(constants + OWN_CONSTANTS.len())];
         let mut storage = Storage {
             encoder: Encoder::new(level, 12 * listing.instructions + 256),
             lanes,
@@ -84,10 +74,10 @@ impl Storage {
             dying_slots: Vec::new(),
             biases: biases.map(|bias| bias as i32),
         };
-        let mut next_constant = 0..;
+        let mut next_constant = OWN_CONSTANTS.len()..;
         for operation in &listing.operations {
             let memory = match *operation {
-                Operation::Constant(_) => next_constant.next().map(|place| storage.constant(place)),
+                Operation::Constant(_) => next_constant.next().map(|place| storage.address(Base::Constants, place)),
                 Operation::Input(input) => Some(storage.address(Base::Inputs, input as usize)),
                 _ => None,
             };
@@ -103,13 +93,10 @@ impl Storage {
         storage
     }
 
-    /// Constants of the code itself and of the listing, for all lanes.
+    /// All constants, for all lanes.
     pub fn constants(lanes: usize, listing: &Listing) -> Vec<f64> {
-        // logical instructions of one lane read two numbers
-        let mut all = vec![-0.0; lanes.max(2)];
-        all.extend(vec![1.0; lanes.max(2)]);
-        all.extend(listing.constants().flat_map(|constant| std::iter::repeat_n(constant, lanes)));
-        all
+        let all = OWN_CONSTANTS.into_iter().chain(listing.constants());
+        all.flat_map(|constant| std::iter::repeat_n(constant, lanes)).collect()
     }
 
     /// Bytes by which the bases of inputs, outputs, scratch and constants lie behind their start.
@@ -279,18 +266,6 @@ impl Storage {
             Base::Constants => self.biases[3],
         };
         Address { base, displacement: place as i32 * self.bytes() - bias }
-    }
-
-    /// Place of a constant of the code itself.
-    #[cfg(target_arch = "x86_64")]
-    pub fn own_constant(&self, constant: OwnConstant) -> Address {
-        let displacement = constant as i32 * self.bytes().max(16) - self.biases[3];
-        Address { base: Base::Constants, displacement }
-    }
-
-    fn constant(&self, place: usize) -> Address {
-        let Address { base, displacement } = self.address(Base::Constants, place);
-        Address { base, displacement: displacement + OWN_CONSTANTS as i32 * self.bytes().max(16) }
     }
 
     /// Bytes of a number in all lanes.
