@@ -11,13 +11,9 @@ pub struct Node(pub u32);
 /// Functions of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Binary {
-    /// x + y.
     Add,
-    /// x - y.
     Sub,
-    /// x y.
     Mul,
-    /// x / y.
     Div,
     /// Angle of the point with the coordinates (y, x): `x.atan2(y)` of Rust's notation.
     Atan2,

@@ -5,7 +5,7 @@
 //! powers and angles, whose derivatives at zero are not numbers there.
 
 use super::{Curve, Scalar, Unary, jet};
-use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, DualNum, DualSVec64, HyperDual64};
+use num_dual::{Derivative, Dual2_64, Dual64, DualNum, DualSVec64, HyperDual64};
 use std::sync::Arc;
 
 /// Derivatives that are carried together in a tangent run.
@@ -18,8 +18,6 @@ pub type Tangents = DualSVec64<TANGENTS>;
 trait FirstOrder: Sized {
     /// f(x) with the derivatives f' dx; zero ones stay zero where f' is infinite.
     fn chain(self, jet: [f64; 2]) -> Self;
-    /// The derivative along eight directions, or one.
-    fn combined(re: f64, parts: [(f64, Self); 2]) -> Self;
 }
 
 /// f' dx, zero where dx is.
@@ -33,23 +31,12 @@ impl FirstOrder for Dual64 {
     fn chain(self, [f, slope]: [f64; 2]) -> Self {
         Dual64::new(f, along(slope, self.eps))
     }
-    fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
-        Dual64::new(re, along(a, x.eps) + along(b, y.eps))
-    }
 }
 
 impl<const N: usize> FirstOrder for DualSVec64<N> {
     #[inline]
     fn chain(self, [f, slope]: [f64; 2]) -> Self {
         DualSVec64::new(f, Derivative::new(self.eps.0.map(|eps| eps.map(|dx| along(slope, dx)))))
-    }
-    fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
-        let [x, y] = [(a, x), (b, y)].map(|(slope, x)| x.eps.0.map(|eps| eps.map(|dx| along(slope, dx))));
-        let sum = match (x, y) {
-            (Some(x), Some(y)) => Some(x + y),
-            (one, other) => one.or(other),
-        };
-        DualSVec64::new(re, Derivative::new(sum))
     }
 }
 
@@ -105,7 +92,7 @@ macro_rules! first_order {
                 let norm = self.re.hypot(other.re);
                 // divided twice by the norm: its square may overflow where the angle does not
                 let slopes = [other.re / norm / norm, -(self.re / norm / norm)];
-                Self::combined(self.re.atan2(other.re), [(slopes[0], self), (slopes[1], other)])
+                self.chain([self.re.atan2(other.re), slopes[0]]) + other.chain([-0.0, slopes[1]])
             }
             fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
                 self.chain([order, order + 1].map(|order| curve.value(order, self.re)))
@@ -116,7 +103,7 @@ macro_rules! first_order {
 first_order!([] Dual64, x => x.eps == 0.0);
 first_order!([const N: usize] DualSVec64<N>, x => x.eps.0.is_none_or(|eps| eps.iter().all(|&dx| dx == 0.0)));
 
-/// Types that carry derivatives of higher order.
+/// Types that carry second derivatives.
 macro_rules! higher_order {
     ($($type:ty, $x:ident => $constant:expr, $chain:expr);*) => {$(
         impl Scalar for $type {
@@ -130,7 +117,7 @@ macro_rules! higher_order {
                     Unary::Neg => -self,
                     Unary::Sqrt => {
                         let derivatives = jet::derivatives_of_power(self.re, 0.5);
-                        $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
+                        $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2]])
                     }
                     Unary::Exp => DualNum::exp(&self),
                     Unary::Ln => DualNum::ln(&self),
@@ -169,21 +156,16 @@ macro_rules! higher_order {
                 turned
             }
             fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
-                $chain(self, [0, 1, 2, 3].map(|more| curve.value(order + more, self.re)))
+                $chain(self, [0, 1, 2].map(|more| curve.value(order + more, self.re)))
             }
         }
     )*};
 }
 higher_order!(
     Dual2_64, x => x.v1 == 0.0 && x.v2 == 0.0,
-    |x: Dual2_64, [f, f1, f2, _]: [f64; 4]| Dual2_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2));
-    Dual3_64, x => x.v1 == 0.0 && x.v2 == 0.0 && x.v3 == 0.0,
-    |x: Dual3_64, [f, f1, f2, f3]: [f64; 4]| {
-        let third = along(f3, x.v1 * x.v1 * x.v1) + along(f2, 3.0 * x.v1 * x.v2) + along(f1, x.v3);
-        Dual3_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2), third)
-    };
+    |x: Dual2_64, [f, f1, f2]: [f64; 3]| Dual2_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2));
     HyperDual64, x => x.eps1 == 0.0 && x.eps2 == 0.0 && x.eps1eps2 == 0.0,
-    |x: HyperDual64, [f, f1, f2, _]: [f64; 4]| {
+    |x: HyperDual64, [f, f1, f2]: [f64; 3]| {
         let mixed = along(f2, x.eps1 * x.eps2) + along(f1, x.eps1eps2);
         HyperDual64::new(f, along(f1, x.eps1), along(f1, x.eps2), mixed)
     }

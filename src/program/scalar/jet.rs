@@ -5,31 +5,18 @@ use super::Scalar;
 /// Functions of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Unary {
-    /// -x.
     Neg,
-    /// Square root.
     Sqrt,
-    /// Exponential.
     Exp,
-    /// Natural logarithm.
     Ln,
-    /// Sine.
     Sin,
-    /// Cosine.
     Cos,
-    /// Tangent.
     Tan,
-    /// Arc sine.
     Asin,
-    /// Arc cosine.
     Acos,
-    /// Arc tangent.
     Atan,
-    /// Hyperbolic sine.
     Sinh,
-    /// Hyperbolic cosine.
     Cosh,
-    /// Hyperbolic tangent.
     Tanh,
     /// The largest integer that is not above x.
     Floor,
@@ -93,10 +80,10 @@ pub(super) fn powf<S: Scalar>(x: S, exponent: f64) -> [S; 2] {
     [x.powf(exponent), slope]
 }
 
-/// x^k and its first three derivatives; those that the exponent makes zero are zero, whatever x.
-pub(super) fn derivatives_of_power(x: f64, exponent: f64) -> [f64; 4] {
+/// x^k and its first two derivatives; those that the exponent makes zero are zero, whatever x.
+pub(super) fn derivatives_of_power(x: f64, exponent: f64) -> [f64; 3] {
     let mut factor = 1.0;
-    [0.0, 1.0, 2.0, 3.0].map(|order| {
+    [0.0, 1.0, 2.0].map(|order| {
         let derivative = if factor == 0.0 { 0.0 } else { factor * x.powf(exponent - order) };
         factor *= exponent - order;
         derivative

@@ -7,7 +7,7 @@
 //! | `f64` | value | simulation |
 //! | [`Complex64`] | value and one complex perturbation | complex-step verification |
 //! | [`Tangents`], num-dual's `DualSVec64` | value and eight first derivatives | tangent runs |
-//! | num-dual's `Dual64`, `Dual2_64`, `Dual3_64`, `HyperDual64` | derivatives of first to third order | an independent check of what is derived from recordings |
+//! | num-dual's `Dual64`, `Dual2_64`, `HyperDual64` | derivatives of first and second order | an independent check of what is derived from recordings |
 //! | `Moving` over any of them | value and rate along a motion | node maps of flexible elements |
 //! | `Recorded` | a place in a recording | everything else |
 //!
