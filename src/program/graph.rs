@@ -34,7 +34,6 @@ impl Graph {
         &self.operations
     }
 
-    /// The operation of a node.
     pub fn operation(&self, node: Node) -> Operation {
         self.operations[node.0 as usize]
     }
@@ -69,7 +68,6 @@ impl Graph {
         self.constant_of(node) == Some(0.0)
     }
 
-    /// An argument.
     pub fn input(&mut self, index: usize) -> Node {
         self.push(Operation::Input(index as u32))
     }
@@ -79,7 +77,6 @@ impl Graph {
         self.push(Operation::Constant((value + 0.0).to_bits()))
     }
 
-    /// 0.
     pub fn zero(&mut self) -> Node {
         self.constant(0.0)
     }
@@ -96,23 +93,18 @@ impl Graph {
         }
     }
 
-    /// -x.
     pub fn neg(&mut self, x: Node) -> Node {
         self.unary(Unary::Neg, x)
     }
-    /// x + y.
     pub fn add(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Add, x, y)
     }
-    /// x - y.
     pub fn sub(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Sub, x, y)
     }
-    /// x y.
     pub fn mul(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Mul, x, y)
     }
-    /// x / y.
     pub fn div(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Div, x, y)
     }
@@ -145,55 +137,35 @@ impl Graph {
         if let [Some(a), Some(b)] = known {
             return self.constant(function.apply(a, b));
         }
-        let folded = match function {
-            Binary::Add => self.folded_sum([x, y], known),
-            Binary::Sub => self.folded_difference([x, y], known),
-            Binary::Mul => self.folded_product([x, y], known),
-            Binary::Div => self.folded_quotient(x, known),
-            Binary::Vanishing => match known {
-                [Some(0.0), _] => Some(x),
-                [_, Some(_)] | [Some(_), _] => Some(self.mul(x, y)),
-                _ => None,
-            },
-            Binary::Less => (x == y).then(|| self.zero()),
-            Binary::Atan2 => None,
+        let negated = [x, y].map(|node| self.negated(node));
+        let folded = match (function, known, negated) {
+            (Binary::Add, [Some(0.0), _], _) => Some(y),
+            (Binary::Add, [_, Some(0.0)], _) => Some(x),
+            (Binary::Add, _, [_, Some(inner)]) => Some(self.sub(x, inner)),
+            (Binary::Add, _, [Some(inner), _]) => Some(self.sub(y, inner)),
+            (Binary::Sub, [_, Some(0.0)], _) => Some(x),
+            (Binary::Sub, [Some(0.0), _], _) => Some(self.neg(y)),
+            (Binary::Sub | Binary::Less, ..) if x == y => Some(self.zero()),
+            (Binary::Sub, _, [_, Some(inner)]) => Some(self.add(x, inner)),
+            (Binary::Sub, _, [Some(inner), _]) => {
+                let sum = self.add(inner, y);
+                Some(self.neg(sum))
+            }
+            (Binary::Mul, ..) => self.folded_product([x, y], known),
+            (Binary::Div, [Some(0.0), _] | [_, Some(1.0)], _) => Some(x),
+            (Binary::Div, [_, Some(-1.0)], _) => Some(self.neg(x)),
+            // exact
+            (Binary::Div, [_, Some(c)], _) if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => {
+                Some(self.scaled(x, 1.0 / c))
+            }
+            (Binary::Vanishing, [Some(0.0), _], _) => Some(x),
+            (Binary::Vanishing, [_, Some(_)] | [Some(_), _], _) => Some(self.mul(x, y)),
+            _ => None,
         };
         folded.unwrap_or_else(|| match function {
             Binary::Add | Binary::Mul => self.push(Operation::Binary(function, x.min(y), x.max(y))),
             _ => self.push(Operation::Binary(function, x, y)),
         })
-    }
-
-    /// x + y where it is simpler than a sum.
-    fn folded_sum(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
-        match known {
-            [Some(0.0), _] => return Some(y),
-            [_, Some(0.0)] => return Some(x),
-            _ => {}
-        }
-        match (self.negated(x), self.negated(y)) {
-            (_, Some(inner)) => Some(self.sub(x, inner)),
-            (Some(inner), _) => Some(self.sub(y, inner)),
-            _ => None,
-        }
-    }
-
-    /// x - y where it is simpler than a difference.
-    fn folded_difference(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
-        match known {
-            [_, Some(0.0)] => return Some(x),
-            [Some(0.0), _] => return Some(self.neg(y)),
-            _ if x == y => return Some(self.zero()),
-            _ => {}
-        }
-        match (self.negated(x), self.negated(y)) {
-            (_, Some(inner)) => Some(self.add(x, inner)),
-            (Some(inner), _) => {
-                let sum = self.add(inner, y);
-                Some(self.neg(sum))
-            }
-            _ => None,
-        }
     }
 
     /// x y where it is simpler than a product.
@@ -225,17 +197,6 @@ impl Graph {
                 let product = self.mul(inner, other);
                 Some(self.neg(product))
             }
-        }
-    }
-
-    /// x / y where it is simpler than a quotient.
-    fn folded_quotient(&mut self, x: Node, known: [Option<f64>; 2]) -> Option<Node> {
-        match known {
-            [Some(0.0), _] | [_, Some(1.0)] => Some(x),
-            [_, Some(-1.0)] => Some(self.neg(x)),
-            // exact
-            [_, Some(c)] if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => Some(self.scaled(x, 1.0 / c)),
-            _ => None,
         }
     }
 
