@@ -10,7 +10,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
 
 thread_local! {
     static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
@@ -66,34 +66,25 @@ impl Stages<Recorded> {
 /// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one. Reading writes
 /// nothing, so that threads do not wait for each other.
 #[derive(Debug, Default)]
-pub struct ProgramCache {
-    known: [OnceLock<(u32, Arc<Program>)>; USUAL],
-    more: OnceLock<Box<ProgramCache>>,
-}
-
-/// Usual number of programs of a batch.
-const USUAL: usize = 12;
+pub struct ProgramCache(OnceLock<Box<(u32, Arc<Program>, ProgramCache)>>);
 
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
     pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> &Arc<Program> {
-        self.find(code).unwrap_or_else(|| self.keep(code, make()))
-    }
-
-    fn find(&self, code: u32) -> Option<&Arc<Program>> {
-        let known = self.known.iter().map_while(OnceLock::get).find(|(own, _)| *own == code);
-        known.map(|(_, program)| program).or_else(|| self.more.get()?.find(code))
+        let mut end = self;
+        while let Some((own, program, others)) = end.0.get().map(|own| &**own) {
+            if *own == code {
+                return program;
+            }
+            end = others;
+        }
+        end.keep(code, make())
     }
 
     /// Keeps a program, unless another thread has made it, too, and been first.
     fn keep(&self, code: u32, program: Arc<Program>) -> &Arc<Program> {
-        for place in &self.known {
-            let (own, kept) = place.get_or_init(|| (code, Arc::clone(&program)));
-            if *own == code {
-                return kept;
-            }
-        }
-        self.more.get_or_init(Box::default).keep(code, program)
+        let (own, kept, others) = &**self.0.get_or_init(|| Box::new((code, Arc::clone(&program), Self::default())));
+        if *own == code { kept } else { others.keep(code, program) }
     }
 }
 
@@ -126,10 +117,7 @@ impl Formulas {
     }
 }
 
-fn formulas() -> &'static Mutex<Formulas> {
-    static FORMULAS: OnceLock<Mutex<Formulas>> = OnceLock::new();
-    FORMULAS.get_or_init(Mutex::default)
-}
+static FORMULAS: LazyLock<Mutex<Formulas>> = LazyLock::new(Mutex::default);
 
 /// Results of a formula, and the stages in which they are made.
 type Results = (Vec<Recorded>, Option<Stages<Recorded>>);
@@ -137,15 +125,6 @@ type Results = (Vec<Recorded>, Option<Stages<Recorded>>);
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // what a panic left behind is a recording of whole operations all the same
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Adds what is undefined with x to one of some results, one that is no constant where there is one.
-pub(super) fn add_nought(graph: &mut Graph, x: Node, results: &mut [Node]) {
-    let moving = results.iter().position(|node| graph.constant_of(*node).is_none());
-    if let Some(result) = results.get_mut(moving.unwrap_or(0)) {
-        let nought = graph.nought(x);
-        *result = graph.add(*result, nought);
-    }
 }
 
 impl Formula {
@@ -157,8 +136,7 @@ impl Formula {
         arguments: impl Into<Arguments>,
         formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>,
     ) -> Result<Arc<Formula>, String> {
-        let mut formula = Some(formula);
-        Self::recorded(arguments.into(), &mut |x| (formula.take().map_or_else(Vec::new, |own| own(x)), None))
+        Self::record_in_stages(arguments, |x| (formula(x), None))
     }
 
     /// As [`Formula::record`], with the stages in which the results are made.
@@ -184,15 +162,6 @@ impl Formula {
             let words = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
             format!("its formula panics: {}", words.unwrap_or("without a word"))
         })?;
-        Self::of_recording(arguments, results, stages, recording)
-    }
-
-    fn of_recording(
-        arguments: Arguments,
-        results: Vec<Recorded>,
-        stages: Option<Stages<Recorded>>,
-        recording: Recording,
-    ) -> Result<Arc<Formula>, String> {
         let Recording { mut graph, looked, undefined, .. } = recording;
         if looked {
             return Err(
@@ -203,17 +172,14 @@ impl Formula {
         }
         let mut outputs: Vec<Node> = results.into_iter().map(|result| result.node(&mut graph)).collect();
         let mut stages = stages.map(|stages| stages.nodes(&mut graph));
-        for x in undefined.unseen(&graph, &outputs) {
-            for list in [Some(&mut outputs), stages.as_mut().map(|stages| &mut stages.forces)].into_iter().flatten() {
-                add_nought(&mut graph, x, list);
-            }
-        }
+        let forces = stages.as_mut().map_or(&mut [] as &mut [Node], |stages| &mut stages.forces);
+        undefined.show(&mut graph, &mut outputs, forces);
         Ok(Self::shared(arguments, outputs, stages, graph))
     }
 
     fn shared(arguments: Arguments, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
         let digest = Digest::of(&(&arguments, &outputs, &stages, &graph));
-        let mut all = lock(formulas());
+        let mut all = lock(&FORMULAS);
         if let Some(formula) = all.known.get(&digest).and_then(|own| own.formula.upgrade()) {
             return formula;
         }
@@ -368,16 +334,16 @@ mod tests {
         let record = |k: usize| Formula::record(1, |x| vec![x[0] * (k as f64 + 0.5)]).expect("does not branch");
         let used = record(0);
         (1..5 * KEPT).for_each(|k| drop(record(k)));
-        let count = lock(formulas()).known.len();
+        let count = lock(&FORMULAS).known.len();
         assert!(count < 3 * KEPT, "{count} formulas are kept");
         assert!(Arc::ptr_eq(&used, &record(0)), "one that is used was forgotten");
     }
 
     #[test]
-    fn programs_are_made_once_and_found_again_beyond_the_usual_number() {
+    fn programs_are_made_once_and_found_again() {
         let cache = ProgramCache::default();
         let record = |k: u32| Formula::record(1, |x| vec![x[0] * (f64::from(k) + 0.25)]).expect("does not branch");
-        let codes = 0..3 * USUAL as u32;
+        let codes = 0..30;
         let all: Vec<_> = codes.clone().map(|code| record(code).values().clone()).collect();
         for (code, program) in codes.clone().zip(&all) {
             assert!(Arc::ptr_eq(cache.get(code, || program.clone()), program));

@@ -147,7 +147,12 @@ impl<'g> Conditions<'g> {
                 Operation::Unary(Unary::Tan, x) if counts(x) => {
                     own.add(Side::HalfTurn { of_cosine: true }, &[x]);
                 }
-                Operation::Unary(Unary::Asin | Unary::Acos, x) if counts(x) => own.add_turns(x),
+                // asin(sin u) and acos(cos u) bend where the inner slope vanishes
+                Operation::Unary(Unary::Asin | Unary::Acos, x) if counts(x) => match graph.operation(x) {
+                    Operation::Unary(Unary::Sin, u) => own.add(Side::HalfTurn { of_cosine: true }, &[u]),
+                    Operation::Unary(Unary::Cos, u) => own.add(Side::HalfTurn { of_cosine: false }, &[u]),
+                    _ => {}
+                },
                 Operation::Binary(Binary::Atan2, y, x) if counts(Node(place as u32)) => own.add(Side::Angle, &[y, x]),
                 Operation::Curve { curve, at, .. } if counts(at) => {
                     let curve = &graph.curves()[curve as usize];
@@ -181,13 +186,6 @@ impl<'g> Conditions<'g> {
             self.sides.push(side);
             self.nodes.extend(numbers);
         }
-    }
-
-    /// Adds the turning points of an arc sine or cosine of a sine or cosine.
-    fn add_turns(&mut self, of: Node) {
-        let Operation::Unary(inner @ (Unary::Sin | Unary::Cos), x) = self.graph.operation(of) else { return };
-        // asin(sin u) and acos(cos u) bend where the inner slope vanishes
-        self.add(Side::HalfTurn { of_cosine: inner == Unary::Sin }, &[x]);
     }
 
     /// Adds the factors of a product that may pass through zero.

@@ -23,8 +23,22 @@ impl Undefined {
         self.folded[place] = true;
     }
 
+    /// Adds what is undefined with an x, where no result would be, to one of the results, and to one of `more`: one that is no constant
+    /// where there is one.
+    pub fn show(self, graph: &mut Graph, results: &mut [Node], more: &mut [Node]) {
+        for x in self.unseen(graph, results) {
+            for list in [&mut *results, &mut *more] {
+                let moving = list.iter().position(|node| graph.constant_of(*node).is_none());
+                if let Some(result) = list.get_mut(moving.unwrap_or(0)) {
+                    let nought = graph.nought(x);
+                    *result = graph.add(*result, nought);
+                }
+            }
+        }
+    }
+
     /// The operations that may make an x undefined, where no result would be.
-    pub fn unseen(self, graph: &Graph, results: &[Node]) -> Vec<Node> {
+    fn unseen(self, graph: &Graph, results: &[Node]) -> Vec<Node> {
         let operations = graph.operations();
         // what a choice may leave aside is undefined there with good reason
         let aside = graph.perhaps_left_aside(&vec![true; operations.len()]);
