@@ -76,7 +76,7 @@ fn products_of_a_second_functional_share_what_depends_on_the_state() {
         let prepared = prepared(scene, 0.1, 10);
         let system = prepared.method.system(prepared.model(), &prepared.plan.dropped);
         let equations = Equations::stage(StageCoefficients::new(1.0, 0.01, 1e-4), Level::Acceleration);
-        let count = |program: &Program| program.listing().instructions.len();
+        let count = |program: &Program| program.instructions();
         let pairs = system.part_programs(&equations).into_iter().map(|own| own.products.map(|own| count(&own)));
         let shares: Vec<(usize, f64)> = pairs.map(|[one, two]| (one, two as f64 / one as f64)).collect();
         println!("{name}: instructions for one functional, and for two by these: {shares:.2?}");

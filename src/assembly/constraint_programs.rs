@@ -9,7 +9,7 @@ use super::lanes::Lanes;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, VectorsAvq};
 use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives};
-use crate::program::{Graph, Node, Program, ProgramKind};
+use crate::program::{Graph, Node, Program};
 use std::sync::Arc;
 
 /// Which of a constraint's equations is asked for.
@@ -196,7 +196,7 @@ impl Parts {
 pub(super) fn values(physics: &ConstraintPhysics, asked: Asked) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
     let extra = layout.extra() - layout.own();
-    physics.formula().dense_program((ProgramKind::Equations, asked.code().collect()), extra, |graph, inputs, outputs| {
+    physics.formula().dense_program(("equations", asked.code().collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
         [reactions, equations].concat()
     })
@@ -211,7 +211,7 @@ pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeRed
     let own = Columns::count(nodes);
     let size = own + layout.equations;
     let extra = layout.extra() - layout.own() + 3 + Columns::numbers(nodes);
-    physics.formula().sparse_program((ProgramKind::ConstraintMatrix, code.collect()), extra, |graph, inputs, outputs| {
+    physics.formula().sparse_program(("constraint matrix", code.collect()), extra, |graph, inputs, outputs| {
         let rates = &inputs[layout.extra()..];
         let columns_of = Columns::new(graph, nodes, &rates[3..]);
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
@@ -244,7 +244,7 @@ pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
     let code = asked.code().chain(parameters.iter().map(|&asked| u32::from(asked))).chain([count as u32]);
     let extra = layout.extra() - layout.own() + count * weights(layout, asked);
-    physics.formula().sparse_program((ProgramKind::ConstraintProducts, code.collect()), extra, |graph, inputs, outputs| {
+    physics.formula().sparse_program(("constraint products", code.collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
         let all = [reactions, equations].concat();
         let places = || {

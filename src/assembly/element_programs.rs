@@ -5,7 +5,7 @@ use super::lanes::Lanes;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
-use crate::program::{Formula, Graph, LinearForm, Node, Program, ProgramKind, Stages};
+use crate::program::{Formula, Graph, LinearForm, Node, Program, Stages};
 use std::sync::Arc;
 
 /// What an element adds to F.
@@ -118,7 +118,7 @@ pub(super) fn matrix(formula: &Formula, layout: ElementLayout, nodes: &[NodeRedu
     let code = nodes.iter().map(|node| node.code()).chain(moves.map(u32::from));
     let columns = Columns::count(nodes);
     let extra = 3 + Columns::numbers(nodes);
-    formula.sparse_program((ProgramKind::Matrix, code.collect()), extra, |graph, inputs, outputs| {
+    formula.sparse_program(("matrix", code.collect()), extra, |graph, inputs, outputs| {
         let rates = &inputs[layout.extra()..];
         let columns_of = Columns::new(graph, nodes, &rates[3..]);
         let zero = graph.zero();
@@ -218,7 +218,7 @@ fn in_stages(
 fn along_coordinates(
     graph: &mut Graph,
     outputs: &[Node],
-    forms: &[LinearForm<3>],
+    forms: &[LinearForm],
     (n, rates, moves): (usize, &[Node], [bool; 3]),
 ) -> Vec<Vec<Node>> {
     let zero = graph.zero();
@@ -247,7 +247,7 @@ fn along_coordinates(
 /// of the formula before the time, and so many further for the next lambda. Behind the arguments: each lambda.
 pub(super) fn products(formula: &Formula, layout: ElementLayout, asked: &[bool], count: usize) -> Arc<Program> {
     let code = asked.iter().map(|&asked| u32::from(asked)).chain([count as u32]).collect();
-    formula.sparse_program((ProgramKind::Products, code), count * layout.n, |graph, inputs, outputs| {
+    formula.sparse_program(("products", code), count * layout.n, |graph, inputs, outputs| {
         let places = || (0..layout.p()).chain((layout.p()..layout.t()).filter(|place| asked[place - layout.p()]));
         let all = inputs[layout.extra()..].chunks_exact(layout.n.max(1)).take(count);
         all.flat_map(|lambda| gradient(graph, (outputs, lambda), inputs, (places(), layout.t()))).collect()

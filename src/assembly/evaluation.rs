@@ -137,7 +137,7 @@ pub(crate) fn run_lanes<S: RunScalar>(
     write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
     read: impl FnMut(LaneResults<S>) + Send,
 ) {
-    let instructions = program.listing().instructions.len();
+    let instructions = program.instructions();
     let is_long = count * instructions >= SHARED[0] && instructions >= SHARED[1] * program.outputs();
     if work.parallelism == Parallelism::Ranks && is_long && S::PARTS == 0 && world().ranks() > 1 {
         run_on_ranks(world(), program, count, work, write, read);
@@ -230,7 +230,7 @@ fn run_parts<S: RunScalar>(
         next.map(|(group, first)| group.first = first).count()
     };
     let alone = work.parallelism == Parallelism::Thread || rayon::current_num_threads() == 1 || count < 2 * lanes;
-    if alone || count * program.listing().instructions.len() < PARALLEL {
+    if alone || count * program.instructions() < PARALLEL {
         let (groups, workspaces) = work.first(together, together);
         loop {
             let ready = set_firsts(groups);

@@ -7,7 +7,7 @@
 use super::constraint_programs::{Asked, ConstraintLayout, Parts};
 use super::reduction::{Columns, NodeReduction};
 use crate::elements::ConstraintPhysics;
-use crate::program::{Codes, Graph, Node, Program, ProgramKey, ProgramKind, Recorded, continued};
+use crate::program::{Codes, Graph, Node, Program, ProgramKey, Recorded, continued};
 use crate::scalar::Scalar;
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ fn program(
 /// What brings unknowns back onto the equations: what counts as round-off of G, G, then the correction -C^T (C C^T)^-1 G of x. Behind the
 /// arguments, at the base: gamma, beta, alpha, x.
 pub(super) fn correction(physics: &ConstraintPhysics, layout: ConstraintLayout, asked: Asked) -> Arc<Program> {
-    let (n, key) = (layout.n, (ProgramKind::NodeCorrection, asked.code().collect()));
+    let (n, key) = (layout.n, ("node correction", asked.code().collect()));
     program(physics, layout, key, 3 + n, |graph, inputs, outputs| {
         let equations = Parts::new(graph, (inputs, outputs), layout, (asked, false)).equations;
         let motion = motion(inputs, layout);
@@ -56,7 +56,7 @@ pub(super) fn correction(physics: &ConstraintPhysics, layout: ConstraintLayout, 
 
 /// The reaction A^T mu that leaves a force no part along reactions, A (f + A^T mu) = 0, and mu. In place of the acceleration: f.
 pub(super) fn elimination(physics: &ConstraintPhysics, layout: ConstraintLayout) -> Arc<Program> {
-    let (n, key) = (layout.n, (ProgramKind::NodeElimination, Codes::new()));
+    let (n, key) = (layout.n, ("node elimination", Codes::new()));
     program(physics, layout, key, 0, |graph, inputs, outputs| {
         let (q, f, one) = (&inputs[n..2 * n], &inputs[layout.a()..layout.mu()], graph.constant(1.0));
         let rows: Vec<_> = outputs.iter().map(|&output| graph.reverse(&[output], &[one], q)).collect();
@@ -74,7 +74,7 @@ pub(super) fn matrix(physics: &ConstraintPhysics, nodes: &[NodeReduction]) -> Ar
     let layout = ConstraintLayout::of(physics);
     let code = nodes.iter().map(|node| node.code());
     let extra = layout.extra() - layout.a() + 1 + Columns::numbers(nodes);
-    physics.formula().sparse_program((ProgramKind::NodeMatrix, code.collect()), extra, |graph, inputs, outputs| {
+    physics.formula().sparse_program(("node matrix", code.collect()), extra, |graph, inputs, outputs| {
         let (alpha, numbers) = (inputs[layout.extra()], &inputs[layout.extra() + 1..]);
         let columns_of = Columns::new(graph, nodes, numbers);
         let q = &inputs[layout.n..2 * layout.n];
@@ -103,7 +103,7 @@ pub(super) fn products(
     parts_reactions: bool,
 ) -> Arc<Program> {
     let n = layout.n;
-    let key = (ProgramKind::NodeProducts, asked.code().chain([u32::from(parts_reactions)]).collect());
+    let key = ("node products", asked.code().chain([u32::from(parts_reactions)]).collect());
     program(physics, layout, key, 6 + 8 * n, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, false));
         let (rates, lists) = inputs[layout.extra()..].split_at(6);

@@ -19,7 +19,7 @@
 use super::dyn_layer::{AnyElement, ElementPhysics, Recording, StressFormulas};
 use super::{NodeKind, Parameter};
 use crate::program::ArgumentKind::{Coordinate, Parameter as OfPart};
-use crate::program::{Codes, Formula, ProgramKind, ProgramWork, Recorded, continued};
+use crate::program::{Codes, Formula, ProgramWork, Recorded, continued};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::any::Any;
 use std::sync::Arc;
@@ -50,9 +50,8 @@ pub(crate) fn turn_gradient(kind: NodeKind, q: &[f64], spin: &[f64], lambda: &[f
     });
     let formula = recorded.unwrap_or_else(|why| unreachable!("a turn does not branch: {why}"));
     let count = n + spin.len();
-    let program = formula.dense_program((ProgramKind::Reaction, Codes::new()), n, |graph, x, outputs| {
-        graph.reverse(outputs, &x[count..], &x[..count])
-    });
+    let program = formula
+        .dense_program(("reaction", Codes::new()), n, |graph, x, outputs| graph.reverse(outputs, &x[count..], &x[..count]));
     let mut gradient = vec![0.0; count];
     program.run(&[q, spin, lambda].concat(), &mut gradient, &mut ProgramWork::default());
     gradient

@@ -10,7 +10,7 @@ use crate::program::ArgumentKind::{
     Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
 };
 use crate::program::{
-    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, continued, gradient_of,
+    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramWork, Recorded, continued, gradient_of,
 };
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
 use nalgebra::{DMatrix, DVector};
@@ -505,7 +505,7 @@ impl ElementPhysics {
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
         let place = 3 * self.0.dofs + self.0.parameters;
-        let program = self.residual().dense_program((ProgramKind::TimeRate, Codes::new()), 0, |graph, x, outputs| {
+        let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])
         });
@@ -726,7 +726,7 @@ impl ConstraintPhysics {
     /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.
     pub fn motion<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<[S; 3]> {
         let (n, m) = (self.0.dofs, self.0.parameters);
-        let program = self.formula().dense_program((ProgramKind::Motion, Codes::new()), n, |graph, x, outputs| {
+        let program = self.formula().dense_program(("motion", Codes::new()), n, |graph, x, outputs| {
             let (v, q, t, a) = (&x[..n], &x[n..2 * n], x[2 * n + m], &x[2 * n + m + 1..]);
             motion_derivatives(graph, outputs, [a, v, q], t).into_iter().flatten().collect()
         });
@@ -768,13 +768,12 @@ impl ConstraintPhysics {
     pub fn time_rates(&self, q: &[f64], mu: &[f64], p: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (self.0.dofs, self.0.parameters);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        let program =
-            self.formula().dense_program((ProgramKind::TimeRates, Codes::new()), self.0.equations, |graph, x, outputs| {
-                let one = graph.constant(1.0);
-                let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
-                let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
-                graph.forward(&all, &[(x[2 * n + m], one)])
-            });
+        let program = self.formula().dense_program(("time rates", Codes::new()), self.0.equations, |graph, x, outputs| {
+            let one = graph.constant(1.0);
+            let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
+            let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
+            graph.forward(&all, &[(x[2 * n + m], one)])
+        });
         let zeros = vec![0.0; n];
         let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
         let mut outputs = vec![0.0; n + self.0.equations];
@@ -802,7 +801,7 @@ impl ConstraintPhysics {
     fn reaction_program(&self) -> Arc<Program> {
         let (n, first) = (self.0.dofs, 2 * self.0.dofs + self.0.parameters + 1);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        self.formula().dense_program((ProgramKind::Reaction, Codes::new()), self.0.equations, |graph, x, outputs| {
+        self.formula().dense_program(("reaction", Codes::new()), self.0.equations, |graph, x, outputs| {
             graph.reverse(outputs, &x[first..], &x[towards..towards + n])
         })
     }
@@ -815,7 +814,7 @@ impl ConstraintPhysics {
     /// [`Self::rows`] in a workspace.
     pub fn rows_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
         let (n, towards) = (self.0.dofs, if self.is_nonholonomic() { 0 } else { self.0.dofs });
-        let program = self.formula().dense_program((ProgramKind::Rows, Codes::new()), 0, |graph, x, outputs| {
+        let program = self.formula().dense_program(("rows", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
         });
@@ -911,7 +910,7 @@ impl ConstraintPhysics {
                 other => 2 + other.dofs() as u32,
             })
             .collect();
-        let program = self.formula().dense_program((ProgramKind::AlongRows, codes), extra, |graph, x, outputs| {
+        let program = self.formula().dense_program(("along rows", codes), extra, |graph, x, outputs| {
             let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
             let arguments = [&x[n..2 * n], &x[first + count..]].concat();
             let movement = continued(graph, &arguments, |arguments| {

@@ -3,7 +3,7 @@ use super::{AggregateKind, AnyPointQuantity, Over, PointWeights, Sample};
 use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, ModelIdentity, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::integrators::Place;
-use crate::program::{Codes, Digest, Formula, Program, ProgramKind, Recorded, continued};
+use crate::program::{Codes, Digest, Formula, Program, Recorded, continued};
 use crate::scalar::larger;
 use smallvec::SmallVec;
 use std::collections::HashMap;
@@ -482,7 +482,7 @@ impl GroupBatch {
             let GroupFormula { formula, arguments, values, weights } = &self.own;
             let weights = if weighted { &weights[..] } else { &[] };
             let chosen: Codes = values.iter().chain(weights).map(|&result| result as u32).collect();
-            let key = (ProgramKind::PointValues, chosen.clone());
+            let key = ("point values", chosen.clone());
             let program = formula
                 .dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect());
             ValueProgram { arguments: read_arguments(&program, arguments, &self.places), program }
@@ -509,7 +509,7 @@ impl GroupBatch {
         let all_flags = [asked, of_quantity, of_element].into_iter().flat_map(flags);
         let code: Codes = all_flags.chain(aggregate).chain(results).collect();
         let weights = if over.points() == PointWeights::Own { &weights[..] } else { &[] };
-        formula.sparse_program((ProgramKind::PointGradient, code), SUMS + 1, |graph, inputs, outputs| {
+        formula.sparse_program(("point gradient", code), SUMS + 1, |graph, inputs, outputs| {
             let chosen = values.iter().chain(weights).map(|&result| outputs[result]);
             let all: Vec<_> = chosen.chain(inputs[arguments.len()..].iter().copied()).collect();
             let sum = continued(graph, &all, |x| {

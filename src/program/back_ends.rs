@@ -1,10 +1,11 @@
 //! Tests of all ways to execute a listing: each gives the bits of plain evaluation, on random listings.
 
-use super::listing::{Instruction, Listing, Source};
+use super::graph::Graph;
+use super::listing::Listing;
 use super::loop_code::LoopCode;
-use super::native::{NativeCode, Width};
-use super::operation::{Binary, Unary};
-use crate::scalar::{Curve, Interpolant, Scalar};
+use super::native::NativeCode;
+use super::operation::{Binary, Node, Unary};
+use crate::scalar::{Curve, Interpolant};
 
 /// Marsaglia's xorshift generator with a multiplication behind it.
 struct Random(u64);
@@ -56,80 +57,69 @@ const UNARY: [Unary; 14] = [
 const BINARY: [Binary; 7] =
     [Binary::Add, Binary::Sub, Binary::Mul, Binary::Div, Binary::Atan2, Binary::Less, Binary::Vanishing];
 
-/// A listing of any operations; `calls` in a thousand are functions that machine code has to call.
-fn random_listing(random: &mut Random, calls: usize) -> Listing {
+/// A recording with results and a number of arguments.
+#[derive(Debug, Default)]
+struct Recorded {
+    graph: Graph,
+    outputs: Vec<Node>,
+    inputs: usize,
+}
+
+impl Recorded {
+    fn listing(&self) -> Listing {
+        Listing::of(&self.graph, &self.outputs, self.inputs)
+    }
+}
+
+/// A recording of any operations; `calls` in a thousand are functions that machine code has to call.
+fn random_recording(random: &mut Random, calls: usize) -> Recorded {
     let length = random.pick(&[1, 2, 3, 10, 50, 150, 400]);
-    let inputs = random.pick(&[0, 1, 3, 12, 80, 300]);
-    let constants: Vec<f64> = (0..random.pick(&[1, 4, 40])).map(|_| random.number()).collect();
+    let count = random.pick(&[0, 1, 3, 12, 80, 300]);
     // operands near by keep few values alive, any operands many
     let reach = random.pick(&[3, 30, 1000]);
     let curve = |way| Curve::new(&[-0.5, 0.2, 0.9], &[0.3, -1.0, 2.0], way).expect("increasing knots");
-    let curves = [Interpolant::Smooth, Interpolant::Lines].map(curve).to_vec();
-    let mut instructions = Vec::new();
-    let source = |random: &mut Random, made: usize| loop {
+    let curves = [Interpolant::Smooth, Interpolant::Lines].map(curve);
+    let mut graph = Graph::default();
+    let inputs: Vec<Node> = (0..count).map(|index| graph.input(index)).collect();
+    let constants: Vec<Node> = (0..random.pick(&[1, 4, 40])).map(|_| graph.constant(random.number())).collect();
+    let mut made: Vec<Node> = Vec::new();
+    let operand = |random: &mut Random, made: &[Node]| loop {
         match random.below(8) {
-            0 => return Source::Constant(random.below(constants.len()) as u32),
-            1 if inputs > 0 => return Source::Input(random.below(inputs) as u32),
-            2.. if made > 0 => return Source::Value((made - 1 - random.below(made.min(reach))) as u32),
+            0 => return random.pick(&constants),
+            1 if count > 0 => return random.pick(&inputs),
+            2.. if !made.is_empty() => return made[made.len() - 1 - random.below(made.len().min(reach))],
             _ => {}
         }
     };
-    for made in 0..length {
-        let x = source(random, made);
-        let y = if random.below(12) == 0 { x } else { source(random, made) };
-        let z = if random.below(12) == 0 { x } else { source(random, made) };
-        let instruction = if random.below(1000) < calls {
+    for _ in 0..length {
+        let x = operand(random, &made);
+        let y = if random.below(12) == 0 { x } else { operand(random, &made) };
+        let z = if random.below(12) == 0 { x } else { operand(random, &made) };
+        made.push(if random.below(1000) < calls {
             match random.below(6) {
-                3 if inputs > 0 => {
-                    let first = random.below(inputs) as u32;
-                    Instruction::Gather { first, count: 1 + random.below(inputs - first as usize) as u32, at: x }
+                3 if count > 0 => {
+                    let first = random.below(count);
+                    graph.gather(&inputs[first..][..1 + random.below(count - first)], x)
                 }
-                0 => Instruction::Power(x, random.pick(&[2.0, 0.5, -1.5, 3.0])),
-                1 => Instruction::Curve { curve: random.below(2) as u32, order: random.below(3) as u32, at: x },
-                2 => Instruction::Binary(Binary::Atan2, x, y),
-                _ => Instruction::Unary(random.pick(&UNARY[2..13]), x),
+                0 => graph.power(x, random.pick(&[2.0, 0.5, -1.5, 3.0])),
+                1 => graph.on_curve(&curves[random.below(2)], random.below(3), x),
+                2 => graph.binary(Binary::Atan2, x, y),
+                _ => graph.unary(random.pick(&UNARY[2..13]), x),
             }
         } else {
             match random.below(10) {
-                0 => Instruction::Select(x, y, z),
-                1 => Instruction::Unary(random.pick(&[Unary::Neg, Unary::Sqrt, Unary::Floor]), x),
-                2 => Instruction::Binary(random.pick(&BINARY[5..]), x, y),
-                _ => Instruction::Binary(random.pick(&BINARY[..4]), x, y),
+                0 => graph.select(x, y, z),
+                1 => graph.unary(random.pick(&[Unary::Neg, Unary::Sqrt, Unary::Floor]), x),
+                2 => graph.binary(random.pick(&BINARY[5..]), x, y),
+                _ => graph.binary(random.pick(&BINARY[..4]), x, y),
             }
-        };
-        instructions.push(instruction);
+        });
     }
-    let mut outputs: Vec<Source> = (0..random.pick(&[1, 5, 60])).map(|_| source(random, instructions.len())).collect();
+    let mut outputs: Vec<Node> = (0..random.pick(&[1, 5, 60])).map(|_| operand(random, &made)).collect();
     if random.below(2) == 0 {
-        outputs.extend((0..random.below(20)).map(|_| Source::Value(length as u32 - 1)));
+        outputs.extend(vec![made[length - 1]; random.below(20)]);
     }
-    Listing { inputs, constants, curves, instructions, outputs }
-}
-
-/// What every way has to give.
-fn evaluate(listing: &Listing, inputs: &[f64]) -> Vec<f64> {
-    let mut values: Vec<f64> = Vec::new();
-    let read = |source, values: &[f64]| match source {
-        Source::Value(value) => values[value as usize],
-        Source::Input(input) => inputs[input as usize],
-        Source::Constant(constant) => listing.constants[constant as usize],
-    };
-    for &instruction in &listing.instructions {
-        let value = match instruction {
-            Instruction::Unary(function, x) => function.apply(read(x, &values)),
-            Instruction::Binary(function, x, y) => function.apply(read(x, &values), read(y, &values)),
-            Instruction::Power(x, exponent) => Scalar::powf(read(x, &values), exponent),
-            Instruction::Select(x, y, z) => Scalar::select(read(x, &values), read(y, &values), read(z, &values)),
-            Instruction::Curve { curve, order, at } => {
-                read(at, &values).on_curve(&listing.curves[curve as usize], order as usize)
-            }
-            Instruction::Gather { first, count, at } => {
-                read(at, &values).gather(&inputs[first as usize..][..count as usize])
-            }
-        };
-        values.push(value);
-    }
-    listing.outputs.iter().map(|&output| read(output, &values)).collect()
+    Recorded { graph, outputs, inputs: count }
 }
 
 #[track_caller]
@@ -146,17 +136,24 @@ fn side_by_side(elements: &[Vec<f64>]) -> Vec<f64> {
     (0..elements[0].len()).flat_map(|number| elements.iter().map(move |element| element[number])).collect()
 }
 
-/// Codes of all widths and of all instruction sets that this machine has.
+/// Machine code by its name, for so many lanes.
+type Native = (String, usize, NativeCode);
+
+fn run(code: &NativeCode, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
+    (0..code.sections()).for_each(|section| code.run_section(section, inputs, outputs, scratch));
+}
+
+/// Codes for all numbers of lanes and of all instruction sets that this machine has.
 #[cfg(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri)))]
-fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
+fn native_codes(listing: &Listing) -> Vec<Native> {
     use super::native::Level;
     let mut codes = Vec::new();
     for level in Level::ALL {
-        for width in [Width::One, Width::Two, Width::Four, Width::Eight] {
+        for lanes in [1, 2, 4, 8] {
             for section in [400, 1 << 20] {
-                let code = NativeCode::compile_for(listing, width, level, section);
-                let name = format!("{width:?} lanes with {level:?}, sections of {section} bytes");
-                codes.extend(code.map(|code| (name, code)));
+                let code = NativeCode::compile_for(listing, lanes, level, section);
+                let name = format!("{lanes} lanes with {level:?}, sections of {section} bytes");
+                codes.extend(code.map(|code| (name, lanes, code)));
             }
         }
     }
@@ -164,13 +161,20 @@ fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
 }
 
 #[cfg(not(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri))))]
-fn native_codes(_listing: &Listing) -> Vec<(String, NativeCode)> {
+fn native_codes(_listing: &Listing) -> Vec<Native> {
     Vec::new()
 }
 
-fn check(listing: &Listing, random: &mut Random) {
+fn check_loop<const L: usize>(code: &LoopCode, listing: &Listing, elements: &[Vec<f64>], expected: &[Vec<f64>]) {
+    let mut outputs = vec![7.0; L * listing.outputs.len()];
+    code.run_lanes::<L>(&side_by_side(&elements[..L]), &mut outputs, &mut Vec::new());
+    assert_same_bits(&outputs, &side_by_side(&expected[..L]), &format!("loop of {L} lanes"), listing);
+}
+
+fn check(recorded: &Recorded, random: &mut Random) {
+    let listing = &recorded.listing();
     let elements: Vec<Vec<f64>> = (0..8).map(|_| (0..listing.inputs).map(|_| random.number()).collect()).collect();
-    let expected: Vec<Vec<f64>> = elements.iter().map(|inputs| evaluate(listing, inputs)).collect();
+    let expected: Vec<Vec<f64>> = elements.iter().map(|x| recorded.graph.values_of(&recorded.outputs, x)).collect();
     let code = LoopCode::new(listing);
     let mut outputs = vec![7.0; listing.outputs.len()];
     let mut work = Vec::new();
@@ -178,24 +182,17 @@ fn check(listing: &Listing, random: &mut Random) {
         code.run::<f64>(inputs, &mut outputs, &mut work);
         assert_same_bits(&outputs, expected, "loop", listing);
     }
-    let mut outputs = vec![7.0; 8 * listing.outputs.len()];
-    code.run_lanes::<8>(&side_by_side(&elements), &mut outputs, &mut Vec::new());
-    assert_same_bits(&outputs, &side_by_side(&expected), "loop of eight lanes", listing);
-    let outputs = &mut outputs[..4 * listing.outputs.len()];
-    code.run_lanes::<4>(&side_by_side(&elements[..4]), outputs, &mut Vec::new());
-    assert_same_bits(outputs, &side_by_side(&expected[..4]), "loop of four lanes", listing);
-    let outputs = &mut outputs[..2 * listing.outputs.len()];
-    code.run_lanes::<2>(&side_by_side(&elements[..2]), outputs, &mut Vec::new());
-    assert_same_bits(outputs, &side_by_side(&expected[..2]), "loop of two lanes", listing);
+    check_loop::<8>(&code, listing, &elements, &expected);
+    check_loop::<4>(&code, listing, &elements, &expected);
+    check_loop::<2>(&code, listing, &elements, &expected);
 
     let mut scratch = Vec::new();
-    for (way, code) in native_codes(listing) {
-        let lanes = code.width().lanes();
+    for (way, lanes, code) in native_codes(listing) {
         for start in (0..8).step_by(lanes) {
             // one number more behind the outputs must stay as it is
             let mut outputs = vec![7.0; lanes * listing.outputs.len() + 1];
             let (inside, behind) = outputs.split_at_mut(lanes * listing.outputs.len());
-            code.run(&side_by_side(&elements[start..start + lanes]), inside, &mut scratch);
+            run(&code, &side_by_side(&elements[start..start + lanes]), inside, &mut scratch);
             assert_same_bits(inside, &side_by_side(&expected[start..start + lanes]), &way, listing);
             assert_eq!(behind, [7.0], "{way} wrote behind its outputs");
         }
@@ -206,8 +203,7 @@ fn check(listing: &Listing, random: &mut Random) {
 fn every_way_gives_the_bits_of_plain_evaluation() {
     let mut random = Random::new(1);
     for _ in 0..1500 {
-        let listing = random_listing(&mut random, 0);
-        check(&listing, &mut random);
+        check(&random_recording(&mut random, 0), &mut random);
     }
 }
 
@@ -216,8 +212,7 @@ fn calls_keep_every_number_that_is_read_later() {
     let mut random = Random::new(2);
     for calls in [1000, 200, 20] {
         for _ in 0..500 {
-            let listing = random_listing(&mut random, calls);
-            check(&listing, &mut random);
+            check(&random_recording(&mut random, calls), &mut random);
         }
     }
 }
@@ -225,45 +220,40 @@ fn calls_keep_every_number_that_is_read_later() {
 #[test]
 fn long_listings_reach_the_far_addresses() {
     let mut random = Random::new(3);
-    let (inputs, length) = (2000, 6000);
-    let constants: Vec<f64> = (0..700).map(|_| random.number()).collect();
+    let (inputs, half) = (2000, 3000);
+    let mut graph = Graph::default();
+    let arguments: Vec<Node> = (0..inputs).map(|index| graph.input(index)).collect();
+    let constants: Vec<Node> = (0..700).map(|_| graph.constant(random.number())).collect();
     // all inputs and constants, then all values a second time in the order in which they were made
-    let mut instructions = Vec::new();
-    for number in 0..length / 2 {
-        let constant = Source::Constant(random.below(700) as u32);
-        instructions.push(Instruction::Binary(random.pick(&BINARY[..3]), Source::Input(number % 2000), constant));
+    let mut values = Vec::new();
+    for number in 0..half {
+        let function = random.pick(&BINARY[..3]);
+        values.push(graph.binary(function, arguments[number % inputs], random.pick(&constants)));
     }
-    for number in 0..length / 2 {
-        let before = Source::Value(random.below(length as usize / 2) as u32);
-        instructions.push(Instruction::Binary(random.pick(&BINARY), Source::Value(number), before));
+    for number in 0..half {
+        let before = values[random.below(half)];
+        values.push(graph.binary(random.pick(&BINARY), values[number], before));
     }
-    let outputs = (0..length).rev().step_by(5).map(Source::Value).collect();
-    let listing = Listing { inputs, constants, curves: Vec::new(), instructions, outputs };
-    let short = |(way, _): &(String, NativeCode)| way.ends_with("sections of 400 bytes");
-    assert!(native_codes(&listing).iter().filter(|code| short(code)).all(|(_, code)| code.sections() > 50));
-    check(&listing, &mut random);
+    let outputs = values.into_iter().rev().step_by(2).collect();
+    let recorded = Recorded { graph, outputs, inputs };
+    let short = |(way, ..): &Native| way.ends_with("sections of 400 bytes");
+    assert!(native_codes(&recorded.listing()).iter().filter(|code| short(code)).all(|(.., code)| code.sections() > 50));
+    check(&recorded, &mut random);
 }
 
 #[test]
-fn empty_listings_run() {
+fn recordings_without_operations_run() {
     let mut random = Random::new(4);
-    check(&Listing::default(), &mut random);
-    let outputs = vec![Source::Input(1), Source::Constant(0), Source::Input(1)];
-    check(&Listing { inputs: 2, constants: vec![-0.0], outputs, ..Listing::default() }, &mut random);
-}
-
-#[test]
-#[should_panic(expected = "Value(0), read where only 0 of its kind exist")]
-#[cfg(all(any(target_arch = "x86_64", all(target_arch = "aarch64", target_os = "linux")), not(miri)))]
-fn an_operand_that_does_not_exist_is_refused() {
-    let instructions = vec![Instruction::Unary(Unary::Neg, Source::Value(0))];
-    NativeCode::compile(&Listing { instructions, outputs: vec![Source::Value(0)], ..Listing::default() }, Width::One);
+    check(&Recorded::default(), &mut random);
+    let mut graph = Graph::default();
+    let (_, input, constant) = (graph.input(0), graph.input(1), graph.constant(0.5));
+    check(&Recorded { graph, outputs: vec![input, constant, input], inputs: 2 }, &mut random);
 }
 
 #[test]
 fn runs_allocate_once_and_share_their_work_arrays() {
     let mut random = Random::new(5);
-    let listing = random_listing(&mut random, 10);
+    let listing = random_recording(&mut random, 10).listing();
     let inputs = vec![0.5; 8 * listing.inputs];
     let mut outputs = vec![0.0; 8 * listing.outputs.len()];
     let code = LoopCode::new(&listing);
@@ -272,20 +262,13 @@ fn runs_allocate_once_and_share_their_work_arrays() {
     let first = (work.as_ptr(), work.len());
     code.run_lanes::<8>(&inputs, &mut outputs, &mut work);
     assert_eq!(first, (work.as_ptr(), work.len()));
-    if let Some(code) = NativeCode::compile(&listing, Width::Eight) {
+    if let Some(code) = NativeCode::compile(&listing, 8) {
         let mut scratch = Vec::new();
-        code.run(&inputs, &mut outputs, &mut scratch);
+        run(&code, &inputs, &mut outputs, &mut scratch);
         let first = (scratch.as_ptr(), scratch.len());
-        code.run(&inputs, &mut outputs, &mut scratch);
+        run(&code, &inputs, &mut outputs, &mut scratch);
         assert_eq!(first, (scratch.as_ptr(), scratch.len()));
     }
-}
-
-#[test]
-fn code_may_be_used_from_any_thread() {
-    fn assert_send_and_sync<T: Send + Sync>() {}
-    assert_send_and_sync::<NativeCode>();
-    assert_send_and_sync::<LoopCode>();
 }
 
 /// Mappings of this process, as Linux tells them.
@@ -293,10 +276,10 @@ fn code_may_be_used_from_any_thread() {
 #[cfg(all(any(target_arch = "x86_64", target_arch = "aarch64"), target_os = "linux", not(miri)))]
 fn no_memory_is_writable_and_executable_at_once() {
     let mut random = Random::new(6);
-    let listing = random_listing(&mut random, 10);
+    let listing = random_recording(&mut random, 10).listing();
     let codes = native_codes(&listing);
     let maps = std::fs::read_to_string("/proc/self/maps").expect("the list of mappings");
     let permissions = |line: &str| line.split(' ').nth(1).map(str::to_owned);
     assert!(maps.lines().filter_map(permissions).all(|own| !(own.contains('w') && own.contains('x'))));
-    assert_eq!(codes.is_empty(), !super::native::Level::ALL.into_iter().any(|level| level.is_available(Width::One)));
+    assert_eq!(codes.is_empty(), !super::native::Level::ALL.into_iter().any(|level| level.is_available(1)));
 }

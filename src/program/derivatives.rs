@@ -2,6 +2,7 @@
 
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
+use super::recorded::continued;
 use smallvec::{SmallVec, smallvec};
 
 /// A partial derivative of an operation towards an operand.
@@ -27,7 +28,12 @@ impl Graph {
         match self.operation(node) {
             Operation::Input(_) | Operation::Constant(_) => smallvec![],
             Operation::Binary(Binary::Less, ..) | Operation::Unary(Unary::Floor, _) => smallvec![],
-            Operation::Unary(function, x) => smallvec![(x, self.slope(function, x, node))],
+            Operation::Unary(Unary::Neg, x) => smallvec![(x, Partial::MinusOne)],
+            Operation::Unary(function, x) => {
+                let slope = continued(self, &[x], |x| vec![function.with_slope(x[0])[1]])[0];
+                let may_be_infinite = matches!(function, Unary::Sqrt | Unary::Ln | Unary::Asin | Unary::Acos);
+                smallvec![(x, if may_be_infinite { Steep(slope) } else { Factor(slope) })]
+            }
             Operation::Binary(function, x, y) => self.slopes(function, [x, y], node),
             Operation::Power(x, bits) => {
                 let exponent = f64::from_bits(bits);
@@ -46,50 +52,6 @@ impl Graph {
             Operation::Gather { first, count, at } => {
                 (0..count).map(|place| (Node(first.0 + place), Partial::At(at, place))).collect()
             }
-        }
-    }
-
-    /// Of a function of one number whose value is a node.
-    fn slope(&mut self, function: Unary, x: Node, node: Node) -> Partial {
-        use Partial::{Factor, MinusOne, Steep};
-        let one = self.constant(1.0);
-        match function {
-            Unary::Neg => MinusOne,
-            Unary::Sqrt => {
-                let half = self.constant(0.5);
-                Steep(self.div(half, node))
-            }
-            Unary::Exp => Factor(node),
-            Unary::Ln => Steep(self.div(one, x)),
-            Unary::Sin => Factor(self.unary(Unary::Cos, x)),
-            Unary::Cos => {
-                let sine = self.unary(Unary::Sin, x);
-                Factor(self.neg(sine))
-            }
-            Unary::Tan => {
-                let square = self.mul(node, node);
-                Factor(self.add(square, one))
-            }
-            Unary::Asin | Unary::Acos => {
-                // (1 - x)(1 + x) keeps the digits that 1 - x^2 loses near the ends
-                let (below, above) = (self.sub(one, x), self.add(one, x));
-                let complement = self.mul(below, above);
-                let root = self.unary(Unary::Sqrt, complement);
-                let slope = self.div(one, root);
-                Steep(if function == Unary::Asin { slope } else { self.neg(slope) })
-            }
-            Unary::Atan => {
-                let square = self.mul(x, x);
-                let sum = self.add(square, one);
-                Factor(self.div(one, sum))
-            }
-            Unary::Sinh => Factor(self.unary(Unary::Cosh, x)),
-            Unary::Cosh => Factor(self.unary(Unary::Sinh, x)),
-            Unary::Tanh => {
-                let square = self.mul(node, node);
-                Factor(self.sub(one, square))
-            }
-            Unary::Floor => unreachable!("steps have no derivative"),
         }
     }
 
@@ -188,20 +150,9 @@ impl Graph {
         let zero = self.zero();
         let needed = self.needed(outputs);
         // only what depends on the nodes that are asked for
-        let mut depends = vec![false; needed.len()];
-        towards.iter().for_each(|node| {
-            if let Some(depends) = depends.get_mut(node.0 as usize) {
-                *depends = true;
-            }
-        });
-        let asked = depends.clone();
-        for index in 0..needed.len() {
-            if needed[index] && !depends[index] {
-                let mut any = false;
-                self.operations()[index].for_each_operand(|operand| any |= depends[operand.0 as usize]);
-                depends[index] = any;
-            }
-        }
+        let mut asked = vec![false; needed.len()];
+        towards.iter().filter(|node| (node.0 as usize) < needed.len()).for_each(|node| asked[node.0 as usize] = true);
+        let depends = self.depending_on(asked.clone(), &needed);
         let (guarded, under_roots) = (self.perhaps_left_aside(&needed), self.under_roots(&needed));
         let mut seeds = vec![zero; needed.len()];
         for (output, &weight) in outputs.iter().zip(weights) {
@@ -210,7 +161,7 @@ impl Graph {
         }
         for index in (0..needed.len()).rev() {
             let bar = seeds[index];
-            if !needed[index] || !depends[index] || bar == zero || asked[index] && self.operations()[index].is_input() {
+            if !needed[index] || !depends[index] || bar == zero || asked[index] && self.operations()[index].is_leaf() {
                 continue;
             }
             for (operand, partial) in self.partials(Node(index as u32)) {
@@ -253,7 +204,7 @@ impl Graph {
 
     /// What may be left aside by a choice, and need not be a number where it is: the sides of a choice, factors of what vanishes, and what
     /// these are made of.
-    fn perhaps_left_aside(&self, needed: &[bool]) -> Vec<bool> {
+    pub(super) fn perhaps_left_aside(&self, needed: &[bool]) -> Vec<bool> {
         let mut guarded = vec![false; needed.len()];
         let mut mark = |node: Node| guarded[node.0 as usize] = true;
         for (operation, _) in self.operations().iter().zip(needed).filter(|(_, needed)| **needed) {
@@ -263,11 +214,6 @@ impl Graph {
                 _ => {}
             }
         }
-        for index in (0..needed.len()).rev() {
-            if needed[index] && guarded[index] {
-                self.operations()[index].for_each_operand(|operand| guarded[operand.0 as usize] = true);
-            }
-        }
-        guarded
+        self.made_of(guarded)
     }
 }

@@ -1,20 +1,13 @@
-use std::fmt;
 use std::hash::{Hash, Hasher};
 
 /// 128 bits that follow from all that was added, in its order: unlike things have unlike ones but for a chance of 1e-38 or so. The same in
 /// every process.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Digest([u64; 2]);
 
 impl Default for Digest {
     fn default() -> Self {
         Digest([0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344])
-    }
-}
-
-impl fmt::Debug for Digest {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{:016x}{:016x}", self.0[0], self.0[1])
     }
 }
 
@@ -24,11 +17,6 @@ impl Digest {
         let mut digest = Self::default();
         own.hash(&mut digest);
         digest
-    }
-
-    /// The two halves.
-    pub fn words(self) -> [u64; 2] {
-        self.0
     }
 
     /// Both halves take a word in, by the steps of MurmurHash3 (x64, 128 bits; Appleby, in the public domain).
@@ -59,9 +47,6 @@ impl Hasher for Digest {
         self.mix(x);
     }
     fn write_usize(&mut self, x: usize) {
-        self.mix(x as u64);
-    }
-    fn write_isize(&mut self, x: isize) {
         self.mix(x as u64);
     }
 }

@@ -1,17 +1,16 @@
 use super::arguments::{ArgumentKind, Arguments};
 use super::digest::Digest;
-use super::graph::{Graph, OperationHasher};
+use super::graph::Graph;
 use super::listing::Listing;
-use super::operation::{Node, Operation};
-use super::recorded::{Recorded, Recording, extend, record};
+use super::operation::Node;
+use super::recorded::{Recorded, Recording, record};
 use super::running::{Making, Program};
 use smallvec::{SmallVec, smallvec};
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{BuildHasherDefault, Hash, Hasher};
+use std::hash::BuildHasherDefault;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
 
 thread_local! {
     static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
@@ -22,61 +21,8 @@ pub fn panic_is_caught() -> bool {
     IS_CAUGHT.get()
 }
 
-/// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
-pub type ProgramKey = (ProgramKind, Codes);
-
-/// Kinds of programs: what is made of the formula of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ProgramKind {
-    /// The results themselves.
-    Values,
-    /// Gradient of the sum of some results.
-    Gradient,
-    /// Matrix of an element.
-    Matrix,
-    /// Products of an element with adjoint variables.
-    Products,
-    /// Derivative of a residual by time.
-    TimeRate,
-    /// Equations of a constraint with their derivatives along the motion.
-    Motion,
-    /// Derivatives of reaction and equations by time.
-    TimeRates,
-    /// Reaction of a constraint.
-    Reaction,
-    /// Derivatives of a reaction.
-    AlongRows,
-    /// Rows of a constraint.
-    Rows,
-    /// Reactions and equations of a constraint at a level.
-    Equations,
-    /// Matrix of a constraint.
-    ConstraintMatrix,
-    /// Products of a constraint with adjoint variables.
-    ConstraintProducts,
-    /// Correction of the unknowns of a node by the constraint inside.
-    NodeCorrection,
-    /// Reaction inside a node, of a force.
-    NodeElimination,
-    /// Matrix of the constraint inside a node.
-    NodeMatrix,
-    /// Products of the constraint inside a node with adjoint variables.
-    NodeProducts,
-    /// What is measured at points of an element.
-    PointValues,
-    /// Gradient of what is made of these.
-    PointGradient,
-    /// Numbers that tell the sides of switches.
-    Switches,
-    /// Rates of these numbers along a change of all arguments.
-    SwitchRates,
-    /// Numbers at which tables are read.
-    TableArguments,
-    /// Results, and their rates along a change of all arguments.
-    Course,
-    /// One of a caller's own, by its number.
-    Own(u32),
-}
+/// What a program of a formula computes: a name, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
+pub type ProgramKey = (&'static str, Codes);
 
 /// Numbers of a key; lists of usual lengths take no memory of their own.
 pub type Codes = SmallVec<[u32; 16]>;
@@ -94,10 +40,10 @@ pub struct Formula {
     /// Stages of the residual of an element with a node map.
     pub stages: Option<Stages<Node>>,
     graph: Mutex<Graph>,
-    programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
+    programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<Digest>>>,
     values: OnceLock<Arc<Program>>,
     gradients: ProgramCache,
-    digest: OnceLock<Digest>,
+    digest: Digest,
 }
 
 /// Numbers between the coordinates of an element and its residual R: y = m(q) of each node by itself, the residual F of these numbers, and
@@ -120,55 +66,43 @@ impl Stages<Recorded> {
 /// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one. Reading writes
 /// nothing, so that threads do not wait for each other.
 #[derive(Debug, Default)]
-pub struct ProgramCache {
-    known: [OnceLock<(u32, Arc<Program>)>; USUAL],
-    more: OnceLock<Box<ProgramCache>>,
-}
-
-/// Usual number of programs of a batch.
-const USUAL: usize = 12;
+pub struct ProgramCache(OnceLock<Box<(u32, Arc<Program>, ProgramCache)>>);
 
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
     pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> &Arc<Program> {
-        self.find(code).unwrap_or_else(|| self.keep(code, make()))
-    }
-
-    fn find(&self, code: u32) -> Option<&Arc<Program>> {
-        let known = self.known.iter().map_while(OnceLock::get).find(|(own, _)| *own == code);
-        known.map(|(_, program)| program).or_else(|| self.more.get()?.find(code))
+        let mut end = self;
+        while let Some((own, program, others)) = end.0.get().map(|own| &**own) {
+            if *own == code {
+                return program;
+            }
+            end = others;
+        }
+        end.keep(code, make())
     }
 
     /// Keeps a program, unless another thread has made it, too, and been first.
     fn keep(&self, code: u32, program: Arc<Program>) -> &Arc<Program> {
-        for place in &self.known {
-            let (own, kept) = place.get_or_init(|| (code, Arc::clone(&program)));
-            if *own == code {
-                return kept;
-            }
-        }
-        self.more.get_or_init(Box::default).keep(code, program)
+        let (own, kept, others) = &**self.0.get_or_init(|| Box::new((code, Arc::clone(&program), Self::default())));
+        if *own == code { kept } else { others.keep(code, program) }
     }
 }
 
 /// Formulas that are kept for models to come, whether one of today uses them or not.
 const KEPT: usize = 1000;
 
-/// A formula with its recorded operations and what tells its curves.
+/// A formula of the process.
 #[derive(Debug)]
 struct Listed {
-    operations: Vec<Operation>,
-    curves: Digest,
     formula: Weak<Formula>,
     /// It is kept while nobody uses it, but for one with tables, which may be long.
     kept: Option<Arc<Formula>>,
 }
 
-/// The formulas of the process, by the hash of their operations.
+/// The formulas of the process.
 #[derive(Default)]
 struct Formulas {
-    known: HashMap<u64, Vec<Listed>>,
-    count: usize,
+    known: HashMap<Digest, Listed>,
     /// Count at which those are forgotten that no model uses.
     full: usize,
 }
@@ -176,22 +110,14 @@ struct Formulas {
 impl Formulas {
     /// Makes room: a process may build model after model, each with formulas of its own.
     fn forget_unused(&mut self) {
-        if self.count < self.full.max(KEPT) {
-            return;
+        if self.known.len() >= self.full.max(KEPT) {
+            self.known.retain(|_, own| own.formula.strong_count() > usize::from(own.kept.is_some()));
+            self.full = 2 * self.known.len();
         }
-        self.known.retain(|_, same| {
-            same.retain(|own| own.formula.strong_count() > usize::from(own.kept.is_some()));
-            !same.is_empty()
-        });
-        self.count = self.known.values().map(Vec::len).sum();
-        self.full = 2 * self.count;
     }
 }
 
-fn formulas() -> &'static Mutex<Formulas> {
-    static FORMULAS: OnceLock<Mutex<Formulas>> = OnceLock::new();
-    FORMULAS.get_or_init(Mutex::default)
-}
+static FORMULAS: LazyLock<Mutex<Formulas>> = LazyLock::new(Mutex::default);
 
 /// Results of a formula, and the stages in which they are made.
 type Results = (Vec<Recorded>, Option<Stages<Recorded>>);
@@ -199,15 +125,6 @@ type Results = (Vec<Recorded>, Option<Stages<Recorded>>);
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // what a panic left behind is a recording of whole operations all the same
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Adds what is undefined with x to one of some results, one that is no constant where there is one.
-pub(super) fn add_nought(graph: &mut Graph, x: Node, results: &mut [Node]) {
-    let moving = results.iter().position(|node| graph.constant_of(*node).is_none());
-    if let Some(result) = results.get_mut(moving.unwrap_or(0)) {
-        let nought = graph.nought(x);
-        *result = graph.add(*result, nought);
-    }
 }
 
 impl Formula {
@@ -219,8 +136,7 @@ impl Formula {
         arguments: impl Into<Arguments>,
         formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>,
     ) -> Result<Arc<Formula>, String> {
-        let mut formula = Some(formula);
-        Self::recorded(arguments.into(), &mut |x| (formula.take().map_or_else(Vec::new, |own| own(x)), None))
+        Self::record_in_stages(arguments, |x| (formula(x), None))
     }
 
     /// As [`Formula::record`], with the stages in which the results are made.
@@ -246,15 +162,6 @@ impl Formula {
             let words = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
             format!("its formula panics: {}", words.unwrap_or("without a word"))
         })?;
-        Self::of_recording(arguments, results, stages, recording)
-    }
-
-    fn of_recording(
-        arguments: Arguments,
-        results: Vec<Recorded>,
-        stages: Option<Stages<Recorded>>,
-        recording: Recording,
-    ) -> Result<Arc<Formula>, String> {
         let Recording { mut graph, looked, undefined, .. } = recording;
         if looked {
             return Err(
@@ -265,35 +172,24 @@ impl Formula {
         }
         let mut outputs: Vec<Node> = results.into_iter().map(|result| result.node(&mut graph)).collect();
         let mut stages = stages.map(|stages| stages.nodes(&mut graph));
-        for x in undefined.unseen(&graph, &outputs) {
-            for list in [Some(&mut outputs), stages.as_mut().map(|stages| &mut stages.forces)].into_iter().flatten() {
-                add_nought(&mut graph, x, list);
-            }
-        }
+        let forces = stages.as_mut().map_or(&mut [] as &mut [Node], |stages| &mut stages.forces);
+        undefined.show(&mut graph, &mut outputs, forces);
         Ok(Self::shared(arguments, outputs, stages, graph))
     }
 
     fn shared(arguments: Arguments, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
-        let mut hasher = DefaultHasher::new();
-        let curves = Digest::of(graph.curves());
-        (&arguments, &outputs, &stages, graph.operations(), curves).hash(&mut hasher);
-        let mut all = lock(formulas());
-        let hash = hasher.finish();
-        for own in all.known.get(&hash).into_iter().flatten() {
-            let Some(formula) = own.formula.upgrade() else { continue };
-            let same = (&formula.arguments, &formula.outputs, &formula.stages) == (&arguments, &outputs, &stages);
-            if same && own.curves == curves && own.operations == graph.operations() {
-                return formula;
-            }
+        let digest = Digest::of(&(&arguments, &outputs, &stages, &graph));
+        let mut all = lock(&FORMULAS);
+        if let Some(formula) = all.known.get(&digest).and_then(|own| own.formula.upgrade()) {
+            return formula;
         }
         all.forget_unused();
-        let (operations, has_curves) = (graph.operations().to_vec(), !graph.curves().is_empty());
+        let has_curves = !graph.curves().is_empty();
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
-        let (inputs, gradients, digest) = (arguments.count(), ProgramCache::default(), OnceLock::new());
+        let (inputs, gradients) = (arguments.count(), ProgramCache::default());
         let formula = Arc::new(Formula { inputs, arguments, outputs, stages, graph, programs, values, gradients, digest });
         let kept = (!has_curves).then(|| Arc::clone(&formula));
-        all.known.entry(hash).or_default().push(Listed { operations, curves, formula: Arc::downgrade(&formula), kept });
-        all.count += 1;
+        all.known.insert(digest, Listed { formula: Arc::downgrade(&formula), kept });
         formula
     }
 
@@ -345,15 +241,14 @@ impl Formula {
 
     /// The results themselves.
     pub fn values(&self) -> &Arc<Program> {
-        self.values
-            .get_or_init(|| self.dense_program((ProgramKind::Values, smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
+        self.values.get_or_init(|| self.dense_program(("values", smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
     }
 
     /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
     pub fn gradient(&self, results: &[usize]) -> &Arc<Program> {
         let code = results.iter().fold(0, |code, &result| code | 1 << result);
         self.gradients.get(code, || {
-            self.sparse_program((ProgramKind::Gradient, smallvec![code]), 0, |graph, inputs, outputs| {
+            self.sparse_program(("gradient", smallvec![code]), 0, |graph, inputs, outputs| {
                 let chosen: Vec<Node> = results.iter().map(|&result| outputs[result]).collect();
                 let weights = vec![graph.constant(1.0); chosen.len()];
                 graph.reverse(&chosen, &weights, inputs)
@@ -416,14 +311,7 @@ impl Formula {
 
     /// What it computes of which arguments: the same for equal recordings in every process.
     pub fn digest(&self) -> Digest {
-        *self.digest.get_or_init(|| {
-            let graph = lock(&self.graph);
-            let mut digest = Digest::of(&(&self.arguments, &self.outputs, &self.stages));
-            // what programs have added behind is none of the formula's
-            let count = self.outputs.iter().map(|output| output.0 as usize + 1).max().unwrap_or(0);
-            graph.hash_first(count, &mut digest);
-            digest
-        })
+        self.digest
     }
 
     /// What its arguments are.
@@ -437,12 +325,6 @@ impl Formula {
     }
 }
 
-/// Goes on with a recording: `formula` gets nodes of it as numbers.
-pub fn continued(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Vec<Node> {
-    let results = extend(graph, nodes, formula);
-    results.into_iter().map(|result| result.node(graph)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -452,16 +334,16 @@ mod tests {
         let record = |k: usize| Formula::record(1, |x| vec![x[0] * (k as f64 + 0.5)]).expect("does not branch");
         let used = record(0);
         (1..5 * KEPT).for_each(|k| drop(record(k)));
-        let count = lock(formulas()).count;
+        let count = lock(&FORMULAS).known.len();
         assert!(count < 3 * KEPT, "{count} formulas are kept");
         assert!(Arc::ptr_eq(&used, &record(0)), "one that is used was forgotten");
     }
 
     #[test]
-    fn programs_are_made_once_and_found_again_beyond_the_usual_number() {
+    fn programs_are_made_once_and_found_again() {
         let cache = ProgramCache::default();
         let record = |k: u32| Formula::record(1, |x| vec![x[0] * (f64::from(k) + 0.25)]).expect("does not branch");
-        let codes = 0..3 * USUAL as u32;
+        let codes = 0..30;
         let all: Vec<_> = codes.clone().map(|code| record(code).values().clone()).collect();
         for (code, program) in codes.clone().zip(&all) {
             assert!(Arc::ptr_eq(cache.get(code, || program.clone()), program));

@@ -1,5 +1,7 @@
+use super::digest::Digest;
 use super::operation::{Binary, Node, Operation, Unary};
 use crate::scalar::{Curve, Scalar, gathered_place};
+use hashbrown::HashTable;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -9,66 +11,29 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     operations: Vec<Operation>,
-    /// Numbers of operations, each where its hash says or behind; [`NONE`] where there is none. At most half full, a power of two long.
-    places: Vec<u32>,
-    choices: bool,
+    /// Their numbers, found by their hashes: a tenth of the memory of a map from operations.
+    numbers: HashTable<u32>,
     curves: Vec<Arc<Curve>>,
 }
 
-/// No operation.
-const NONE: u32 = u32::MAX;
-/// Length of the shortest table of places.
-const PLACES: usize = 64;
-
-/// Multiplies and rotates: operations are a few small numbers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct OperationHasher(u64);
-
-impl OperationHasher {
-    #[inline(always)]
-    fn mix(&mut self, x: u64) {
-        self.0 = (self.0.rotate_left(5) ^ x).wrapping_mul(0x517c_c1b7_2722_0a95);
-    }
-}
-
-impl Hasher for OperationHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 29)
-    }
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.mix(u64::from(byte)));
-    }
-    fn write_u32(&mut self, x: u32) {
-        self.mix(u64::from(x));
-    }
-    fn write_u64(&mut self, x: u64) {
-        self.mix(x);
-    }
-    fn write_isize(&mut self, x: isize) {
-        self.mix(x as u64);
-    }
-    fn write_usize(&mut self, x: usize) {
-        self.mix(x as u64);
+/// That of its operations, curves by what they are.
+impl Hash for Graph {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        for operation in &self.operations {
+            match *operation {
+                Operation::Curve { curve, order, at } => (&self.curves[curve as usize], order, at).hash(state),
+                operation => operation.hash(state),
+            }
+        }
     }
 }
 
 impl Graph {
-    /// Takes its first operations into a digest, curves by what they are.
-    pub fn hash_first(&self, count: usize, digest: &mut impl Hasher) {
-        for operation in &self.operations[..count] {
-            match *operation {
-                Operation::Curve { curve, order, at } => (&self.curves[curve as usize], order, at).hash(digest),
-                operation => operation.hash(digest),
-            }
-        }
-    }
-
     /// The operations so far; operands come first.
     pub fn operations(&self) -> &[Operation] {
         &self.operations
     }
 
-    /// The operation of a node.
     pub fn operation(&self, node: Node) -> Operation {
         self.operations[node.0 as usize]
     }
@@ -79,36 +44,15 @@ impl Graph {
     }
 
     fn push(&mut self, operation: Operation) -> Node {
-        if 2 * self.operations.len() >= self.places.len() {
-            self.widen();
+        let operations = &mut self.operations;
+        let hash = |operation: &Operation| Digest::of(operation).finish();
+        let is_same = |number: &u32| operations[*number as usize] == operation;
+        let entry = self.numbers.entry(hash(&operation), is_same, |number| hash(&operations[*number as usize]));
+        let number = *entry.or_insert(operations.len() as u32).get();
+        if number as usize == operations.len() {
+            operations.push(operation);
         }
-        let place = self.place_of(operation);
-        if self.places[place] == NONE {
-            self.places[place] = self.operations.len() as u32;
-            self.operations.push(operation);
-        }
-        Node(self.places[place])
-    }
-
-    /// Where the number of an operation stands, or will.
-    fn place_of(&self, operation: Operation) -> usize {
-        let mut hasher = OperationHasher::default();
-        operation.hash(&mut hasher);
-        let mask = self.places.len() - 1;
-        let mut place = hasher.finish() as usize & mask;
-        while self.places[place] != NONE && self.operations[self.places[place] as usize] != operation {
-            place = (place + 1) & mask;
-        }
-        place
-    }
-
-    /// Doubles the table of places.
-    fn widen(&mut self) {
-        self.places = vec![NONE; PLACES.max(2 * self.places.len())];
-        for (number, &operation) in (0u32..).zip(&self.operations) {
-            let place = self.place_of(operation);
-            self.places[place] = number;
-        }
+        Node(number)
     }
 
     /// The value of a node that is a constant.
@@ -124,7 +68,6 @@ impl Graph {
         self.constant_of(node) == Some(0.0)
     }
 
-    /// An argument.
     pub fn input(&mut self, index: usize) -> Node {
         self.push(Operation::Input(index as u32))
     }
@@ -134,7 +77,6 @@ impl Graph {
         self.push(Operation::Constant((value + 0.0).to_bits()))
     }
 
-    /// 0.
     pub fn zero(&mut self) -> Node {
         self.constant(0.0)
     }
@@ -142,7 +84,7 @@ impl Graph {
     /// A function of one number.
     pub fn unary(&mut self, function: Unary, x: Node) -> Node {
         if let Some(value) = self.constant_of(x) {
-            return self.constant(function.apply(value));
+            return self.constant(value.unary(function));
         }
         match (function, self.operation(x)) {
             (Unary::Neg, Operation::Unary(Unary::Neg, inner)) => inner,
@@ -151,23 +93,18 @@ impl Graph {
         }
     }
 
-    /// -x.
     pub fn neg(&mut self, x: Node) -> Node {
         self.unary(Unary::Neg, x)
     }
-    /// x + y.
     pub fn add(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Add, x, y)
     }
-    /// x - y.
     pub fn sub(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Sub, x, y)
     }
-    /// x y.
     pub fn mul(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Mul, x, y)
     }
-    /// x / y.
     pub fn div(&mut self, x: Node, y: Node) -> Node {
         self.binary(Binary::Div, x, y)
     }
@@ -200,55 +137,35 @@ impl Graph {
         if let [Some(a), Some(b)] = known {
             return self.constant(function.apply(a, b));
         }
-        let folded = match function {
-            Binary::Add => self.folded_sum([x, y], known),
-            Binary::Sub => self.folded_difference([x, y], known),
-            Binary::Mul => self.folded_product([x, y], known),
-            Binary::Div => self.folded_quotient(x, known),
-            Binary::Vanishing => match known {
-                [Some(0.0), _] => Some(x),
-                [_, Some(_)] | [Some(_), _] => Some(self.mul(x, y)),
-                _ => None,
-            },
-            Binary::Less => (x == y).then(|| self.zero()),
-            Binary::Atan2 => None,
+        let negated = [x, y].map(|node| self.negated(node));
+        let folded = match (function, known, negated) {
+            (Binary::Add, [Some(0.0), _], _) => Some(y),
+            (Binary::Add, [_, Some(0.0)], _) => Some(x),
+            (Binary::Add, _, [_, Some(inner)]) => Some(self.sub(x, inner)),
+            (Binary::Add, _, [Some(inner), _]) => Some(self.sub(y, inner)),
+            (Binary::Sub, [_, Some(0.0)], _) => Some(x),
+            (Binary::Sub, [Some(0.0), _], _) => Some(self.neg(y)),
+            (Binary::Sub | Binary::Less, ..) if x == y => Some(self.zero()),
+            (Binary::Sub, _, [_, Some(inner)]) => Some(self.add(x, inner)),
+            (Binary::Sub, _, [Some(inner), _]) => {
+                let sum = self.add(inner, y);
+                Some(self.neg(sum))
+            }
+            (Binary::Mul, ..) => self.folded_product([x, y], known),
+            (Binary::Div, [Some(0.0), _] | [_, Some(1.0)], _) => Some(x),
+            (Binary::Div, [_, Some(-1.0)], _) => Some(self.neg(x)),
+            // exact
+            (Binary::Div, [_, Some(c)], _) if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => {
+                Some(self.scaled(x, 1.0 / c))
+            }
+            (Binary::Vanishing, [Some(0.0), _], _) => Some(x),
+            (Binary::Vanishing, [_, Some(_)] | [Some(_), _], _) => Some(self.mul(x, y)),
+            _ => None,
         };
         folded.unwrap_or_else(|| match function {
             Binary::Add | Binary::Mul => self.push(Operation::Binary(function, x.min(y), x.max(y))),
             _ => self.push(Operation::Binary(function, x, y)),
         })
-    }
-
-    /// x + y where it is simpler than a sum.
-    fn folded_sum(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
-        match known {
-            [Some(0.0), _] => return Some(y),
-            [_, Some(0.0)] => return Some(x),
-            _ => {}
-        }
-        match (self.negated(x), self.negated(y)) {
-            (_, Some(inner)) => Some(self.sub(x, inner)),
-            (Some(inner), _) => Some(self.sub(y, inner)),
-            _ => None,
-        }
-    }
-
-    /// x - y where it is simpler than a difference.
-    fn folded_difference(&mut self, [x, y]: [Node; 2], known: [Option<f64>; 2]) -> Option<Node> {
-        match known {
-            [_, Some(0.0)] => return Some(x),
-            [Some(0.0), _] => return Some(self.neg(y)),
-            _ if x == y => return Some(self.zero()),
-            _ => {}
-        }
-        match (self.negated(x), self.negated(y)) {
-            (_, Some(inner)) => Some(self.add(x, inner)),
-            (Some(inner), _) => {
-                let sum = self.add(inner, y);
-                Some(self.neg(sum))
-            }
-            _ => None,
-        }
     }
 
     /// x y where it is simpler than a product.
@@ -283,17 +200,6 @@ impl Graph {
         }
     }
 
-    /// x / y where it is simpler than a quotient.
-    fn folded_quotient(&mut self, x: Node, known: [Option<f64>; 2]) -> Option<Node> {
-        match known {
-            [Some(0.0), _] | [_, Some(1.0)] => Some(x),
-            [_, Some(-1.0)] => Some(self.neg(x)),
-            // exact
-            [_, Some(c)] if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => Some(self.scaled(x, 1.0 / c)),
-            _ => None,
-        }
-    }
-
     /// x^r for a real exponent.
     pub fn power(&mut self, x: Node, exponent: f64) -> Node {
         match self.constant_of(x) {
@@ -302,50 +208,19 @@ impl Graph {
         }
     }
 
-    /// x^n for an integer, by squaring.
-    pub fn integer_power(&mut self, x: Node, exponent: i32) -> Node {
-        if exponent == 0 {
-            return self.constant(1.0);
-        }
-        let (mut power, mut square, mut rest) = (None, x, exponent.unsigned_abs());
-        while rest > 0 {
-            if rest % 2 == 1 {
-                power = Some(power.map_or(square, |power| self.mul(power, square)));
-            }
-            rest /= 2;
-            if rest > 0 {
-                square = self.mul(square, square);
-            }
-        }
-        let power = power.unwrap_or(x);
-        if exponent > 0 {
-            return power;
-        }
-        let one = self.constant(1.0);
-        self.div(one, power)
-    }
-
     /// `then` where `mask` is not 0, otherwise `otherwise`.
     pub fn select(&mut self, mask: Node, then: Node, otherwise: Node) -> Node {
         match self.constant_of(mask) {
-            Some(mask) => {
-                if mask != 0.0 {
-                    then
-                } else {
-                    otherwise
-                }
-            }
+            Some(0.0) => otherwise,
+            Some(_) => then,
             None if then == otherwise => then,
-            None => {
-                self.choices = true;
-                self.push(Operation::Select([mask, then, otherwise]))
-            }
+            None => self.push(Operation::Select([mask, then, otherwise])),
         }
     }
 
     /// True if any value is a choice between two.
     pub fn has_choices(&self) -> bool {
-        self.choices
+        self.operations.iter().any(|own| matches!(own, Operation::Select(_)))
     }
 
     /// Derivative of some order of a curve.
@@ -466,7 +341,7 @@ impl Graph {
         match operation {
             Operation::Input(index) => inputs[index as usize],
             Operation::Constant(bits) => S::from(f64::from_bits(bits)),
-            Operation::Unary(function, x) => function.apply(of(x)),
+            Operation::Unary(function, x) => of(x).unary(function),
             Operation::Binary(function, x, y) => function.apply(of(x), of(y)),
             Operation::Power(x, bits) => of(x).powf(f64::from_bits(bits)),
             Operation::Select([mask, then, otherwise]) => of(mask).select(of(then), of(otherwise)),
@@ -479,11 +354,26 @@ impl Graph {
     pub fn needed(&self, nodes: &[Node]) -> Vec<bool> {
         let mut needed = vec![false; nodes.iter().map(|node| node.0 as usize + 1).max().unwrap_or(0)];
         nodes.iter().for_each(|node| needed[node.0 as usize] = true);
-        for index in (0..needed.len()).rev() {
-            if needed[index] {
-                self.operations[index].for_each_operand(|operand| needed[operand.0 as usize] = true);
+        self.made_of(needed)
+    }
+
+    /// Which operations some of the first are made of, these among them.
+    pub fn made_of(&self, mut marked: Vec<bool>) -> Vec<bool> {
+        for index in (0..marked.len()).rev() {
+            if marked[index] {
+                self.operations[index].for_each_operand(|operand| marked[operand.0 as usize] = true);
             }
         }
-        needed
+        marked
+    }
+
+    /// Which of those that are needed depend on some operations, these among them.
+    pub fn depending_on(&self, mut marked: Vec<bool>, needed: &[bool]) -> Vec<bool> {
+        for index in (0..marked.len()).filter(|&index| needed[index]) {
+            let mut depends = marked[index];
+            self.operations[index].for_each_operand(|operand| depends |= marked[operand.0 as usize]);
+            marked[index] = depends;
+        }
+        marked
     }
 }

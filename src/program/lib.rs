@@ -2,16 +2,12 @@
 //!
 //! * [`Recorded`]: the number with which a formula is recorded into a [`Graph`]
 //! * derivatives forward, in reverse and of derivatives: transformations of the graph
-//! * [`Listing`]: a straight line of instructions
-//! * [`Program`]: a listing that is executed, by a loop in any scalar or as machine code for one or several elements at a time
+//! * [`Program`]: a straight line of operations that is executed, by a loop in any scalar or as machine code for one or several elements at a time
 //! * [`Formula`]: a recording shared by all elements whose recordings are equal, with its programs
-
-extern crate self as program;
 
 pub mod scalar;
 
 mod arguments;
-mod assemble;
 #[cfg(test)]
 mod back_ends;
 mod batches;
@@ -25,7 +21,6 @@ mod loop_code;
 mod native;
 mod operation;
 mod recorded;
-mod refused;
 mod replay;
 mod running;
 mod switch_times;
@@ -36,15 +31,14 @@ mod undefined;
 pub use arguments::ArgumentKind;
 pub use digest::Digest;
 pub use formula::panic_is_caught;
-pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
+pub use formula::{Codes, Formula, ProgramCache, ProgramKey, Stages};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
-pub use listing::Listing;
+pub use native::refuses_machine_code;
 pub use operation::Node;
-pub use recorded::{Recorded, Recording, along_motion, evaluate, gradient_of, is_from_energies, record};
-pub use refused::refuses_machine_code;
+pub use recorded::{Recorded, Recording, along_motion, continued, evaluate, gradient_of, is_from_energies, record};
 pub use replay::Replay;
-pub use running::{Program, ProgramWork, compile_time, lanes, making_time};
+pub use running::{Program, ProgramWork, lanes, making_time};
 pub use switch_times::SwitchTime;
 pub use switches::{PassBuffers, Reads, SwitchKind, Switches, between};
 pub use table_arguments::TableRange;

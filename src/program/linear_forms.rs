@@ -7,11 +7,11 @@ use std::collections::HashMap;
 /// A sum of constant weights times arguments of some lists: the same sum may be taken of several lists (accelerations, velocities,
 /// coordinates).
 #[derive(Clone, Debug)]
-pub struct LinearForm<const LISTS: usize> {
+pub struct LinearForm {
     /// Places in a list with their weights.
     pub weights: Vec<(usize, f64)>,
     /// The nodes that are this sum of each list.
-    pub nodes: [Vec<Node>; LISTS],
+    pub nodes: [Vec<Node>; 3],
 }
 
 /// A sum of arguments of one list.
@@ -45,12 +45,7 @@ impl Sum {
 impl Graph {
     /// The sums of arguments through which results depend on them: where these are linear no longer. Each list has `length` arguments
     /// from its start on.
-    pub fn linear_forms<const LISTS: usize>(
-        &self,
-        outputs: &[Node],
-        starts: [usize; LISTS],
-        length: usize,
-    ) -> Vec<LinearForm<LISTS>> {
+    pub fn linear_forms(&self, outputs: &[Node], starts: [usize; 3], length: usize) -> Vec<LinearForm> {
         let needed = self.needed(outputs);
         let mut sums: Vec<Option<Sum>> = vec![None; needed.len()];
         let mut ends = vec![false; needed.len()];
@@ -77,13 +72,13 @@ impl Graph {
             sums[index] = own;
         }
         outputs.iter().for_each(|output| ends[output.0 as usize] = true);
-        let mut forms: Vec<LinearForm<LISTS>> = Vec::new();
+        let mut forms: Vec<LinearForm> = Vec::new();
         let mut places: HashMap<Vec<(usize, u64)>, usize> = HashMap::new();
         for (index, sum) in sums.into_iter().enumerate().filter(|(index, _)| ends[*index]) {
             let Some(Sum { list, weights }) = sum else { continue };
             let key = weights.iter().map(|(place, weight)| (*place, weight.to_bits())).collect();
             let place = *places.entry(key).or_insert_with(|| {
-                forms.push(LinearForm { weights, nodes: [const { Vec::new() }; LISTS] });
+                forms.push(LinearForm { weights, nodes: Default::default() });
                 forms.len() - 1
             });
             forms[place].nodes[list].push(Node(index as u32));

@@ -1,81 +1,60 @@
-//! A straight line of instructions: what a recording is executed from.
+//! A straight line of operations: what a recording is executed from.
 
-use super::operation::{Binary, Unary};
+use super::graph::Graph;
+use super::operation::{Node, Operation};
 use crate::scalar::Curve;
 use std::sync::Arc;
 
-/// Where an operand comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// The result of an instruction before, by its number.
-    Value(u32),
-    /// An argument of the program, by its number.
-    Input(u32),
-    /// A constant, by its place in the list of constants.
-    Constant(u32),
-}
-
-/// One instruction; its result is the value of its own number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Instruction {
-    /// A function of one number.
-    Unary(Unary, Source),
-    /// A function of two numbers.
-    Binary(Binary, Source, Source),
-    /// x^r.
-    Power(Source, f64),
-    /// The second operand where the first is not 0, otherwise the third.
-    Select(Source, Source, Source),
-    /// Derivative of some order of a curve.
-    Curve {
-        /// Its place in the list of curves.
-        curve: u32,
-        /// Order of the derivative.
-        order: u32,
-        /// Where it is taken.
-        at: Source,
-    },
-    /// One of some arguments.
-    Gather {
-        /// The first of them.
-        first: u32,
-        /// How many there are.
-        count: u32,
-        /// Which one, counted from 0.
-        at: Source,
-    },
-}
-
-/// Instructions in the order of their execution, without jumps.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Operations in the order of their execution, without jumps: those that some results of a recording are made of.
+///
+/// Nodes are places in this list.
+#[derive(Clone, Debug, Default)]
 pub struct Listing {
     /// Number of arguments.
     pub inputs: usize,
-    /// Constants.
-    pub constants: Vec<f64>,
+    /// Operations; operands come before them, what is gathered stands side by side.
+    pub operations: Vec<Operation>,
     /// Curves.
     pub curves: Vec<Arc<Curve>>,
-    /// Instructions; operands come before them.
-    pub instructions: Vec<Instruction>,
     /// Where each result is read.
-    pub outputs: Vec<Source>,
+    pub outputs: Vec<Node>,
+    /// How many operations are neither arguments nor constants.
+    pub instructions: usize,
 }
 
-impl Instruction {
-    /// Calls `f` for each operand but those that are gathered.
-    pub fn for_each_source(self, mut f: impl FnMut(Source)) {
-        match self {
-            Instruction::Unary(_, x) | Instruction::Power(x, _) => f(x),
-            Instruction::Curve { at, .. } | Instruction::Gather { at, .. } => f(at),
-            Instruction::Binary(_, x, y) => {
-                f(x);
-                f(y);
-            }
-            Instruction::Select(x, y, z) => {
-                f(x);
-                f(y);
-                f(z);
-            }
+impl Listing {
+    /// The operations that some nodes of a recording with `inputs` arguments are made of.
+    ///
+    /// # Panics
+    /// If the recording reads more arguments: a mistake of the library.
+    pub fn of(graph: &Graph, outputs: &[Node], inputs: usize) -> Self {
+        let needed = graph.needed(outputs);
+        let mut places = vec![Node(0); needed.len()];
+        let mut operations = Vec::new();
+        for ((place, &operation), _) in places.iter_mut().zip(graph.operations()).zip(&needed).filter(|(_, needed)| **needed)
+        {
+            *place = Node(operations.len() as u32);
+            operations.push(operation);
         }
+        for operation in &mut operations {
+            *operation = operation.map(|operand| places[operand.0 as usize]);
+            assert!(!matches!(*operation, Operation::Input(input) if input as usize >= inputs), "of {inputs} arguments");
+        }
+        let outputs = outputs.iter().map(|output| places[output.0 as usize]).collect();
+        let instructions = operations.iter().filter(|own| !own.is_leaf()).count();
+        Listing { inputs, operations, curves: graph.curves().to_vec(), outputs, instructions }
+    }
+
+    /// Constants, in their order.
+    pub fn constants(&self) -> impl Iterator<Item = f64> {
+        self.operations.iter().filter_map(|own| match own {
+            Operation::Constant(bits) => Some(f64::from_bits(*bits)),
+            _ => None,
+        })
+    }
+
+    /// Numbers of the operations that are executed.
+    pub fn executed(&self) -> impl DoubleEndedIterator<Item = usize> {
+        (0..self.operations.len()).filter(|&number| !self.operations[number].is_leaf())
     }
 }

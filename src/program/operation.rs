@@ -1,54 +1,19 @@
 //! What a recorded formula is made of.
 
 use crate::scalar::Scalar;
+pub use crate::scalar::Unary;
+use smallvec::SmallVec;
 
 /// A value of a recording: the place of the operation that makes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node(pub u32);
 
-/// Functions of one number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Unary {
-    /// -x.
-    Neg,
-    /// Square root.
-    Sqrt,
-    /// Exponential.
-    Exp,
-    /// Natural logarithm.
-    Ln,
-    /// Sine.
-    Sin,
-    /// Cosine.
-    Cos,
-    /// Tangent.
-    Tan,
-    /// Arc sine.
-    Asin,
-    /// Arc cosine.
-    Acos,
-    /// Arc tangent.
-    Atan,
-    /// Hyperbolic sine.
-    Sinh,
-    /// Hyperbolic cosine.
-    Cosh,
-    /// Hyperbolic tangent.
-    Tanh,
-    /// The largest integer that is not above x.
-    Floor,
-}
-
 /// Functions of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Binary {
-    /// x + y.
     Add,
-    /// x - y.
     Sub,
-    /// x y.
     Mul,
-    /// x / y.
     Div,
     /// Angle of the point with the coordinates (y, x): `x.atan2(y)` of Rust's notation.
     Atan2,
@@ -94,44 +59,43 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// Calls `f` for each operand.
-    pub fn for_each_operand(self, mut f: impl FnMut(Node)) {
+    /// The same operation on other operands; of what is gathered the first counts.
+    pub fn map(self, mut of: impl FnMut(Node) -> Node) -> Self {
         match self {
-            Operation::Input(_) | Operation::Constant(_) => {}
-            Operation::Unary(_, x) | Operation::Power(x, _) | Operation::Curve { at: x, .. } => f(x),
-            Operation::Gather { first, count, at } => {
-                (first.0..first.0 + count).for_each(|place| f(Node(place)));
-                f(at);
-            }
-            Operation::Binary(_, x, y) => {
-                f(x);
-                f(y);
-            }
-            Operation::Select(operands) => operands.into_iter().for_each(f),
+            Operation::Input(_) | Operation::Constant(_) => self,
+            Operation::Unary(function, x) => Operation::Unary(function, of(x)),
+            Operation::Binary(function, x, y) => Operation::Binary(function, of(x), of(y)),
+            Operation::Power(x, bits) => Operation::Power(of(x), bits),
+            Operation::Select(operands) => Operation::Select(operands.map(of)),
+            Operation::Curve { curve, order, at } => Operation::Curve { curve, order, at: of(at) },
+            Operation::Gather { first, count, at } => Operation::Gather { first: of(first), count, at: of(at) },
         }
     }
-}
 
-impl Unary {
-    /// The function in any scalar.
-    #[inline(always)]
-    pub fn apply<S: Scalar>(self, x: S) -> S {
-        match self {
-            Unary::Neg => -x,
-            Unary::Sqrt => x.sqrt(),
-            Unary::Exp => x.exp(),
-            Unary::Ln => x.ln(),
-            Unary::Sin => x.sin(),
-            Unary::Cos => x.cos(),
-            Unary::Tan => x.tan(),
-            Unary::Asin => x.asin(),
-            Unary::Acos => x.acos(),
-            Unary::Atan => x.atan(),
-            Unary::Sinh => x.sinh(),
-            Unary::Cosh => x.cosh(),
-            Unary::Tanh => x.tanh(),
-            Unary::Floor => x.floor(),
+    /// The operands; of what is gathered the first.
+    pub fn operands(self) -> SmallVec<[Node; 3]> {
+        let mut all = SmallVec::new();
+        self.map(|operand| {
+            all.push(operand);
+            operand
+        });
+        all
+    }
+
+    /// Calls `f` for each operand, all that are gathered among them.
+    pub fn for_each_operand(self, mut f: impl FnMut(Node)) {
+        if let Operation::Gather { first, count, .. } = self {
+            (first.0 + 1..first.0 + count).for_each(|place| f(Node(place)));
         }
+        self.map(|operand| {
+            f(operand);
+            operand
+        });
+    }
+
+    /// True for an argument of the formula and for a constant.
+    pub fn is_leaf(self) -> bool {
+        matches!(self, Operation::Input(_) | Operation::Constant(_))
     }
 }
 
@@ -148,12 +112,5 @@ impl Binary {
             Binary::Less => x.less(y),
             Binary::Vanishing => x.vanishing_times(y),
         }
-    }
-}
-
-impl Operation {
-    /// True for an argument of the formula.
-    pub fn is_input(self) -> bool {
-        matches!(self, Operation::Input(_))
     }
 }

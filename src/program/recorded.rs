@@ -72,6 +72,11 @@ fn with_graph<T>(f: impl FnOnce(&mut Graph) -> T) -> T {
     })
 }
 
+/// Takes a note in the recording, if there is one.
+fn note(f: impl FnOnce(&mut Recording)) {
+    RECORDING.with_borrow_mut(|recording| recording.as_mut().map_or((), f));
+}
+
 impl Recorded {
     /// The number as a node of the recording it belongs to.
     pub fn node(self, graph: &mut Graph) -> Node {
@@ -98,16 +103,20 @@ impl Recorded {
         if self.place == CONSTANT {
             return;
         }
-        RECORDING.with_borrow_mut(|recording| {
-            if let Some(recording) = recording {
-                recording.looked = true;
-            }
-        });
+        note(|recording| recording.looked = true);
     }
 
     /// The value at the recording's arguments: what scenes are built from.
     pub fn number(self) -> f64 {
         self.value
+    }
+
+    /// A node of the recording, whose value is not known unless it is a constant.
+    fn of(graph: &Graph, node: Node) -> Self {
+        match graph.constant_of(node) {
+            Some(value) => Recorded::from(value),
+            None => Recorded { value: f64::NAN, place: node.0 },
+        }
     }
 
     fn made(value: f64, operation: impl FnOnce(&mut Graph) -> Node) -> Self {
@@ -120,14 +129,12 @@ impl Recorded {
         })
     }
 
-    // formulas of all elements are compiled with these: as calls they take half the code
-    #[inline(never)]
-    fn unary(self, function: Unary) -> Self {
-        let value = function.apply(self.value);
+    /// A function of this number, whose value is known; that of a constant is one.
+    fn function(self, value: f64, operation: impl FnOnce(&mut Graph, Node) -> Node) -> Self {
         if self.place == CONSTANT {
             return Recorded::from(value);
         }
-        Self::made(value, |graph| graph.unary(function, Node(self.place)))
+        Self::made(value, |graph| operation(graph, Node(self.place)))
     }
 
     #[inline(never)]
@@ -149,8 +156,7 @@ impl Recorded {
 }
 
 fn folded(function: Binary, number: Recorded) {
-    RECORDING.with_borrow_mut(|recording| {
-        let Some(Recording { graph, undefined, .. }) = recording else { return };
+    note(|Recording { graph, undefined, .. }| {
         let mut node = Node(number.place);
         // what is divided by may be 0, too
         if function == Binary::Div {
@@ -216,13 +222,6 @@ macro_rules! operators {
 operators!(Add, add; Sub, sub; Mul, mul; Div, div);
 assign_operators!([] Recorded);
 
-/// Functions of one number.
-macro_rules! functions {
-    ($($name:ident, $function:ident);*) => {
-        $(fn $name(self) -> Self { self.unary(Unary::$function) })*
-    };
-}
-
 impl Scalar for Recorded {
     fn value(self) -> f64 {
         self.look();
@@ -232,23 +231,16 @@ impl Scalar for Recorded {
         self.look();
         self.place == CONSTANT
     }
-    functions!(sqrt, Sqrt; exp, Exp; ln, Ln; sin, Sin; cos, Cos; tan, Tan; asin, Asin; acos, Acos; atan, Atan; sinh, Sinh; cosh, Cosh; tanh, Tanh; floor, Floor);
+    // formulas of all elements are compiled with this: as a call it takes half the code
+    #[inline(never)]
+    fn unary(self, function: Unary) -> Self {
+        self.function(self.value.unary(function), |graph, x| graph.unary(function, x))
+    }
     fn recip(self) -> Self {
         Recorded::from(1.0) / self
     }
-    fn powi(self, exponent: i32) -> Self {
-        let value = Scalar::powi(self.value, exponent);
-        if self.place == CONSTANT {
-            return Recorded::from(value);
-        }
-        Self::made(value, |graph| graph.integer_power(Node(self.place), exponent))
-    }
     fn powf(self, exponent: f64) -> Self {
-        let value = Scalar::powf(self.value, exponent);
-        if self.place == CONSTANT {
-            return Recorded::from(value);
-        }
-        Self::made(value, |graph| graph.power(Node(self.place), exponent))
+        self.function(Scalar::powf(self.value, exponent), |graph, x| graph.power(x, exponent))
     }
     fn atan2(self, other: Self) -> Self {
         self.binary(Binary::Atan2, other)
@@ -270,18 +262,10 @@ impl Scalar for Recorded {
         })
     }
     fn from_energies() {
-        RECORDING.with_borrow_mut(|recording| {
-            if let Some(recording) = recording {
-                recording.from_energies = true;
-            }
-        });
+        note(|recording| recording.from_energies = true);
     }
     fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
-        let value = curve.value(order, self.value);
-        if self.place == CONSTANT {
-            return Recorded::from(value);
-        }
-        Self::made(value, |graph| graph.on_curve(curve, order, Node(self.place)))
+        self.function(curve.value(order, self.value), |graph, x| graph.on_curve(curve, order, x))
     }
     fn gather(self, values: &[Self]) -> Self {
         let chosen = values[gathered_place(self.value, values.len())];
@@ -295,21 +279,14 @@ impl Scalar for Recorded {
     }
 }
 
-/// Goes on with a recording that has no values: `formula` gets nodes of it as numbers.
-pub fn extend<T>(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> T) -> T {
+/// Goes on with a recording: `formula` gets nodes of it as numbers, without values.
+pub fn continued(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Vec<Node> {
+    let numbers: Vec<Recorded> = nodes.iter().map(|&node| Recorded::of(graph, node)).collect();
     let own = Recording { graph: std::mem::take(graph), ..Recording::default() };
     let around = Around(RECORDING.replace(Some(own)));
-    let numbers: Vec<Recorded> = nodes
-        .iter()
-        .map(|&node| match with_graph(|graph| graph.constant_of(node)) {
-            Some(value) => Recorded::from(value),
-            None => Recorded { value: f64::NAN, place: node.0 },
-        })
-        .collect();
-    let result = formula(&numbers);
-    *graph = RECORDING.take().unwrap_or_default().graph;
-    drop(around);
-    result
+    let results = formula(&numbers);
+    *graph = end(around).graph;
+    results.into_iter().map(|result| result.node(graph)).collect()
 }
 
 /// Whether a residual that was asked for is to follow from energies.
@@ -337,22 +314,17 @@ pub fn gradient_of(outputs: &[Recorded], weights: &[Recorded], towards: &[Record
 }
 
 fn derived(derive: impl FnOnce(&mut Graph) -> Vec<Node>) -> Vec<Recorded> {
-    with_graph(|graph| {
-        let nodes = derive(graph);
-        let number = |node: Node| match graph.constant_of(node) {
-            Some(value) => Recorded::from(value),
-            None => Recorded { value: f64::NAN, place: node.0 },
-        };
-        nodes.into_iter().map(number).collect()
-    })
+    // slopes of functions are recordings themselves, for which this one has to be free
+    let mut graph = with_graph(std::mem::take);
+    let numbers = derive(&mut graph).into_iter().map(|node| Recorded::of(&graph, node)).collect();
+    with_graph(|own| *own = graph);
+    numbers
 }
 
 /// Values of recorded numbers for values of the recording's arguments.
 pub fn evaluate(values: &[f64], numbers: &[Recorded]) -> Vec<f64> {
     with_graph(|graph| {
         let nodes: Vec<Node> = numbers.iter().map(|number| number.node(graph)).collect();
-        let mut all = Vec::new();
-        graph.evaluate(values, &mut all);
-        nodes.into_iter().map(|node| all[node.0 as usize]).collect()
+        graph.values_of(&nodes, values)
     })
 }

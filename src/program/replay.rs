@@ -1,4 +1,3 @@
-use super::formula::add_nought;
 use super::graph::Graph;
 use super::operation::Node;
 use super::recorded::{Recorded, Recording, record};
@@ -17,9 +16,7 @@ impl Replay {
         let ((beside, results), Recording { mut graph, undefined, looked, .. }) = record(&[], |_| formula());
         assert!(!looked, "what is done again for other numbers cannot have looked at their values");
         let mut results: Vec<Node> = results.into_iter().map(|result| result.node(&mut graph)).collect();
-        for x in undefined.unseen(&graph, &results) {
-            add_nought(&mut graph, x, &mut results);
-        }
+        undefined.show(&mut graph, &mut results, &mut []);
         (beside, Replay { graph, results })
     }
 

@@ -1,13 +1,13 @@
-use super::listing::{Instruction, Listing, Source};
+use super::listing::Listing;
 use super::loop_code::{F64x8, LoopCode};
-use super::native::{NativeCode, Width};
+use super::native::NativeCode;
+use super::operation::Operation;
 use crate::scalar::Scalar;
 use std::cell::Cell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-static COMPILING: AtomicU64 = AtomicU64::new(0);
 static MAKING: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
@@ -19,11 +19,6 @@ thread_local! {
 fn is_looped() -> bool {
     static IS_LOOPED: OnceLock<bool> = OnceLock::new();
     *IS_LOOPED.get_or_init(|| std::env::var_os("COSTATE_PROGRAMS").is_some_and(|way| way == "loop"))
-}
-
-/// Time that this process has spent on making machine code \[s\].
-pub fn compile_time() -> f64 {
-    COMPILING.load(Ordering::Relaxed) as f64 * 1e-9
 }
 
 /// Time that this process has spent on programs \[s\]: recording formulas, deriving programs from them, and making machine code.
@@ -59,7 +54,7 @@ pub struct Program {
 }
 
 /// Numbers that programs need on the way.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ProgramWork<S> {
     slots: Vec<S>,
     lanes: Vec<F64x8>,
@@ -72,21 +67,15 @@ impl<S> Default for ProgramWork<S> {
     }
 }
 
-impl<S> Clone for ProgramWork<S> {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
 impl Program {
     /// Of a listing, with a number for each of its results.
-    pub fn new(listing: Listing, labels: Vec<u32>) -> Self {
+    pub(super) fn new(listing: Listing, labels: Vec<u32>) -> Self {
         Program { listing, labels, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
     }
 
-    /// The instructions.
-    pub fn listing(&self) -> &Listing {
-        &self.listing
+    /// How many operations are executed.
+    pub fn instructions(&self) -> usize {
+        self.listing.instructions
     }
     /// What each result is.
     pub fn labels(&self) -> &[u32] {
@@ -95,16 +84,9 @@ impl Program {
     /// Which arguments are read.
     pub fn reads(&self) -> Vec<bool> {
         let mut reads = vec![false; self.listing.inputs];
-        let mut mark = |source: Source| {
-            if let Source::Input(input) = source {
+        for operation in &self.listing.operations {
+            if let Operation::Input(input) = *operation {
                 reads[input as usize] = true;
-            }
-        };
-        self.listing.outputs.iter().for_each(|&source| mark(source));
-        for instruction in &self.listing.instructions {
-            instruction.for_each_source(&mut mark);
-            if let Instruction::Gather { first, count, .. } = *instruction {
-                (first..first + count).for_each(|input| mark(Source::Input(input)));
             }
         }
         reads
@@ -122,16 +104,13 @@ impl Program {
         self.looped.get_or_init(|| LoopCode::new(&self.listing))
     }
 
-    fn native(&self, place: usize, width: Width) -> Option<&NativeCode> {
+    fn native(&self, place: usize, lanes: usize) -> Option<&NativeCode> {
         if is_looped() {
             return None;
         }
         let compile = || {
             let _making = Making::begin();
-            let start = Instant::now();
-            let code = NativeCode::compile(&self.listing, width);
-            COMPILING.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-            code
+            NativeCode::compile(&self.listing, lanes)
         };
         self.native[place].get_or_init(compile).as_ref()
     }
@@ -143,19 +122,16 @@ impl Program {
 
     /// Executes it for one element.
     pub fn run(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
-        match self.native(0, Width::One) {
-            Some(code) => code.run(inputs, outputs, &mut work.scratch),
+        match self.native(0, 1) {
+            Some(code) => {
+                (0..code.sections()).for_each(|section| code.run_section(section, inputs, outputs, &mut work.scratch));
+            }
             None => self.looped().run(inputs, outputs, &mut work.slots),
         }
     }
 
-    /// Executes it for [`lanes`] elements, whose numbers lie side by side.
-    pub fn run_lanes(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
-        (0..self.sections()).for_each(|section| self.run_section(section, inputs, outputs, work));
-    }
-
-    /// As [`run_lanes`](Self::run_lanes), one of the [`sections`](Self::sections): those before it were executed with the same arguments,
-    /// results and workspace.
+    /// Executes one of its [`sections`](Self::sections) for [`lanes`] elements, whose numbers lie side by side: those before it were executed
+    /// with the same arguments, results and workspace.
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
         match self.native_of_lanes() {
             Some(code) => code.run_section(section, inputs, outputs, &mut work.scratch),
@@ -172,12 +148,7 @@ impl Program {
     }
 
     fn native_of_lanes(&self) -> Option<&NativeCode> {
-        let width = match lanes() {
-            2 => Width::Two,
-            4 => Width::Four,
-            _ => Width::Eight,
-        };
-        self.native(1, width)
+        self.native(1, lanes())
     }
 }
 
@@ -185,5 +156,5 @@ impl Program {
 /// has AVX2 but not AVX-512, otherwise 8.
 pub fn lanes() -> usize {
     static LANES: OnceLock<usize> = OnceLock::new();
-    *LANES.get_or_init(|| NativeCode::widest().map(Width::lanes).filter(|&lanes| lanes > 1).unwrap_or(8))
+    *LANES.get_or_init(|| NativeCode::most_lanes().filter(|&lanes| lanes > 1).unwrap_or(8))
 }

@@ -5,6 +5,7 @@
 
 use super::running::ProgramWork;
 use super::switches::{Side, Switches};
+use std::ops::Range;
 
 /// A time at which a switch changes sides, g(t, p) = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +50,17 @@ struct At {
     numbers: Vec<f64>,
 }
 
+/// Neighbouring times between two, of which the second is the first that is behind something.
+fn neighbours([mut low, mut high]: [f64; 2], mut is_behind: impl FnMut(f64) -> bool) -> [f64; 2] {
+    loop {
+        let middle = 0.5 * (low + high);
+        if !(low < middle && middle < high) {
+            return [low, high];
+        }
+        *(if is_behind(middle) { &mut high } else { &mut low }) = middle;
+    }
+}
+
 struct Search<'s> {
     switches: &'s Switches,
     inputs: Vec<f64>,
@@ -76,19 +88,22 @@ impl Search<'_> {
     /// Finds what changes between two times.
     fn between(&mut self, before: &At, after: &At) -> Result<(), String> {
         let switches = self.switches;
-        let changing: Vec<(&Side, usize)> = switches.changing(&before.numbers, &after.numbers).collect();
+        let changing: Vec<_> = switches.changing(&before.numbers, &after.numbers).collect();
         if changing.is_empty() {
             return match self.turning_point(before, after) {
                 Some(turn) => self.between(before, &turn).and_then(|()| self.between(&turn, after)),
                 None => Ok(()),
             };
         }
-        let first = changing.into_iter().map(|(side, first)| self.place(side, first, before, after.t));
-        let t = first.fold(f64::INFINITY, f64::min);
+        let first_time = |(side, own): (&Side, Range<usize>)| {
+            let at_start = &before.numbers[own.clone()];
+            neighbours([before.t, after.t], |t| side.has_changed(at_start, &self.at(t).numbers[own.clone()]))[1]
+        };
+        let t = changing.into_iter().map(first_time).fold(f64::INFINITY, f64::min);
         let [last, first] = [t.next_down(), t].map(|t| self.at(t));
         self.between(before, &last)?;
-        for (side, place) in switches.changing(&last.numbers, &first.numbers) {
-            if let Some(gradient) = self.gradient(side, place, [&last, &first]) {
+        for (side, own) in switches.changing(&last.numbers, &first.numbers) {
+            if let Some(gradient) = self.gradient(side, own, [&last, &first]) {
                 self.found.push(SwitchTime { t, gradient });
             }
         }
@@ -98,38 +113,18 @@ impl Search<'_> {
         self.between(&first, after)
     }
 
-    /// The first time at which a side is another one than before.
-    fn place(&mut self, side: &Side, first: usize, before: &At, end: f64) -> f64 {
-        let own = first..first + side.count();
-        let (mut low, mut high) = (before.t, end);
-        loop {
-            let middle = 0.5 * (low + high);
-            if !(low < middle && middle < high) {
-                return high;
-            }
-            let numbers = &self.at(middle).numbers[own.clone()];
-            *(if side.has_changed(&before.numbers[own.clone()], numbers) { &mut high } else { &mut low }) = middle;
-        }
-    }
-
     /// A time between two at which a number turns back on another side.
     fn turning_point(&mut self, before: &At, after: &At) -> Option<At> {
         let switches = self.switches;
         let [at_start, at_end] = [before.t, after.t].map(|t| self.rates(t, self.times));
-        for (side, first) in switches.sides() {
-            let rate = |rates: &[f64]| side.number(&rates[first..first + side.count()]);
+        for (side, own) in switches.sides() {
+            let rate = |rates: &[f64]| side.number(&rates[own.clone()]);
             if !(rate(&at_start) * rate(&at_end) < 0.0) {
                 continue;
             }
-            let (mut low, mut high) = (before.t, after.t);
-            while let middle = 0.5 * (low + high)
-                && low < middle
-                && middle < high
-            {
-                let is_before = rate(&self.rates(middle, self.times)) * rate(&at_start) > 0.0;
-                *(if is_before { &mut low } else { &mut high }) = middle;
-            }
-            for turn in [low, high].map(|t| self.at(t)) {
+            let has_turned = |t: f64| !(rate(&self.rates(t, self.times)) * rate(&at_start) > 0.0);
+            let turns = neighbours([before.t, after.t], has_turned);
+            for turn in turns.map(|t| self.at(t)) {
                 if turn.t > before.t && turn.t < after.t && switches.change(&before.numbers, &turn.numbers) {
                     return Some(turn);
                 }
@@ -140,8 +135,7 @@ impl Search<'_> {
 
     /// dt/dp of a switch between two neighbouring times; `None` where its number does not pass through zero but leaps over it, because another
     /// switch changes sides then.
-    fn gradient(&mut self, side: &Side, first: usize, ends: [&At; 2]) -> Option<Vec<(usize, f64)>> {
-        let own = first..first + side.count();
+    fn gradient(&mut self, side: &Side, own: Range<usize>, ends: [&At; 2]) -> Option<Vec<(usize, f64)>> {
         let [before, after] = ends.map(|end| &end.numbers[own.clone()]);
         let rates = ends.map(|end| side.number(&self.rates(end.t, self.times)[own.clone()]));
         let place = usize::from(rates[1].abs() > rates[0].abs());
@@ -164,8 +158,8 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::program::{ArgumentKind, Formula, Reads, Recorded};
     use crate::scalar::{Curve, Interpolant, Scalar};
+    use crate::{ArgumentKind, Formula, Reads, Recorded};
 
     /// A law of the time and a parameter, and its switches for a parameter of 0.3 with their derivatives by it.
     type Law = (&'static str, fn(Recorded, Recorded) -> Recorded, Vec<(f64, f64)>);

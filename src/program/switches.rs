@@ -1,12 +1,13 @@
 //! Where a formula passes from one piece to another.
 
-use super::formula::{Codes, Formula, ProgramKind};
+use super::formula::{Codes, Formula};
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
 use crate::scalar::Curve;
 use smallvec::smallvec;
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What tells on which side of a switch a formula is, from some results of the program of its switches.
@@ -103,11 +104,10 @@ impl Formula {
             let seeds: Vec<(Node, Node)> = x[..count].iter().copied().zip(x[count..].iter().copied()).collect();
             graph.forward(results, &seeds)
         };
-        let rates = self.dense_program((ProgramKind::SwitchRates, Codes::from_slice(&code)), count, |graph, x, _| {
-            along(graph, x, &nodes)
-        });
-        let program = self.dense_program((ProgramKind::Switches, Codes::from_slice(&code)), 0, |_, _, _| nodes);
-        let course = self.dense_program((ProgramKind::Course, smallvec![]), count, |graph, x, outputs| {
+        let rates =
+            self.dense_program(("switch rates", Codes::from_slice(&code)), count, |graph, x, _| along(graph, x, &nodes));
+        let program = self.dense_program(("switches", Codes::from_slice(&code)), 0, |_, _, _| nodes);
+        let course = self.dense_program(("course", smallvec![]), count, |graph, x, outputs| {
             let rates = along(graph, x, outputs);
             outputs.iter().copied().chain(rates).collect()
         });
@@ -131,27 +131,28 @@ impl<'g> Conditions<'g> {
         (reads, lengths): (Reads, bool),
     ) -> (Vec<Side>, Vec<Node>) {
         let needed = graph.needed(outputs);
+        let operations = &graph.operations()[..needed.len()];
         let depends_on = |arguments: &[bool]| {
-            let mut depends = Vec::with_capacity(needed.len());
-            for operation in &graph.operations()[..needed.len()] {
-                let mut any = matches!(operation, Operation::Input(index) if arguments.get(*index as usize) == Some(&true));
-                operation.for_each_operand(|operand| any |= depends[operand.0 as usize]);
-                depends.push(any);
-            }
-            depends
+            let is_among = |input: u32| arguments.get(input as usize) == Some(&true);
+            let is_one = |own: &Operation| matches!(*own, Operation::Input(input) if is_among(input));
+            graph.depending_on(operations.iter().map(is_one).collect(), &needed)
         };
         let (moves, is_excluded) = (depends_on(moved_by), depends_on(excluded));
         let counts = |node: Node| moves[node.0 as usize] && !is_excluded[node.0 as usize];
         let mut own = Conditions { graph, sides: Vec::new(), nodes: Vec::new() };
-        for (place, &operation) in graph.operations()[..needed.len()].iter().enumerate().filter(|(place, _)| needed[*place])
-        {
+        for (place, &operation) in operations.iter().enumerate().filter(|(place, _)| needed[*place]) {
             match operation {
                 Operation::Binary(Binary::Less, x, y) if counts(Node(place as u32)) => own.add(Side::Order, &[x, y]),
                 Operation::Unary(Unary::Floor, x) if counts(x) => own.add(Side::Whole, &[x]),
                 Operation::Unary(Unary::Tan, x) if counts(x) => {
                     own.add(Side::HalfTurn { of_cosine: true }, &[x]);
                 }
-                Operation::Unary(Unary::Asin | Unary::Acos, x) if counts(x) => own.add_turns(x),
+                // asin(sin u) and acos(cos u) bend where the inner slope vanishes
+                Operation::Unary(Unary::Asin | Unary::Acos, x) if counts(x) => match graph.operation(x) {
+                    Operation::Unary(Unary::Sin, u) => own.add(Side::HalfTurn { of_cosine: true }, &[u]),
+                    Operation::Unary(Unary::Cos, u) => own.add(Side::HalfTurn { of_cosine: false }, &[u]),
+                    _ => {}
+                },
                 Operation::Binary(Binary::Atan2, y, x) if counts(Node(place as u32)) => own.add(Side::Angle, &[y, x]),
                 Operation::Curve { curve, at, .. } if counts(at) => {
                     let curve = &graph.curves()[curve as usize];
@@ -185,13 +186,6 @@ impl<'g> Conditions<'g> {
             self.sides.push(side);
             self.nodes.extend(numbers);
         }
-    }
-
-    /// Adds the turning points of an arc sine or cosine of a sine or cosine.
-    fn add_turns(&mut self, of: Node) {
-        let Operation::Unary(inner @ (Unary::Sin | Unary::Cos), x) = self.graph.operation(of) else { return };
-        // asin(sin u) and acos(cos u) bend where the inner slope vanishes
-        self.add(Side::HalfTurn { of_cosine: inner == Unary::Sin }, &[x]);
     }
 
     /// Adds the factors of a product that may pass through zero.
@@ -329,15 +323,15 @@ impl Way<'_> {
         &self.numbers
     }
 
-    /// Shares of the way between which a switch changes sides, whose numbers stand from `first` on: no further apart than a width, or neighbours.
+    /// Shares of the way between which a switch changes sides, whose own numbers stand at some places: no further apart than a width, or neighbours.
     ///
     /// Where numbers tell how far the switch is, the next share is that of the straight line through both ends, moved towards the middle so that it
     /// falls to either side; round-off hides the last digits of where that is, so that it is moved further each time it falls short.
     ///
     /// Source: Oliveira & Takahashi, ACM Trans. Math. Softw. 47 (2020), "An enhancement of the bisection method average performance preserving
     /// minmax optimality".
-    fn place(&mut self, side: &Side, first: usize, [before, after]: [&[f64]; 2], most: f64) -> Option<(f64, f64)> {
-        let own = first..first + side.count();
+    fn place(&mut self, side: &Side, own: Range<usize>, ends: [&[f64]; 2], most: f64) -> Option<(f64, f64)> {
+        let [before, after] = ends.map(|numbers| &numbers[own.clone()]);
         let (mut ends, mut hidden) = ([0.0, 1.0], HIDDEN);
         let mut excess = [before, after].map(|numbers| side.excess(before, numbers, after));
         for evaluation in 0..BY_NUMBERS + BY_HALVES {
@@ -370,23 +364,22 @@ impl Way<'_> {
     fn kind_at(
         &mut self,
         side: &Side,
-        first: usize,
+        own: Range<usize>,
         (low, high): (f64, f64),
         known: Option<SwitchKind>,
     ) -> Option<SwitchKind> {
         let Way { switches, from, to, .. } = *self;
-        let (change, at_low) = if let Side::Direction(count) = *side {
+        let (change, at_low) = if let Side::Direction(_) = side {
             let middle = 0.5 * (low + high);
             let reversed = |near: &f64| {
-                let [a, b] =
-                    [middle - near, middle + near].map(|share| self.numbers_at(share)[first..first + count].to_vec());
+                let [a, b] = [middle - near, middle + near].map(|share| self.numbers_at(share)[own.clone()].to_vec());
                 side.changes(&a, &b)
             };
             let near = NEAR.into_iter().find(reversed)?;
             let [mut short, long] =
                 [1.0, 2.0].map(|times| switches.change_between((from, to), middle - times * near, middle + times * near));
             // what is smooth changes twice as much over twice the way
-            for (short, long) in [(&mut short.value, long.value), (&mut short.slope, long.slope)] {
+            for (short, long) in short.changes.iter_mut().zip(long.changes) {
                 *short = if *short > 0.75 * long { *short } else { 0.0 };
             }
             (short, middle - near)
@@ -437,12 +430,12 @@ impl Switches {
         self.changing(before, after).next().is_some()
     }
 
-    /// All sides, with the places of their first numbers.
-    pub(super) fn sides(&self) -> impl Iterator<Item = (&Side, usize)> {
-        let mut first = 0;
+    /// All sides, with the places of their numbers.
+    pub(super) fn sides(&self) -> impl Iterator<Item = (&Side, Range<usize>)> {
+        let mut end = 0;
         self.sides.iter().map(move |side| {
-            first += side.count();
-            (side, first - side.count())
+            end += side.count();
+            (side, end - side.count()..end)
         })
     }
 
@@ -453,11 +446,12 @@ impl Switches {
         rates
     }
 
-    pub(super) fn changing<'s>(&'s self, before: &'s [f64], after: &'s [f64]) -> impl Iterator<Item = (&'s Side, usize)> {
-        self.sides().filter(|(side, first)| {
-            let own = *first..first + side.count();
-            side.changes(&before[own.clone()], &after[own])
-        })
+    pub(super) fn changing<'s>(
+        &'s self,
+        before: &'s [f64],
+        after: &'s [f64],
+    ) -> impl Iterator<Item = (&'s Side, Range<usize>)> {
+        self.sides().filter(|(side, own)| side.changes(&before[own.clone()], &after[own.clone()]))
     }
 
     /// Shares of the straight way between two lists of arguments between which a switch is on another side that is on the same one at both ends:
@@ -476,25 +470,21 @@ impl Switches {
             rates[place].resize(self.rates.outputs(), 0.0);
             self.rates.run(inputs, &mut rates[place], work);
         }
-        let has_changed = |side: &Side, first: usize| {
-            let own = first..first + side.count();
-            side.changes(&before[own.clone()], &after[own])
-        };
-        for (side, first) in self.sides() {
-            let own = first..first + side.count();
+        for (side, own) in self.sides() {
             let [start, end] = [0, 1].map(|place| side.number(&rates[place][own.clone()]));
-            let number = side.number(&before[own.clone()]);
+            let first = &before[own.clone()];
+            let number = side.number(first);
             // of a parabola
             let turn = start / (start - end);
             let [there, beyond] = [0.5 * start * turn, start].map(|change| [number + change, 0.0]);
-            let excess = |numbers: &[f64]| side.excess(&before[own.clone()], numbers, &beyond);
-            let turn = match has_changed(side, first) {
-                true => self.way(from, to).place(side, first, [&before[own.clone()], &after[own]], ROUGHLY).map(|own| own.0),
+            let excess = |numbers: &[f64]| side.excess(first, numbers, &beyond);
+            let turn = match side.changes(first, &after[own.clone()]) {
+                true => self.way(from, to).place(side, own, [before, after], ROUGHLY).map(|place| place.0),
                 // it comes half as near again to the end of its side
                 false if start * end < 0.0 && excess(&there)? > 0.5 * excess(&[number, 0.0])? => Some(turn),
                 false => None,
             };
-            if let Some(found) = turn.and_then(|turn| self.passed_at(turn, [from, to], [before, after], has_changed)) {
+            if let Some(found) = turn.and_then(|turn| self.passed_at(turn, [from, to], [before, after])) {
                 return Some(found);
             }
         }
@@ -502,20 +492,13 @@ impl Switches {
     }
 
     /// Where a switch is on another side about a share of the way, if it is there.
-    fn passed_at(
-        &self,
-        turn: f64,
-        [from, to]: [&[f64]; 2],
-        [before, after]: [&[f64]; 2],
-        has_changed: impl Fn(&Side, usize) -> bool,
-    ) -> Option<[f64; 2]> {
+    fn passed_at(&self, turn: f64, [from, to]: [&[f64]; 2], [before, after]: [&[f64]; 2]) -> Option<[f64; 2]> {
         let mut way = self.way(from, to);
-        let numbers = way.numbers_at(turn).to_vec();
-        let (side, first) = self.changing(before, &numbers).find(|(side, first)| !has_changed(side, *first))?;
-        let own = first..first + side.count();
-        let [before, turned, after] = [before, &numbers, after].map(|numbers| &numbers[own.clone()]);
-        let enters = self.way(from, &way.inputs).place(side, first, [before, turned], ROUGHLY)?.0;
-        let leaves = self.way(&way.inputs, to).place(side, first, [turned, after], ROUGHLY)?.0;
+        let turned = way.numbers_at(turn).to_vec();
+        let stays = |side: &Side, own: &Range<usize>| !side.changes(&before[own.clone()], &after[own.clone()]);
+        let (side, own) = self.changing(before, &turned).find(|(side, own)| stays(side, own))?;
+        let enters = self.way(from, &way.inputs).place(side, own.clone(), [before, &turned], ROUGHLY)?.0;
+        let leaves = self.way(&way.inputs, to).place(side, own, [&turned, after], ROUGHLY)?.0;
         Some([enters * turn, turn + leaves * (1.0 - turn)])
     }
 
@@ -526,19 +509,17 @@ impl Switches {
     /// How the results change where switches change sides on the straight way between two lists of arguments: the worst, if it is worse than what
     /// is known; `None` where they go on smoothly, as where one series takes over from another.
     pub fn kind(&self, from: &[f64], to: &[f64], known: Option<SwitchKind>) -> Option<SwitchKind> {
-        let mut work = ProgramWork::default();
+        let mut way = self.way(from, to);
         let [before, after] = [from, to].map(|inputs| {
             let mut numbers = Vec::new();
-            self.evaluate(inputs, &mut numbers, &mut work);
+            self.evaluate(inputs, &mut numbers, &mut way.work);
             numbers
         });
-        let mut way = Way { switches: self, from, to, inputs: Vec::new(), numbers: Vec::new(), work };
         let mut worst = known;
-        for (side, first) in self.changing(&before, &after) {
-            let own = first..first + side.count();
+        for (side, own) in self.changing(&before, &after) {
             let mut kind_within = |width: f64, known: Option<SwitchKind>| {
-                let place = way.place(side, first, [&before[own.clone()], &after[own.clone()]], width);
-                place.and_then(|place| way.kind_at(side, first, place, known))
+                let place = way.place(side, own.clone(), [&before, &after], width);
+                place.and_then(|place| way.kind_at(side, own.clone(), place, known))
             };
             // jumps show from further away, too, where two that are round-off apart may be one; next to a kink nothing else counts
             let mut kind = kind_within(ROUGHLY, Some(SwitchKind::Kink));
@@ -568,10 +549,9 @@ impl Switches {
         // where a motion begins smoothly both are nothing
         for place in 0..=TIMES {
             let inputs = at(end * f64::from(place) / f64::from(TIMES));
-            let Change { value_size, slope_size, .. } = self.change_from([&inputs, &inputs], &direction);
-            if value_size.is_finite() && slope_size.is_finite() {
-                change.value_size = change.value_size.max(value_size);
-                change.slope_size = change.slope_size.max(slope_size);
+            let sizes = self.change_from([&inputs, &inputs], &direction).sizes;
+            if sizes.into_iter().all(f64::is_finite) {
+                change.sizes = [0, 1].map(|k| change.sizes[k].max(sizes[k]));
             }
         }
         change.kind(None, || self.terms(&before))
@@ -605,37 +585,32 @@ impl Switches {
             results
         });
         let count = below.len() / 2;
-        let change = |own: std::ops::Range<usize>| largest(own.map(|k| above[k] - below[k]));
-        let size = |own: std::ops::Range<usize>| largest(own.flat_map(|k| [above[k], below[k]]));
-        let (values, slopes) = (0..count, count..2 * count);
+        let parts = [0..count, count..2 * count];
         Change {
-            value: change(values.clone()),
-            slope: change(slopes.clone()),
-            value_size: size(values),
-            slope_size: size(slopes),
+            changes: parts.clone().map(|own| largest(own.map(|k| above[k] - below[k]))),
+            sizes: parts.map(|own| largest(own.flat_map(|k| [above[k], below[k]]))),
         }
     }
 }
 
 /// Changes of results and of their slopes between two places, and sizes there.
 struct Change {
-    value: f64,
-    slope: f64,
-    value_size: f64,
-    slope_size: f64,
+    changes: [f64; 2],
+    sizes: [f64; 2],
 }
 
 impl Change {
     /// What it is, beside the terms of the results; next to a kink that is known only a jump is asked for. Where even without terms it is
     /// nothing, these are not asked for: they take a run for each argument.
     fn kind(&self, known: Option<SwitchKind>, terms: impl FnOnce() -> f64) -> Option<SwitchKind> {
+        let ([value, slope], [value_size, slope_size]) = (self.changes, self.sizes);
         let kind = |values: f64| match () {
-            () if self.value > JUMP * values => Some(SwitchKind::Jump),
+            () if value > JUMP * values => Some(SwitchKind::Jump),
             // slopes that are nothing beside their values are round-off
-            () if self.slope > KINK * (self.slope_size + KINK * values) => Some(SwitchKind::Kink),
+            () if slope > KINK * (slope_size + KINK * values) => Some(SwitchKind::Kink),
             () => None,
         };
-        let values = self.value_size + self.slope_size;
+        let values = value_size + slope_size;
         if kind(values) <= known { None } else { kind(values + ROUND_OFF * terms()) }
     }
 }
@@ -648,8 +623,8 @@ pub fn between(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::{ArgumentKind, Recorded};
     use crate::scalar::{Interpolant, Scalar};
+    use crate::{ArgumentKind, Recorded};
 
     /// A law of x by its name, the place of a switch of it on the way from 0 to 1, and what that does.
     type Law = (&'static str, fn(Recorded) -> Recorded, f64, Option<SwitchKind>);
@@ -681,9 +656,10 @@ mod tests {
                 switches.evaluate(&[x], &mut numbers, &mut work);
                 numbers
             });
-            let mut way = Way { switches: &switches, from: &[0.0], to: &[1.0], inputs: vec![], numbers: vec![], work };
-            let [(side, 0)] = switches.changing(&before, &after).collect::<Vec<_>>()[..] else { panic!("{name}: one side") };
-            let (low, high) = way.place(side, 0, [&before, &after], 0.0).expect("a place");
+            let mut way = switches.way(&[0.0], &[1.0]);
+            let changing: Vec<_> = switches.changing(&before, &after).collect();
+            let [(side, own)] = &changing[..] else { panic!("{name}: one side") };
+            let (low, high) = way.place(side, own.clone(), [&before, &after], 0.0).expect("a place");
             assert!(low < high && [low, high].contains(&(0.5 * (low + high))), "{name}: {low:e} {high:e}");
             let sides = [low, high].map(|share| side.has_changed(&before, way.numbers_at(share)));
             assert_eq!(sides, [false, true], "{name}");

@@ -1,7 +1,6 @@
 //! What the tables of a formula are read at.
 
-use super::arguments::ArgumentKind;
-use super::formula::{Formula, ProgramKind};
+use super::formula::Formula;
 use super::graph::Graph;
 use super::operation::{Node, Operation};
 use super::running::Program;
@@ -16,14 +15,13 @@ impl Formula {
     ///
     /// A table of time that stays constant beyond an end has none there: that is how loads are switched on and off.
     pub fn table_arguments(&self) -> Option<(Vec<TableRange>, Arc<Program>)> {
-        let kinds = self.arguments().kinds().iter().flat_map(|&(kind, count)| std::iter::repeat_n(kind, count));
-        let is_time: Vec<bool> = kinds.map(|kind| kind == ArgumentKind::Time).collect();
+        let is_time = self.arguments().of_time();
         let found = self.inspect(|graph, outputs| arguments(graph, outputs, &is_time));
         if found.is_empty() {
             return None;
         }
         let (nodes, ranges): (Vec<Node>, Vec<TableRange>) = found.into_iter().unzip();
-        Some((ranges, self.dense_program((ProgramKind::TableArguments, smallvec![]), 0, |_, _, _| nodes)))
+        Some((ranges, self.dense_program(("table arguments", smallvec![]), 0, |_, _, _| nodes)))
     }
 }
 

@@ -23,26 +23,26 @@ impl Undefined {
         self.folded[place] = true;
     }
 
-    /// The operations that may make an x undefined, where no result would be.
-    pub fn unseen(mut self, graph: &Graph, results: &[Node]) -> Vec<Node> {
-        let operations = graph.operations();
-        // what a choice may leave aside is undefined there with good reason
-        let mut aside = vec![false; operations.len()];
-        for index in (0..operations.len()).rev() {
-            let operation = operations[index];
-            if let Operation::Select([_, then, otherwise]) = operation {
-                [then, otherwise].into_iter().for_each(|side| aside[side.0 as usize] = true);
-            }
-            if let Operation::Binary(Binary::Vanishing, _, factor) = operation {
-                aside[factor.0 as usize] = true;
-            }
-            if aside[index] {
-                operation.for_each_operand(|operand| aside[operand.0 as usize] = true);
-            }
-            if self.folded.get(index) == Some(&true) {
-                operation.for_each_operand(|operand| self.folded[operand.0 as usize] = true);
+    /// Adds what is undefined with an x, where no result would be, to one of the results, and to one of `more`: one that is no constant
+    /// where there is one.
+    pub fn show(self, graph: &mut Graph, results: &mut [Node], more: &mut [Node]) {
+        for x in self.unseen(graph, results) {
+            for list in [&mut *results, &mut *more] {
+                let moving = list.iter().position(|node| graph.constant_of(*node).is_none());
+                if let Some(result) = list.get_mut(moving.unwrap_or(0)) {
+                    let nought = graph.nought(x);
+                    *result = graph.add(*result, nought);
+                }
             }
         }
+    }
+
+    /// The operations that may make an x undefined, where no result would be.
+    fn unseen(self, graph: &Graph, results: &[Node]) -> Vec<Node> {
+        let operations = graph.operations();
+        // what a choice may leave aside is undefined there with good reason
+        let aside = graph.perhaps_left_aside(&vec![true; operations.len()]);
+        let folded = graph.made_of(self.folded);
         let shown = [true, false].map(|infinite| shown(graph, results, infinite));
         let is_shown = |index: usize, infinite: bool| shown[1][index] && (shown[0][index] || !infinite);
         // quotients of the same denominator are undefined together
@@ -52,9 +52,9 @@ impl Undefined {
             let Some(infinite) = undefined(operations[*index], graph) else { return false };
             let is_seen =
                 is_shown(*index, infinite) || denominator(operations[*index]).is_some_and(|own| denominators.contains(&own));
-            self.folded[*index] && !aside[*index] && !is_seen
+            folded[*index] && !aside[*index] && !is_seen
         };
-        (0..self.folded.len()).filter(is_unseen).map(|index| Node(index as u32)).collect()
+        (0..folded.len()).filter(is_unseen).map(|index| Node(index as u32)).collect()
     }
 }
 
@@ -110,8 +110,8 @@ fn passed_on(operation: Operation, infinite: bool, mut shown: impl FnMut(Node)) 
 
 #[cfg(test)]
 mod tests {
-    use crate::program::{Formula, ProgramWork, Recorded};
     use crate::scalar::Scalar;
+    use crate::{Formula, ProgramWork, Recorded};
 
     /// A formula of one number, in two scalars.
     type Pair = (fn(f64) -> f64, fn(Recorded) -> Recorded);

@@ -36,7 +36,7 @@ pub fn fingerprint(
             (number.number().to_bits(), number.node(&mut graph)).hash(&mut digest);
         }
     }
-    graph.hash_first(graph.operations().len(), &mut digest);
+    graph.hash(&mut digest);
     whole_number(&digest)
 }
 

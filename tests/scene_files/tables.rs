@@ -179,7 +179,7 @@ fn a_table_is_one_look_up_however_long_it_is() {
         let of_design = Formula::record(arguments, |x: &[Recorded]| vec![table.value(x[0], &x[1..])]).unwrap();
         let curve = TimeFunction::curve(&times, &values, way).expect("sound");
         let fixed = Formula::record(arguments, |x: &[Recorded]| vec![curve.value(x[0], &[])]).unwrap();
-        [of_design, fixed].map(|formula| formula.values().listing().instructions.len())
+        [of_design, fixed].map(|formula| formula.values().instructions())
     };
     for (name, way) in WAYS {
         let [few, many] = [10, 5000].map(|count| instructions(count, way));

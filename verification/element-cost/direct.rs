@@ -3,7 +3,7 @@
 use super::timing::{Measured, least, number, repeated};
 use super::user::{UserBeam, UserRevolute};
 use costate::elements::{Constraint, Element, Flexible};
-use costate::internals::{Formula, Node, ProgramKind, Recorded};
+use costate::internals::{Formula, Node, Recorded};
 use costate::prelude::Scalar;
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;
@@ -40,7 +40,7 @@ fn times(
         out
     });
     let formula = formula.unwrap_or_else(|why| panic!("a formula without branches: {why}"));
-    let program = formula.dense_program((ProgramKind::Own(1), Default::default()), 0, |graph, x, outputs| {
+    let program = formula.dense_program(("own 1", Default::default()), 0, |graph, x, outputs| {
         let one = graph.constant(1.0);
         let rows = outputs.iter().map(|&output| graph.reverse(&[output], &[one], &x[..moving]));
         rows.collect::<Vec<Vec<Node>>>().concat()

@@ -125,7 +125,7 @@ fn find<'i>(items: &'i [Item], name: &str) -> Result<&'i Item, String> {
 /// Operations of users' elements by those of their models in the library.
 fn compare_operations(report: &mut Report, items: &[Item]) -> Result<(), String> {
     for (user, model) in items::of_users() {
-        let count = |all: &[Arc<Program>; 4]| all.each_ref().map(|program| program.listing().instructions.len() as f64);
+        let count = |all: &[Arc<Program>; 4]| all.each_ref().map(|program| program.instructions() as f64);
         let [own, other] = [count(&programs(&user)), count(&programs(find(items, model)?))];
         for ((what, own), other) in PROGRAMS.iter().zip(own).zip(other) {
             report.compare(format!("{}/operations, {what}", user.name), own, other, 0.0);

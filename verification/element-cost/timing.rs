@@ -5,8 +5,8 @@ use crate::Clock;
 use costate::elements::NodeKind;
 use costate::internals::{
     Codes, ConstraintPhysics, ElementPhysics, Equations, Formula, Graph, Jacobian, Level, Model, Node, PartPrograms,
-    Program, ProgramKind, ProgramWork, Residual, RunScalar, StageCoefficients, StageSystem, System, SystemOptions,
-    VectorsAvq, compile_time, lanes, motion_derivatives,
+    Program, ProgramWork, Residual, RunScalar, StageCoefficients, StageSystem, System, SystemOptions, VectorsAvq, lanes,
+    making_time, motion_derivatives,
 };
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;
@@ -87,7 +87,11 @@ pub fn repeated(program: &Program, wide: bool) -> Measured<'_> {
     let mut work = ProgramWork::default();
     Measured::new(move || {
         let (inputs, outputs) = (inputs.all(counts[0]), outputs.all(counts[1]));
-        if wide { program.run_lanes(inputs, outputs, &mut work) } else { program.run(inputs, outputs, &mut work) }
+        if wide {
+            (0..program.sections()).for_each(|section| program.run_section(section, inputs, outputs, &mut work));
+        } else {
+            program.run(inputs, outputs, &mut work);
+        }
     })
 }
 
@@ -103,12 +107,12 @@ pub struct ProgramCost {
 
 impl ProgramCost {
     pub fn of(program: &Program) -> Self {
-        let before = compile_time();
+        let before = making_time();
         let all = [repeated(program, false), repeated(program, true)];
-        let compiling = 1e3 * (compile_time() - before);
+        let compiling = 1e3 * (making_time() - before);
         let [one, wide] = least(all, MEASUREMENTS);
         let times = [1e6 * one, 1e6 * wide / lanes() as f64];
-        ProgramCost { operations: program.listing().instructions.len(), times, compiling }
+        ProgramCost { operations: program.instructions(), times, compiling }
     }
 }
 
@@ -245,7 +249,7 @@ fn second(graph: &mut Graph, (outputs, weights): (&[Node], &[Node]), towards: &[
 fn second_of_element(physics: &ElementPhysics) -> Arc<Program> {
     let n = physics.dof_count();
     let formula: &Formula = physics.residual();
-    formula.dense_program((ProgramKind::Own(1), Codes::new()), 4 * n, |graph, inputs, outputs| {
+    formula.dense_program(("own 1", Codes::new()), 4 * n, |graph, inputs, outputs| {
         let (lambda, z) = inputs[formula.inputs..].split_at(n);
         second(graph, (outputs, lambda), &inputs[..3 * n], z)
     })
@@ -255,7 +259,7 @@ fn second_of_element(physics: &ElementPhysics) -> Arc<Program> {
 fn second_of_constraint(physics: &ConstraintPhysics) -> Arc<Program> {
     let (n, count, is_nonholonomic) = (physics.dof_count(), physics.equation_count(), physics.is_nonholonomic());
     let formula: &Formula = physics.formula();
-    formula.dense_program((ProgramKind::Own(1), Codes::new()), 5 * n + 3 * count, |graph, inputs, outputs| {
+    formula.dense_program(("own 1", Codes::new()), 5 * n + 3 * count, |graph, inputs, outputs| {
         let (v, q, time) = (&inputs[..n], &inputs[n..2 * n], inputs[formula.inputs - 1]);
         let (own, rest) = inputs[formula.inputs..].split_at(n + count);
         let (a, mu) = own.split_at(n);

@@ -145,7 +145,7 @@ fn cost(report: &mut Report) -> Result<(), String> {
         let table = Table::new(&times, Interpolant::Monotone)?;
         let arguments = [(ArgumentKind::Time, 1), (ArgumentKind::Parameter, table.numbers(&values).len())];
         let formula = Formula::record(arguments, |x: &[Recorded]| vec![table.value(x[0], &x[1..])])?;
-        operations.push(formula.values().listing().instructions.len() as f64);
+        operations.push(formula.values().instructions() as f64);
     }
     for (count, own) in counts.iter().zip(&operations) {
         report.compare(format!("{count} points/operations of a value"), *own, operations[0], 0.0);

@@ -1,12 +1,11 @@
 //! Machine code in executable memory.
 
-use super::Width;
-use super::call::Call;
+use super::REFUSED;
 use super::emitter::{Emitted, emit};
 use super::encoder::{Entry, Level, make_visible};
-use crate::program::listing::Listing;
-use crate::program::refused::memory_refused;
+use crate::listing::Listing;
 use memmap2::{Mmap, MmapMut};
+use std::sync::atomic::Ordering;
 
 /// Bytes of a section: the caches for instructions hold it, and moving numbers out of the registers at its end costs nothing.
 const SECTION: usize = 1 << 15;
@@ -14,21 +13,15 @@ const SECTION: usize = 1 << 15;
 /// Machine code of a listing.
 #[derive(Debug)]
 pub struct NativeCode {
-    width: Width,
+    lanes: usize,
     inputs: usize,
     outputs: usize,
-    /// Numbers that the code stores in between.
-    scratch: usize,
     /// Executable, not writable.
     memory: Mmap,
-    /// Where the functions begin that are called one after the other.
-    sections: Vec<usize>,
     /// Constants for all lanes, aligned to a cache line.
     constants: Box<[CacheLine]>,
-    /// What the code passes to the functions it calls: it holds the addresses of the entries.
-    _calls: Box<[Call]>,
-    /// Bytes by which the addresses passed lie behind the start of inputs, outputs, scratch and constants.
-    biases: [usize; 4],
+    /// What the code was emitted with, beside its bytes: the calls that it has the addresses of among it.
+    emitted: Emitted,
 }
 
 /// Eight numbers that no other cache line holds.
@@ -38,26 +31,24 @@ struct CacheLine([f64; 8]);
 
 impl NativeCode {
     /// Makes code for this machine; none where its processor lacks the instructions or the system refuses.
-    ///
-    /// # Panics
-    /// Where an operand of the listing is not a number that exists when it is read.
-    pub fn compile(listing: &Listing, width: Width) -> Option<Self> {
-        Level::ALL.into_iter().find_map(|level| Self::compile_for(listing, width, level, SECTION))
+    pub fn compile(listing: &Listing, lanes: usize) -> Option<Self> {
+        Level::ALL.into_iter().find_map(|level| Self::compile_for(listing, lanes, level, SECTION))
     }
 
     /// As [`compile`](Self::compile), with the instructions of one level only and sections of a length in bytes.
-    pub fn compile_for(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Self> {
-        if !level.is_available(width) {
+    pub fn compile_for(listing: &Listing, lanes: usize, level: Level, section: usize) -> Option<Self> {
+        if !level.is_available(lanes) {
             return None;
         }
-        let Emitted { bytes, sections, constants, calls, scratch, biases } = emit(listing, width, level, section)?;
+        let mut emitted = emit(listing, lanes, level, section)?;
+        let (bytes, constants) = (std::mem::take(&mut emitted.bytes), std::mem::take(&mut emitted.constants));
         let executable = || -> std::io::Result<Mmap> {
             let mut memory = MmapMut::map_anon(bytes.len())?;
             memory.copy_from_slice(&bytes);
             memory.make_exec()
         };
         let Ok(memory) = executable() else {
-            memory_refused();
+            REFUSED.store(true, Ordering::Relaxed);
             return None;
         };
         make_visible(&memory);
@@ -66,51 +57,42 @@ impl NativeCode {
             .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))
             .collect();
         let (inputs, outputs) = (listing.inputs, listing.outputs.len());
-        Some(NativeCode { width, inputs, outputs, scratch, memory, sections, constants, _calls: calls, biases })
-    }
-
-    /// Elements evaluated together.
-    #[cfg(test)]
-    pub fn width(&self) -> Width {
-        self.width
-    }
-
-    /// Evaluates the elements: with n lanes, number i of element l stands at n i + l, for inputs and outputs.
-    ///
-    /// Eight lanes run faster where inputs and outputs start at a multiple of 64 bytes.
-    ///
-    /// * `scratch` grows to the length that is needed, and may be shared with other programs
-    pub fn run(&self, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
-        (0..self.sections()).for_each(|section| self.run_section(section, inputs, outputs, scratch));
+        Some(NativeCode { lanes, inputs, outputs, memory, constants, emitted })
     }
 
     /// Number of sections: code that is longer than the caches for instructions has several.
     pub fn sections(&self) -> usize {
-        self.sections.len()
+        self.emitted.sections.len()
     }
 
     /// Executes one section, for the inputs, outputs and scratch with which those before it were executed.
+    ///
+    /// With n lanes, number i of element l stands at n i + l, for inputs and outputs.
+    ///
+    /// Eight lanes run faster where inputs and outputs start at a multiple of 64 bytes.
+    ///
+    /// * `scratch` grows to the length that is needed, and may be shared with other programs
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
-        let lanes = self.width.lanes();
+        let (lanes, Emitted { sections, scratch: scratch_length, biases, .. }) = (self.lanes, &self.emitted);
         assert_eq!(inputs.len(), lanes * self.inputs, "inputs: their number times {lanes}");
         assert_eq!(outputs.len(), lanes * self.outputs, "outputs: their number times {lanes}");
         // seven more than needed, so that some place among them starts a cache line
-        if scratch.len() < self.scratch + 7 {
-            scratch.resize(self.scratch + 7, 0.0);
+        if scratch.len() < scratch_length + 7 {
+            scratch.resize(scratch_length + 7, 0.0);
         }
         let start = scratch.as_ptr().align_offset(64).min(7);
-        let scratch = &mut scratch[start..][..self.scratch];
-        let begin = &self.memory[self.sections[section]..];
+        let scratch = &mut scratch[start..][..*scratch_length];
+        let begin = &self.memory[sections[section]..];
         // SAFETY: at the start of each section `memory` holds a whole function of this type, which `emit` made for a listing with these
         // numbers of inputs and outputs: it reads `inputs` and `constants`, writes `outputs` and `scratch`, and reads of them what it or
         // those before it wrote, or other numbers if they were not called. It keeps the convention of the type. The processor has its instructions: `compile_for` asked.
         unsafe {
             let entry = std::mem::transmute::<*const u8, Entry>(begin.as_ptr());
             entry(
-                inputs.as_ptr().wrapping_byte_add(self.biases[0]),
-                outputs.as_mut_ptr().wrapping_byte_add(self.biases[1]),
-                scratch.as_mut_ptr().wrapping_byte_add(self.biases[2]),
-                self.constants.as_ptr().cast::<f64>().wrapping_byte_add(self.biases[3]),
+                inputs.as_ptr().wrapping_byte_add(biases[0]),
+                outputs.as_mut_ptr().wrapping_byte_add(biases[1]),
+                scratch.as_mut_ptr().wrapping_byte_add(biases[2]),
+                self.constants.as_ptr().cast::<f64>().wrapping_byte_add(biases[3]),
             );
         }
     }

@@ -5,7 +5,6 @@
 //! express the operands is taken. Layout: Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2,
 //! sections 2.3 and 2.7.
 
-use super::Width;
 use super::call::Call;
 use std::arch::is_x86_feature_detected;
 
@@ -22,17 +21,16 @@ impl Level {
     /// All of them, the best first.
     pub const ALL: [Level; 2] = [Level::Avx512, Level::Avx2];
 
-    /// Whether this processor has it for a width.
-    pub fn is_available(self, width: Width) -> bool {
-        match (self, width) {
+    /// Whether this processor has it for so many lanes.
+    pub fn is_available(self, lanes: usize) -> bool {
+        match (self, lanes) {
             (Level::Avx512, _) => {
                 is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512dq")
                     && is_x86_feature_detected!("avx512vl")
             }
-            (Level::Avx2, Width::One) => is_x86_feature_detected!("avx"),
-            (Level::Avx2, Width::Two | Width::Four) => is_x86_feature_detected!("avx2"),
-            (Level::Avx2, Width::Eight) => false,
+            (Level::Avx2, 1) => is_x86_feature_detected!("avx"),
+            (Level::Avx2, _) => lanes <= 4 && is_x86_feature_detected!("avx2"),
         }
     }
 
@@ -42,8 +40,8 @@ impl Level {
     }
 
     /// Bytes to both sides of a base that the shortest addresses reach.
-    pub fn reach(self, width: Width) -> usize {
-        128 * if self == Level::Avx512 { 8 * width.lanes() } else { 1 }
+    pub fn reach(self, lanes: usize) -> usize {
+        128 * if self == Level::Avx512 { 8 * lanes } else { 1 }
     }
 }
 
@@ -93,6 +91,8 @@ pub struct Opcode {
     opcode: u8,
     /// Bytes that the form for one lane reads from memory.
     single: i32,
+    /// A byte behind the operands.
+    last: Option<u8>,
 }
 
 const P66: u8 = 1;
@@ -100,11 +100,17 @@ const PF2: u8 = 3;
 
 /// Instruction that has a form for one lane (prefix F2) and one for several (66).
 const fn arithmetic(opcode: u8) -> [Opcode; 2] {
-    [Opcode { map: 1, prefix: PF2, opcode, single: 8 }, packed(1, opcode)]
+    [Opcode { map: 1, prefix: PF2, opcode, single: 8, last: None }, packed(1, opcode)]
+}
+
+/// Comparison by its predicate.
+const fn comparison(predicate: u8) -> [Opcode; 2] {
+    let [single, packed] = arithmetic(0xc2);
+    [Opcode { last: Some(predicate), ..single }, Opcode { last: Some(predicate), ..packed }]
 }
 
 const fn packed(map: u8, opcode: u8) -> Opcode {
-    Opcode { map, prefix: P66, opcode, single: 16 }
+    Opcode { map, prefix: P66, opcode, single: 16, last: None }
 }
 
 pub const ADD: [Opcode; 2] = arithmetic(0x58);
@@ -112,10 +118,15 @@ pub const MUL: [Opcode; 2] = arithmetic(0x59);
 pub const SUB: [Opcode; 2] = arithmetic(0x5c);
 pub const DIV: [Opcode; 2] = arithmetic(0x5e);
 pub const SQRT: [Opcode; 2] = arithmetic(0x51);
-pub const COMPARE: [Opcode; 2] = arithmetic(0xc2);
+/// False for NaN.
+pub const LESS: [Opcode; 2] = comparison(0x11);
+/// True for NaN.
+pub const DIFFERENT: [Opcode; 2] = comparison(0x04);
 pub const LOAD: [Opcode; 2] = arithmetic(0x10);
 const STORE: [Opcode; 2] = arithmetic(0x11);
-pub const ROUND: [Opcode; 2] = [Opcode { map: 3, prefix: P66, opcode: 0x0b, single: 8 }, packed(3, 0x09)];
+/// Rounding to the integer below, without a flag for inexact results.
+pub const ROUND_DOWN: [Opcode; 2] =
+    [Opcode { single: 8, last: Some(9), ..packed(3, 0x0b) }, Opcode { last: Some(9), ..packed(3, 0x09) }];
 pub const AND: Opcode = packed(1, 0x54);
 pub const XOR: Opcode = packed(1, 0x57);
 /// vblendvpd; VEX only.
@@ -153,9 +164,9 @@ impl Encoder {
     }
 
     /// `target = first op second`; instructions of one source have `first = 0`.
-    pub fn vector(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
+    pub fn vector(&mut self, lanes: usize, opcode: Opcode, target: u8, first: u8, second: Operand) {
         let low = |register: u8| register < 16;
-        let vex = width != Width::Eight
+        let vex = lanes < 8
             && low(target)
             && low(first)
             && match second {
@@ -164,56 +175,50 @@ impl Encoder {
                 Operand::Memory(Address { displacement, .. }) => {
                     self.level == Level::Avx2
                         || i8::try_from(displacement).is_ok()
-                        || compressed(width, opcode, displacement).is_none()
+                        || compressed(lanes, opcode, displacement).is_none()
                 }
             };
         if vex {
-            self.vex(width, opcode, target, first, second);
+            self.vex(lanes, opcode, target, first, second);
         } else {
-            self.evex(width, opcode, target, first, second, Masking::default());
+            self.evex(lanes, opcode, target, first, second, Masking::default());
         }
     }
 
     /// Loads a number.
-    pub fn load(&mut self, width: Width, register: u8, address: Address) {
-        self.vector(width, LOAD[usize::from(width != Width::One)], register, 0, Operand::Memory(address));
+    pub fn load(&mut self, lanes: usize, register: u8, address: Address) {
+        self.vector(lanes, LOAD[usize::from(lanes > 1)], register, 0, Operand::Memory(address));
     }
 
     /// Stores a number.
-    pub fn store(&mut self, width: Width, register: u8, address: Address) {
-        self.vector(width, STORE[usize::from(width != Width::One)], register, 0, Operand::Memory(address));
-    }
-
-    /// The last byte of an instruction that has one behind its operands.
-    pub fn byte(&mut self, byte: u8) {
-        self.bytes.push(byte);
+    pub fn store(&mut self, lanes: usize, register: u8, address: Address) {
+        self.vector(lanes, STORE[usize::from(lanes > 1)], register, 0, Operand::Memory(address));
     }
 
     /// Compares into mask register 1 (EVEX).
-    pub fn compare_to_mask(&mut self, width: Width, first: u8, second: Operand, predicate: u8) {
-        self.evex(width, COMPARE[usize::from(width != Width::One)], 1, first, second, Masking::default());
-        self.bytes.push(predicate);
+    pub fn compare_to_mask(&mut self, lanes: usize, opcode: Opcode, first: u8, second: Operand) {
+        self.evex(lanes, opcode, 1, first, second, Masking::default());
     }
 
     /// `target = mask register 1 ? first op second : 0` (EVEX).
-    pub fn masked(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
-        self.evex(width, opcode, target, first, second, Masking { mask: 1, zeroing: true });
+    pub fn masked(&mut self, lanes: usize, opcode: Opcode, target: u8, first: u8, second: Operand) {
+        self.evex(lanes, opcode, target, first, second, Masking { mask: 1, zeroing: true });
     }
 
     /// `target = mask register 1 ? then : otherwise` (EVEX).
-    pub fn blend_by_mask(&mut self, width: Width, target: u8, otherwise: u8, then: Operand) {
-        self.evex(width, BLEND_BY_MASK, target, otherwise, then, Masking { mask: 1, zeroing: false });
+    pub fn blend_by_mask(&mut self, lanes: usize, target: u8, otherwise: u8, then: Operand) {
+        self.evex(lanes, BLEND_BY_MASK, target, otherwise, then, Masking { mask: 1, zeroing: false });
     }
 
     /// `target = sign of mask ? then : otherwise` (VEX).
-    pub fn blend_by_sign(&mut self, width: Width, target: u8, otherwise: u8, then: Operand, mask: u8) {
-        self.vex(width, BLEND_BY_SIGN, target, otherwise, then);
+    pub fn blend_by_sign(&mut self, lanes: usize, target: u8, otherwise: u8, then: Operand, mask: u8) {
+        self.vex(lanes, BLEND_BY_SIGN, target, otherwise, then);
         self.bytes.push(mask << 4);
     }
 
-    fn vex(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
+    fn vex(&mut self, lanes: usize, opcode: Opcode, target: u8, first: u8, second: Operand) {
         let extended = matches!(second, Operand::Register(register) if register >= 8);
-        let length = if matches!(width, Width::One | Width::Two) { 0 } else { 4 };
+        let length = if lanes <= 2 { 0 } else { 4 };
         let last = (!first & 15) << 3 | length | opcode.prefix;
         let high_target = u8::from(target < 8) << 7;
         if extended || opcode.map != 1 {
@@ -226,15 +231,16 @@ impl Encoder {
             Operand::Register(register) => self.bytes.push(0xc0 | (target & 7) << 3 | register & 7),
             Operand::Memory(address) => self.address(target, address, i8::try_from(address.displacement).ok()),
         }
+        self.bytes.extend(opcode.last);
     }
 
-    fn evex(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand, masking: Masking) {
+    fn evex(&mut self, lanes: usize, opcode: Opcode, target: u8, first: u8, second: Operand, masking: Masking) {
         let register = if let Operand::Register(register) = second { register } else { 0 };
         let unless = |set: u8, bit: u8| u8::from(set == 0) << bit;
-        let length = match width {
-            Width::One | Width::Two => 0,
-            Width::Four => 1,
-            Width::Eight => 2,
+        let length = match lanes {
+            1 | 2 => 0,
+            4 => 1,
+            _ => 2,
         };
         self.bytes.extend([
             0x62,
@@ -245,8 +251,9 @@ impl Encoder {
         ]);
         match second {
             Operand::Register(register) => self.bytes.push(0xc0 | (target & 7) << 3 | register & 7),
-            Operand::Memory(address) => self.address(target, address, compressed(width, opcode, address.displacement)),
+            Operand::Memory(address) => self.address(target, address, compressed(lanes, opcode, address.displacement)),
         }
+        self.bytes.extend(opcode.last);
     }
 
     /// The bytes that name a register and an address; `short` is its displacement in one byte.
@@ -316,12 +323,7 @@ impl Encoder {
 const BASES: [Base; 4] = [Base::Inputs, Base::Outputs, Base::Scratch, Base::Constants];
 
 /// A displacement in one byte, as EVEX counts it: in units of the operand.
-fn compressed(width: Width, opcode: Opcode, displacement: i32) -> Option<i8> {
-    let unit = match width {
-        Width::One => opcode.single,
-        Width::Two => 16,
-        Width::Four => 32,
-        Width::Eight => 64,
-    };
+fn compressed(lanes: usize, opcode: Opcode, displacement: i32) -> Option<i8> {
+    let unit = if lanes == 1 { opcode.single } else { 8 * lanes as i32 };
     if displacement % unit == 0 { i8::try_from(displacement / unit).ok() } else { None }
 }

@@ -1,15 +1,24 @@
 //! Machine code of a listing, for x86-64 and for aarch64 with Linux: one, two, four or eight elements at a time.
 //!
-//! | width | instructions | registers |
+//! | elements | instructions | registers |
 //! |---|---|---|
-//! | [`Width::One`] | AVX, NEON | 16, with AVX-512 32, with NEON 23 |
-//! | [`Width::Two`] | NEON | 23 |
-//! | [`Width::Four`] | AVX2 | 16, with AVX-512 32 |
-//! | [`Width::Eight`] | AVX-512 F, DQ, VL | 32 |
+//! | 1 | AVX, NEON | 16, with AVX-512 32, with NEON 23 |
+//! | 2 | NEON | 23 |
+//! | 4 | AVX2 | 16, with AVX-512 32 |
+//! | 8 | AVX-512 F, DQ, VL | 32 |
 //!
 //! The results have the bits of plain evaluation: nothing is contracted to fused multiply-add, and functions beyond
 //! those that the processor has call what everything else calls. On other machines, and where the system refuses
 //! executable memory, nothing is compiled and the loop ([`LoopCode`](super::loop_code::LoopCode)) serves.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static REFUSED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the system has refused memory for machine code, so that programs are executed by the loop.
+pub fn refuses_machine_code() -> bool {
+    REFUSED.load(Ordering::Relaxed)
+}
 
 /// Items for the machines for which code is made, and one for the others.
 macro_rules! where_code_is_made {
@@ -26,7 +35,6 @@ where_code_is_made! {
         mod emitter;
         #[cfg_attr(target_arch = "aarch64", path = "neon_encoder.rs")]
         mod encoder;
-        mod next_uses;
         #[cfg_attr(target_arch = "aarch64", path = "neon_operations.rs")]
         mod operations;
         mod storage;
@@ -39,37 +47,10 @@ where_code_is_made! {
     }
 }
 
-/// How many elements are evaluated together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Width {
-    /// One element.
-    One,
-    /// Two elements, their numbers side by side.
-    Two,
-    /// Four elements, their numbers side by side.
-    Four,
-    /// Eight elements, their numbers side by side.
-    Eight,
-}
-
-impl Width {
-    /// Number of elements.
-    pub fn lanes(self) -> usize {
-        match self {
-            Width::One => 1,
-            Width::Two => 2,
-            Width::Four => 4,
-            Width::Eight => 8,
-        }
-    }
-}
-
 impl NativeCode {
     /// The most elements that this machine evaluates together; none where no code is made.
-    pub fn widest() -> Option<Width> {
-        let listing = crate::program::Listing::default();
-        [Width::Eight, Width::Four, Width::Two, Width::One]
-            .into_iter()
-            .find(|&width| NativeCode::compile(&listing, width).is_some())
+    pub fn most_lanes() -> Option<usize> {
+        let listing = crate::listing::Listing::default();
+        [8, 4, 2, 1].into_iter().find(|&lanes| NativeCode::compile(&listing, lanes).is_some())
     }
 }

@@ -3,7 +3,6 @@
 //! Operands are registers: what stands in memory is loaded first. Layout: Arm Architecture Reference Manual for A-profile architecture, DDI
 //! 0487, part C4.
 
-use super::Width;
 use super::call::Call;
 use std::arch::asm;
 
@@ -18,9 +17,9 @@ impl Level {
     /// All of them, the best first.
     pub const ALL: [Level; 1] = [Level::Neon];
 
-    /// Whether this processor has it for a width.
-    pub fn is_available(self, width: Width) -> bool {
-        matches!(width, Width::One | Width::Two)
+    /// Whether this processor has it for so many lanes.
+    pub fn is_available(self, lanes: usize) -> bool {
+        lanes <= 2
     }
 
     /// Its vector registers, a bit each: without 8 to 15, which a function must keep, and [`ASIDE`].
@@ -29,7 +28,7 @@ impl Level {
     }
 
     /// Bytes to both sides of a base that the shortest addresses reach: none before it.
-    pub fn reach(self, _width: Width) -> usize {
+    pub fn reach(self, _lanes: usize) -> usize {
         0
     }
 }
@@ -151,23 +150,23 @@ impl Encoder {
     }
 
     /// `target = first op second`; instructions of fewer sources have 0 in place of the others.
-    pub fn vector(&mut self, width: Width, opcodes: [Opcode; 2], target: u8, [first, second]: [u8; 2]) {
-        let opcode = opcodes[usize::from(width != Width::One)];
+    pub fn vector(&mut self, lanes: usize, opcodes: [Opcode; 2], target: u8, [first, second]: [u8; 2]) {
+        let opcode = opcodes[usize::from(lanes > 1)];
         self.word(opcode | u32::from(second) << 16 | u32::from(first) << 5 | u32::from(target));
     }
 
     /// Loads a number.
-    pub fn load(&mut self, width: Width, register: u8, address: Address) {
-        self.access(width, &LOAD, register, address);
+    pub fn load(&mut self, lanes: usize, register: u8, address: Address) {
+        self.access(lanes, &LOAD, register, address);
     }
 
     /// Stores a number.
-    pub fn store(&mut self, width: Width, register: u8, address: Address) {
-        self.access(width, &STORE, register, address);
+    pub fn store(&mut self, lanes: usize, register: u8, address: Address) {
+        self.access(lanes, &STORE, register, address);
     }
 
-    fn access(&mut self, width: Width, access: &Access, register: u8, Address { base, displacement }: Address) {
-        let (form, unit) = (usize::from(width != Width::One), 8 * width.lanes() as u32);
+    fn access(&mut self, lanes: usize, access: &Access, register: u8, Address { base, displacement }: Address) {
+        let (form, unit) = (usize::from(lanes > 1), 8 * lanes as u32);
         let (displacement, operands) = (displacement as u32, (base as u32) << 5 | u32::from(register));
         if displacement.is_multiple_of(unit) && displacement / unit < 1 << 12 {
             self.word(access.short[form] | (displacement / unit) << 10 | operands);

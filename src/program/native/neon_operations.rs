@@ -1,11 +1,9 @@
 //! Which instructions of NEON an operation becomes. Both operands are in registers.
 
 use super::emitter::Emitter;
-use super::encoder::{
-    AND, AND_NOT, ASIDE, CHOOSE, GREATER, IS_ZERO, MUL, NEG, ONE, OR, Opcode, ROUND_DOWN, SQRT,
-};
+use super::encoder::{AND, AND_NOT, ASIDE, CHOOSE, GREATER, IS_ZERO, MUL, NEG, ONE, OR, Opcode};
 
-impl Emitter<'_> {
+impl Emitter {
     pub fn binary(&mut self, opcodes: [Opcode; 2], x: usize, y: usize) -> u8 {
         let sources = [x, y].map(|number| self.storage.in_register(number));
         let target = self.target();
@@ -13,19 +11,11 @@ impl Emitter<'_> {
         target
     }
 
-    pub fn square_root(&mut self, x: usize) -> u8 {
-        self.unary(SQRT, x)
-    }
-
-    pub fn floor(&mut self, x: usize) -> u8 {
-        self.unary(ROUND_DOWN, x)
-    }
-
     pub fn negate(&mut self, x: usize) -> u8 {
         self.unary(NEG, x)
     }
 
-    fn unary(&mut self, opcodes: [Opcode; 2], x: usize) -> u8 {
+    pub fn unary(&mut self, opcodes: [Opcode; 2], x: usize) -> u8 {
         let source = self.storage.in_register(x);
         let target = self.target();
         self.vector(opcodes, target, [source, 0]);
@@ -60,6 +50,6 @@ impl Emitter<'_> {
     }
 
     fn vector(&mut self, opcodes: [Opcode; 2], target: u8, sources: [u8; 2]) {
-        self.storage.encoder.vector(self.storage.width, opcodes, target, sources);
+        self.storage.encoder.vector(self.storage.lanes, opcodes, target, sources);
     }
 }

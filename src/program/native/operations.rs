@@ -1,17 +1,13 @@
 //! Which instructions of x86-64 an operation becomes. The second operand is read from memory where it is there.
 
-use super::Width;
 use super::emitter::Emitter;
-use super::encoder::{AND, COMPARE, LOAD, Level, MUL, Opcode, Operand, ROUND, SQRT, XOR};
-use super::storage::OwnConstant;
+use super::encoder::{AND, Base, DIFFERENT, LESS, LOAD, Level, MUL, Opcode, Operand, XOR};
 
-/// Comparisons: less, false for NaN; different, true for NaN.
-const LESS: u8 = 0x11;
-const DIFFERENT: u8 = 0x04;
-/// Rounding to the integer below, without a flag for inexact results.
-const DOWN: u8 = 0x09;
+/// Places of the sign bit and of 1 among the constants.
+const SIGN: usize = 0;
+const ONE: usize = 1;
 
-impl Emitter<'_> {
+impl Emitter {
     pub fn binary(&mut self, opcodes: [Opcode; 2], x: usize, y: usize) -> u8 {
         let first = self.storage.in_register(x);
         let second = self.storage.operand(y);
@@ -20,18 +16,10 @@ impl Emitter<'_> {
         target
     }
 
-    pub fn square_root(&mut self, x: usize) -> u8 {
-        self.unary(SQRT, x, None)
-    }
-
-    pub fn floor(&mut self, x: usize) -> u8 {
-        self.unary(ROUND, x, Some(DOWN))
-    }
-
-    fn unary(&mut self, opcodes: [Opcode; 2], x: usize, byte: Option<u8>) -> u8 {
+    pub fn unary(&mut self, opcodes: [Opcode; 2], x: usize) -> u8 {
         // the form for one lane takes the unused lanes from its first operand: the same register as the second, so that
         // it waits for no other
-        let (first, second) = if self.storage.width == Width::One {
+        let (first, second) = if self.storage.lanes == 1 {
             let register = self.storage.in_register(x);
             (register, Operand::Register(register))
         } else {
@@ -39,16 +27,13 @@ impl Emitter<'_> {
         };
         let target = self.target();
         self.vector(opcodes, target, first, second);
-        if let Some(byte) = byte {
-            self.storage.encoder.byte(byte);
-        }
         target
     }
 
     pub fn negate(&mut self, x: usize) -> u8 {
         let first = self.storage.in_register(x);
         let target = self.target();
-        let sign = Operand::Memory(self.storage.own_constant(OwnConstant::Sign));
+        let sign = Operand::Memory(self.storage.address(Base::Constants, SIGN));
         self.vector([XOR; 2], target, first, sign);
         target
     }
@@ -57,14 +42,13 @@ impl Emitter<'_> {
         let first = self.storage.in_register(x);
         let second = self.storage.operand(y);
         let target = self.target();
-        let one = self.storage.own_constant(OwnConstant::One);
+        let one = self.storage.address(Base::Constants, ONE);
         if self.storage.level == Level::Avx512 {
-            self.storage.encoder.compare_to_mask(self.storage.width, first, second, LESS);
-            let opcode = self.form(LOAD);
-            self.storage.encoder.masked(self.storage.width, opcode, target, 0, Operand::Memory(one));
+            let [compare, load] = [LESS, LOAD].map(|opcodes| self.form(opcodes));
+            self.storage.encoder.compare_to_mask(self.storage.lanes, compare, first, second);
+            self.storage.encoder.masked(self.storage.lanes, load, target, 0, Operand::Memory(one));
         } else {
-            self.vector(COMPARE, target, first, second);
-            self.storage.encoder.byte(LESS);
+            self.vector(LESS, target, first, second);
             self.vector([AND; 2], target, target, Operand::Memory(one));
         }
         target
@@ -77,7 +61,7 @@ impl Emitter<'_> {
         let target = self.target();
         if self.storage.level == Level::Avx512 {
             let opcode = self.form(MUL);
-            self.storage.encoder.masked(self.storage.width, opcode, target, first, second);
+            self.storage.encoder.masked(self.storage.lanes, opcode, target, first, second);
         } else {
             self.vector(MUL, target, first, second);
             self.vector([AND; 2], target, target, Operand::Register(mask));
@@ -90,16 +74,16 @@ impl Emitter<'_> {
         let mask = self.nonzero_mask(condition);
         let first = self.storage.in_register(otherwise);
         // the form for one lane would read two numbers from memory
-        let second = if self.storage.width == Width::One {
+        let second = if self.storage.lanes == 1 {
             Operand::Register(self.storage.in_register(then))
         } else {
             self.storage.operand(then)
         };
         let target = self.target();
         if self.storage.level == Level::Avx512 {
-            self.storage.encoder.blend_by_mask(self.storage.width, target, first, second);
+            self.storage.encoder.blend_by_mask(self.storage.lanes, target, first, second);
         } else {
-            self.storage.encoder.blend_by_sign(self.storage.width, target, first, second, mask);
+            self.storage.encoder.blend_by_sign(self.storage.lanes, target, first, second, mask);
         }
         target
     }
@@ -108,23 +92,22 @@ impl Emitter<'_> {
     fn nonzero_mask(&mut self, register: u8) -> u8 {
         let mask = self.storage.reserve_register();
         let zero = Operand::Register(mask);
-        self.storage.encoder.vector(Width::One, XOR, mask, mask, zero);
+        self.storage.encoder.vector(1, XOR, mask, mask, zero);
         if self.storage.level == Level::Avx512 {
-            self.storage.encoder.compare_to_mask(self.storage.width, register, zero, DIFFERENT);
+            self.storage.encoder.compare_to_mask(self.storage.lanes, self.form(DIFFERENT), register, zero);
         } else {
-            self.vector(COMPARE, mask, register, zero);
-            self.storage.encoder.byte(DIFFERENT);
+            self.vector(DIFFERENT, mask, register, zero);
         }
         mask
     }
 
     fn vector(&mut self, opcodes: [Opcode; 2], target: u8, first: u8, second: Operand) {
         let opcode = self.form(opcodes);
-        self.storage.encoder.vector(self.storage.width, opcode, target, first, second);
+        self.storage.encoder.vector(self.storage.lanes, opcode, target, first, second);
     }
 
-    /// The form of an instruction for this width.
+    /// The form of an instruction for these lanes.
     fn form(&self, [single, packed]: [Opcode; 2]) -> Opcode {
-        if self.storage.width == Width::One { single } else { packed }
+        if self.storage.lanes == 1 { single } else { packed }
     }
 }

@@ -4,28 +4,17 @@
 //! call, or has to leave its register. If a register is needed and none is free, the number leaves that is read last
 //! (Belady, IBM Systems Journal 5, 1966).
 
-use super::Width;
 #[cfg(target_arch = "x86_64")]
 use super::encoder::Operand;
 use super::encoder::{Address, Base, Encoder, Level};
-use super::next_uses::{NEVER, NextUses};
-use crate::program::listing::Listing;
+use crate::listing::Listing;
+use crate::operation::Operation;
+use smallvec::SmallVec;
 
-/// How much farther than that of a stored number the next use of one must be that would have to be stored. Between 1
-/// and 16 this changes the number of instructions by less than 1 %.
-const COST_OF_STORE: u64 = 4;
-/// Constants in front of the listing's own.
-const OWN_CONSTANTS: usize = 2;
-
-/// Constants that the code needs itself.
-#[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy)]
-pub enum OwnConstant {
-    /// -0.0: the sign bit and nothing else.
-    Sign,
-    /// 1.
-    One,
-}
+/// A number that is never read (again).
+const NEVER: u32 = u32::MAX;
+/// Constants of the code itself, in front of the listing's: the sign bit, and 1. Logical instructions of one lane read the next number, too.
+const OWN_CONSTANTS: [f64; 2] = [-0.0, 1.0];
 
 #[derive(Clone, Copy)]
 struct Number {
@@ -36,12 +25,13 @@ struct Number {
 }
 
 /// Registers, scratch memory and the encoder for the moves between them.
-pub struct Storage<'a> {
+pub struct Storage {
     pub encoder: Encoder,
-    pub width: Width,
+    pub lanes: usize,
     #[cfg(target_arch = "x86_64")]
     pub level: Level,
-    uses: &'a NextUses,
+    /// For each operand of each operation, the one that reads the same number next.
+    uses: Vec<[u32; 3]>,
     numbers: Vec<Number>,
     /// Number in each register.
     held: [Option<u32>; 32],
@@ -50,8 +40,7 @@ pub struct Storage<'a> {
     /// Instruction that is being emitted.
     now: u32,
     /// Its operands, as long as they may be read.
-    operands: [usize; 3],
-    operand_count: usize,
+    operands: SmallVec<[usize; 3]>,
     /// Registers for its intermediate results, a bit each.
     reserved: u32,
     free_slots: Vec<u32>,
@@ -61,51 +50,53 @@ pub struct Storage<'a> {
     biases: [i32; 4],
 }
 
-impl<'a> Storage<'a> {
-    pub fn new(listing: &Listing, width: Width, level: Level, uses: &'a NextUses) -> Self {
-        let (constants, inputs) = (listing.constants.len(), listing.inputs);
+impl Storage {
+    pub fn new(listing: &Listing, lanes: usize, level: Level) -> Self {
+        let (constants, inputs) = (listing.constants().count(), listing.inputs);
         // short displacements reach to both sides: the base points into the array, not to its start
-        let reach = level.reach(width);
-        let middle = |count: usize| (count * 8 * width.lanes() / 2).min(reach).next_multiple_of(64);
-        let biases = [middle(inputs), middle(listing.outputs.len()), reach, middle(constants + OWN_CONSTANTS)];
+        let reach = level.reach(lanes);
+        let middle = |count: usize| (count * 8 * lanes / 2).min(reach).next_multiple_of(64);
+        let biases = [middle(inputs), middle(listing.outputs.len()), reach, middle(constants + OWN_CONSTANTS.len())];
         let mut storage = Storage {
-            encoder: Encoder::new(level, 12 * listing.instructions.len() + 256),
-            width,
+            encoder: Encoder::new(level, 12 * listing.instructions + 256),
+            lanes,
             #[cfg(target_arch = "x86_64")]
             level,
-            uses,
-            numbers: Vec::with_capacity(uses.first.len()),
+            uses: vec![[NEVER; 3]; listing.operations.len()],
+            numbers: Vec::with_capacity(listing.operations.len()),
             held: [None; 32],
             free: level.registers(),
             now: 0,
-            operands: [0; 3],
-            operand_count: 0,
+            operands: SmallVec::new(),
             reserved: 0,
             free_slots: Vec::new(),
             slots: 0,
             dying_slots: Vec::new(),
             biases: biases.map(|bias| bias as i32),
         };
-        for (number, &next_use) in uses.first.iter().enumerate() {
-            let memory = if number < constants {
-                Some(storage.constant(number))
-            } else if number < constants + inputs {
-                Some(storage.address(Base::Inputs, number - constants))
-            } else {
-                None
+        let mut next_constant = OWN_CONSTANTS.len()..;
+        for operation in &listing.operations {
+            let memory = match *operation {
+                Operation::Constant(_) => next_constant.next().map(|place| storage.address(Base::Constants, place)),
+                Operation::Input(input) => Some(storage.address(Base::Inputs, input as usize)),
+                _ => None,
             };
-            storage.numbers.push(Number { register: None, memory, next_use });
+            storage.numbers.push(Number { register: None, memory, next_use: NEVER });
+        }
+        for (number, operation) in listing.operations.iter().enumerate().rev() {
+            let operands = operation.operands();
+            storage.uses[number] = std::array::from_fn(|place| {
+                operands.get(place).map_or(NEVER, |operand| storage.numbers[operand.0 as usize].next_use)
+            });
+            operands.iter().for_each(|operand| storage.numbers[operand.0 as usize].next_use = number as u32);
         }
         storage
     }
 
-    /// Constants of the code itself and of the listing, for all lanes.
-    pub fn constants(width: Width, listed: &[f64]) -> Vec<f64> {
-        // logical instructions of one lane read two numbers
-        let mut all = vec![-0.0; width.lanes().max(2)];
-        all.extend(vec![1.0; width.lanes().max(2)]);
-        all.extend(listed.iter().flat_map(|&constant| std::iter::repeat_n(constant, width.lanes())));
-        all
+    /// All constants, for all lanes.
+    pub fn constants(lanes: usize, listing: &Listing) -> Vec<f64> {
+        let all = OWN_CONSTANTS.into_iter().chain(listing.constants());
+        all.flat_map(|constant| std::iter::repeat_n(constant, lanes)).collect()
     }
 
     /// Bytes by which the bases of inputs, outputs, scratch and constants lie behind their start.
@@ -115,25 +106,23 @@ impl<'a> Storage<'a> {
 
     /// Numbers of scratch memory in use.
     pub fn scratch(&self) -> usize {
-        self.slots as usize * self.width.lanes()
+        self.slots as usize * self.lanes
     }
 
     /// Starts an instruction: its operands keep their registers until [`retire_operands`](Self::retire_operands).
     pub fn start(&mut self, instruction: usize, operands: &[usize]) {
         self.free_slots.append(&mut self.dying_slots);
         self.now = instruction as u32;
-        self.operands[..operands.len()].copy_from_slice(operands);
-        self.operand_count = operands.len();
+        self.operands = operands.into();
         self.reserved = 0;
     }
 
     /// Says that all operands have been brought to where the instruction reads them. Registers of numbers that are not
     /// read again become free at once, since an instruction reads before it writes; their slots after it.
     pub fn retire_operands(&mut self) {
-        for operand in 0..self.operand_count {
-            let number = self.operands[operand];
+        for (operand, number) in std::mem::take(&mut self.operands).into_iter().enumerate() {
             let Number { register, memory, next_use } = self.numbers[number];
-            let after = self.uses.after[self.now as usize][operand];
+            let after = self.uses[self.now as usize][operand];
             self.numbers[number].next_use = after;
             // an operand that stands twice is freed once
             if after == NEVER && next_use != NEVER {
@@ -145,12 +134,11 @@ impl<'a> Storage<'a> {
                 }
             }
         }
-        self.operand_count = 0;
     }
 
     /// When the current instruction's operand is read again.
     pub fn use_after(&self, operand: usize) -> u32 {
-        self.uses.after[self.now as usize][operand]
+        self.uses[self.now as usize][operand]
     }
 
     /// The number's register, if it is in one.
@@ -228,27 +216,18 @@ impl<'a> Storage<'a> {
     /// A register that holds no number, made free if there is none; not one of an operand that may still be read.
     pub fn take_register(&mut self) -> u8 {
         let mut pinned = self.reserved;
-        for &operand in &self.operands[..self.operand_count] {
+        for &operand in &self.operands {
             pinned |= self.numbers[operand].register.map_or(0, |register| 1 << register);
         }
         let free = self.free & !pinned;
         if free != 0 {
             return free.trailing_zeros() as u8;
         }
-        let (mut last, mut latest) = (None, 0);
-        for (register, held) in (0..).zip(self.held) {
-            if let Some(number) = held
-                && pinned & 1 << register == 0
-            {
-                let Number { memory, next_use, .. } = self.numbers[number as usize];
-                let distance = u64::from(next_use - self.now) + 1;
-                let rank = if memory.is_some() { COST_OF_STORE * distance } else { distance };
-                if rank > latest {
-                    (last, latest) = (Some((register, number)), rank);
-                }
-            }
-        }
-        let (register, number) = last.expect("more registers than an instruction has operands");
+        let held = (0..32_u8).filter(|register| pinned & 1 << register == 0);
+        let held = held.filter_map(|register| Some((register, self.held[usize::from(register)]?)));
+        let (register, number) = held
+            .max_by_key(|(_, number)| self.numbers[*number as usize].next_use)
+            .expect("more registers than an operation has operands");
         self.in_memory(number as usize);
         self.leave(register);
         register
@@ -271,11 +250,11 @@ impl<'a> Storage<'a> {
     }
 
     pub fn load(&mut self, register: u8, address: Address) {
-        self.encoder.load(self.width, register, address);
+        self.encoder.load(self.lanes, register, address);
     }
 
     pub fn store(&mut self, register: u8, address: Address) {
-        self.encoder.store(self.width, register, address);
+        self.encoder.store(self.lanes, register, address);
     }
 
     /// Place of an input, an output or a slot.
@@ -289,20 +268,8 @@ impl<'a> Storage<'a> {
         Address { base, displacement: place as i32 * self.bytes() - bias }
     }
 
-    /// Place of a constant of the code itself.
-    #[cfg(target_arch = "x86_64")]
-    pub fn own_constant(&self, constant: OwnConstant) -> Address {
-        let displacement = constant as i32 * self.bytes().max(16) - self.biases[3];
-        Address { base: Base::Constants, displacement }
-    }
-
-    fn constant(&self, place: usize) -> Address {
-        let Address { base, displacement } = self.address(Base::Constants, place);
-        Address { base, displacement: displacement + OWN_CONSTANTS as i32 * self.bytes().max(16) }
-    }
-
     /// Bytes of a number in all lanes.
     fn bytes(&self) -> i32 {
-        8 * self.width.lanes() as i32
+        8 * self.lanes as i32
     }
 }

@@ -1,7 +1,6 @@
 //! Machines for which no code is made.
 
-use super::Width;
-use crate::program::listing::Listing;
+use crate::listing::Listing;
 
 /// Machine code of a listing: none exists here.
 #[derive(Debug)]
@@ -9,14 +8,8 @@ pub enum NativeCode {}
 
 impl NativeCode {
     /// None on this machine.
-    pub fn compile(_listing: &Listing, _width: Width) -> Option<Self> {
+    pub fn compile(_listing: &Listing, _lanes: usize) -> Option<Self> {
         None
-    }
-
-    /// Elements evaluated together.
-    #[cfg(test)]
-    pub fn width(&self) -> Width {
-        match *self {}
     }
 
     /// Number of sections.
@@ -26,11 +19,6 @@ impl NativeCode {
 
     /// Executes one section.
     pub fn run_section(&self, _section: usize, _inputs: &[f64], _outputs: &mut [f64], _scratch: &mut Vec<f64>) {
-        match *self {}
-    }
-
-    /// Evaluates the elements.
-    pub fn run(&self, _inputs: &[f64], _outputs: &mut [f64], _scratch: &mut Vec<f64>) {
         match *self {}
     }
 }

@@ -1,4 +1,4 @@
-use super::{Curve, Scalar};
+use super::{Curve, Scalar, Unary, jet};
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -7,30 +7,17 @@ use std::sync::Arc;
 /// Any other gives the same derivative as long as nothing underflows or overflows.
 pub const COMPLEX_STEP: f64 = 1e-100;
 
-/// Continues a function of a real argument to first order, f + i f' im.
-///
-/// A zero imaginary part stays zero where f' is infinite.
-trait Continued {
-    fn chain(self, jet: [f64; 2]) -> Self;
-    /// Zero in place of a real part that is nothing but the negative square of a step: (0 + i h)^2.
-    fn without_square(self) -> Self;
+/// Continues a function of a real argument to first order, f + i f' im: a zero imaginary part stays zero where f' is infinite.
+#[inline]
+fn chain(x: Complex64, [f, slope]: [f64; 2]) -> Complex64 {
+    Complex64::new(f, if x.im == 0.0 { 0.0 } else { slope * x.im })
 }
 
-impl Continued for Complex64 {
-    #[inline]
-    fn chain(self, [f, first]: [f64; 2]) -> Self {
-        Complex64::new(f, if self.im == 0.0 { 0.0 } else { first * self.im })
-    }
-    #[inline]
-    fn without_square(self) -> Self {
-        let negligible = self.re < 0.0 && self.re > -(COMPLEX_STEP * COMPLEX_STEP * 1e20);
-        Complex64::new(if negligible { 0.0 } else { self.re }, self.im)
-    }
-}
-
-/// Forwards the functions of one argument to the inherent ones of `Complex64`.
-macro_rules! forward {
-    ($($name:ident),*) => { $(#[inline] fn $name(self) -> Self { Complex64::$name(self) })* };
+/// Zero in place of a real part that is nothing but the negative square of a step: (0 + i h)^2.
+#[inline]
+fn without_square(x: Complex64) -> Complex64 {
+    let negligible = x.re < 0.0 && x.re > -(COMPLEX_STEP * COMPLEX_STEP * 1e20);
+    Complex64::new(if negligible { 0.0 } else { x.re }, x.im)
 }
 
 /// Complex numbers for complex-step derivatives.
@@ -54,16 +41,29 @@ impl Scalar for Complex64 {
     fn is_constant(self) -> bool {
         self.im == 0.0
     }
-    forward!(exp, sin, cos, sinh, cosh);
-    super::jet::functions_by_chain!(re: ln, tan, asin, acos, atan, tanh);
-    fn sqrt(self) -> Self {
-        self.without_square().chain(super::jet::sqrt(self.without_square().re))
+    #[inline(always)]
+    fn unary(self, function: Unary) -> Self {
+        match function {
+            Unary::Neg => -self,
+            Unary::Exp => self.exp(),
+            Unary::Sin => self.sin(),
+            Unary::Cos => self.cos(),
+            Unary::Sinh => self.sinh(),
+            Unary::Cosh => self.cosh(),
+            Unary::Floor => Complex64::from(self.re.floor()),
+            Unary::Sqrt => {
+                let own = without_square(self);
+                chain(own, function.with_slope(own.re))
+            }
+            _ => chain(self, function.with_slope(self.re)),
+        }
     }
     fn powi(self, exponent: i32) -> Self {
-        self.chain(super::jet::powi(self.re, exponent))
+        chain(self, jet::powi(self.re, exponent))
     }
     fn powf(self, exponent: f64) -> Self {
-        self.without_square().chain(super::jet::powf(self.without_square().re, exponent))
+        let own = without_square(self);
+        chain(own, jet::powf(own.re, exponent))
     }
     fn recip(self) -> Self {
         let inverse = self.re.recip();
@@ -82,13 +82,10 @@ impl Scalar for Complex64 {
     fn select(self, then: Self, otherwise: Self) -> Self {
         if self.re != 0.0 { then } else { otherwise }
     }
-    fn floor(self) -> Self {
-        Complex64::from(self.re.floor())
-    }
     fn vanishing_times(self, other: Self) -> Self {
         if self == Complex64::ZERO { self } else { self * other }
     }
     fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
-        self.chain([order, order + 1].map(|order| curve.value(order, self.re)))
+        chain(self, [order, order + 1].map(|order| curve.value(order, self.re)))
     }
 }

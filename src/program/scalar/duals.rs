@@ -1,12 +1,11 @@
 //! num-dual's types among the scalars.
 //!
-//! First-order types follow the chain rule of [`jet`](super::jet), where a zero derivative stays zero though the slope of the function is
+//! First-order types follow the chain rule of [`jet`], where a zero derivative stays zero though the slope of the function is
 //! infinite; types of higher order take num-dual's own functions, which makes them independent of everything else here, but for roots,
 //! powers and angles, whose derivatives at zero are not numbers there.
 
-use super::jet::{Jet, functions_by_chain};
-use super::{Curve, Scalar};
-use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, DualNum, DualSVec64, HyperDual64};
+use super::{Curve, Scalar, Unary, jet};
+use num_dual::{Derivative, Dual2_64, Dual64, DualNum, DualSVec64, HyperDual64};
 use std::sync::Arc;
 
 /// Derivatives that are carried together in a tangent run.
@@ -18,9 +17,7 @@ pub type Tangents = DualSVec64<TANGENTS>;
 /// A type that carries first derivatives.
 trait FirstOrder: Sized {
     /// f(x) with the derivatives f' dx; zero ones stay zero where f' is infinite.
-    fn chain(self, jet: Jet) -> Self;
-    /// The derivative along eight directions, or one.
-    fn combined(re: f64, parts: [(f64, Self); 2]) -> Self;
+    fn chain(self, jet: [f64; 2]) -> Self;
 }
 
 /// f' dx, zero where dx is.
@@ -31,26 +28,15 @@ fn along(slope: f64, dx: f64) -> f64 {
 
 impl FirstOrder for Dual64 {
     #[inline]
-    fn chain(self, [f, slope]: Jet) -> Self {
+    fn chain(self, [f, slope]: [f64; 2]) -> Self {
         Dual64::new(f, along(slope, self.eps))
-    }
-    fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
-        Dual64::new(re, along(a, x.eps) + along(b, y.eps))
     }
 }
 
 impl<const N: usize> FirstOrder for DualSVec64<N> {
     #[inline]
-    fn chain(self, [f, slope]: Jet) -> Self {
+    fn chain(self, [f, slope]: [f64; 2]) -> Self {
         DualSVec64::new(f, Derivative::new(self.eps.0.map(|eps| eps.map(|dx| along(slope, dx)))))
-    }
-    fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
-        let [x, y] = [(a, x), (b, y)].map(|(slope, x)| x.eps.0.map(|eps| eps.map(|dx| along(slope, dx))));
-        let sum = match (x, y) {
-            (Some(x), Some(y)) => Some(x + y),
-            (one, other) => one.or(other),
-        };
-        DualSVec64::new(re, Derivative::new(sum))
     }
 }
 
@@ -70,10 +56,6 @@ macro_rules! choices {
             if self.re != 0.0 { then } else { otherwise }
         }
         #[inline]
-        fn floor(self) -> Self {
-            Self::from(self.re.floor())
-        }
-        #[inline]
         fn vanishing_times(self, other: Self) -> Self {
             if self.re == 0.0 && self.is_constant() { self } else { self * other }
         }
@@ -89,18 +71,28 @@ macro_rules! first_order {
                 let $x = self;
                 $constant
             }
-            functions_by_chain!(re: sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            #[inline(always)]
+            fn unary(self, function: Unary) -> Self {
+                match function {
+                    Unary::Neg => -self,
+                    Unary::Floor => Self::from(self.re.floor()),
+                    _ => self.chain(function.with_slope(self.re)),
+                }
+            }
+            fn recip(self) -> Self {
+                self.chain(jet::recip(self.re))
+            }
             fn powi(self, exponent: i32) -> Self {
-                self.chain(super::jet::powi(self.re, exponent))
+                self.chain(jet::powi(self.re, exponent))
             }
             fn powf(self, exponent: f64) -> Self {
-                self.chain(super::jet::powf(self.re, exponent))
+                self.chain(jet::powf(self.re, exponent))
             }
             fn atan2(self, other: Self) -> Self {
                 let norm = self.re.hypot(other.re);
                 // divided twice by the norm: its square may overflow where the angle does not
                 let slopes = [other.re / norm / norm, -(self.re / norm / norm)];
-                Self::combined(self.re.atan2(other.re), [(slopes[0], self), (slopes[1], other)])
+                self.chain([self.re.atan2(other.re), slopes[0]]) + other.chain([-0.0, slopes[1]])
             }
             fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
                 self.chain([order, order + 1].map(|order| curve.value(order, self.re)))
@@ -111,12 +103,7 @@ macro_rules! first_order {
 first_order!([] Dual64, x => x.eps == 0.0);
 first_order!([const N: usize] DualSVec64<N>, x => x.eps.0.is_none_or(|eps| eps.iter().all(|&dx| dx == 0.0)));
 
-/// Functions of num-dual.
-macro_rules! of_num_dual {
-    ($($name:ident),*) => { $(fn $name(self) -> Self { DualNum::$name(&self) })* };
-}
-
-/// Types that carry derivatives of higher order.
+/// Types that carry second derivatives.
 macro_rules! higher_order {
     ($($type:ty, $x:ident => $constant:expr, $chain:expr);*) => {$(
         impl Scalar for $type {
@@ -125,16 +112,35 @@ macro_rules! higher_order {
                 let $x = self;
                 $constant
             }
-            of_num_dual!(exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            fn unary(self, function: Unary) -> Self {
+                match function {
+                    Unary::Neg => -self,
+                    Unary::Sqrt => {
+                        let derivatives = jet::derivatives_of_power(self.re, 0.5);
+                        $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2]])
+                    }
+                    Unary::Exp => DualNum::exp(&self),
+                    Unary::Ln => DualNum::ln(&self),
+                    Unary::Sin => DualNum::sin(&self),
+                    Unary::Cos => DualNum::cos(&self),
+                    Unary::Tan => DualNum::tan(&self),
+                    Unary::Asin => DualNum::asin(&self),
+                    Unary::Acos => DualNum::acos(&self),
+                    Unary::Atan => DualNum::atan(&self),
+                    Unary::Sinh => DualNum::sinh(&self),
+                    Unary::Cosh => DualNum::cosh(&self),
+                    Unary::Tanh => DualNum::tanh(&self),
+                    Unary::Floor => Self::from(self.re.floor()),
+                }
+            }
+            fn recip(self) -> Self {
+                DualNum::recip(&self)
+            }
             fn powi(self, exponent: i32) -> Self {
                 DualNum::powi(&self, exponent)
             }
-            fn sqrt(self) -> Self {
-                let derivatives = super::jet::derivatives_of_power(self.re, 0.5);
-                $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
-            }
             fn powf(self, exponent: f64) -> Self {
-                $chain(self, super::jet::derivatives_of_power(self.re, exponent))
+                $chain(self, jet::derivatives_of_power(self.re, exponent))
             }
             fn atan2(self, other: Self) -> Self {
                 let angle = self.re.atan2(other.re);
@@ -150,21 +156,16 @@ macro_rules! higher_order {
                 turned
             }
             fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
-                $chain(self, [0, 1, 2, 3].map(|more| curve.value(order + more, self.re)))
+                $chain(self, [0, 1, 2].map(|more| curve.value(order + more, self.re)))
             }
         }
     )*};
 }
 higher_order!(
     Dual2_64, x => x.v1 == 0.0 && x.v2 == 0.0,
-    |x: Dual2_64, [f, f1, f2, _]: [f64; 4]| Dual2_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2));
-    Dual3_64, x => x.v1 == 0.0 && x.v2 == 0.0 && x.v3 == 0.0,
-    |x: Dual3_64, [f, f1, f2, f3]: [f64; 4]| {
-        let third = along(f3, x.v1 * x.v1 * x.v1) + along(f2, 3.0 * x.v1 * x.v2) + along(f1, x.v3);
-        Dual3_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2), third)
-    };
+    |x: Dual2_64, [f, f1, f2]: [f64; 3]| Dual2_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2));
     HyperDual64, x => x.eps1 == 0.0 && x.eps2 == 0.0 && x.eps1eps2 == 0.0,
-    |x: HyperDual64, [f, f1, f2, _]: [f64; 4]| {
+    |x: HyperDual64, [f, f1, f2]: [f64; 3]| {
         let mixed = along(f2, x.eps1 * x.eps2) + along(f1, x.eps1eps2);
         HyperDual64::new(f, along(f1, x.eps1), along(f1, x.eps2), mixed)
     }

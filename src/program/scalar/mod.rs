@@ -7,7 +7,7 @@
 //! | `f64` | value | simulation |
 //! | [`Complex64`] | value and one complex perturbation | complex-step verification |
 //! | [`Tangents`], num-dual's `DualSVec64` | value and eight first derivatives | tangent runs |
-//! | num-dual's `Dual64`, `Dual2_64`, `Dual3_64`, `HyperDual64` | derivatives of first to third order | an independent check of what is derived from recordings |
+//! | num-dual's `Dual64`, `Dual2_64`, `HyperDual64` | derivatives of first and second order | an independent check of what is derived from recordings |
 //! | `Moving` over any of them | value and rate along a motion | node maps of flexible elements |
 //! | `Recorded` | a place in a recording | everything else |
 //!
@@ -29,6 +29,8 @@ pub use complex::COMPLEX_STEP;
 pub use curve::check_knots;
 pub use curve::{Curve, Interpolant, MOST_BREAKPOINTS};
 pub use duals::{TANGENTS, Tangents};
+#[doc(hidden)]
+pub use jet::Unary;
 pub use moving::Moving;
 pub use real::larger;
 pub use rotation::Quaternion;
@@ -44,6 +46,13 @@ use std::fmt::Debug;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::sync::Arc;
+
+/// Functions of one number by their names.
+macro_rules! functions {
+    ($($name:ident $function:ident),*) => {
+        $(#[inline(always)] fn $name(self) -> Self { self.unary(Unary::$function) })*
+    };
+}
 
 /// A number with which elements, constraints and functionals are evaluated.
 ///
@@ -85,22 +94,33 @@ pub trait Scalar:
     /// True if every derivative part is zero.
     fn is_constant(self) -> bool;
 
-    fn sqrt(self) -> Self;
-    fn exp(self) -> Self;
-    fn ln(self) -> Self;
-    fn sin(self) -> Self;
-    fn cos(self) -> Self;
-    fn tan(self) -> Self;
-    fn asin(self) -> Self;
-    fn acos(self) -> Self;
-    fn atan(self) -> Self;
-    fn sinh(self) -> Self;
-    fn cosh(self) -> Self;
-    fn tanh(self) -> Self;
+    /// A function of one number, by its name.
+    #[doc(hidden)]
+    fn unary(self, function: Unary) -> Self;
+    functions!(sqrt Sqrt, exp Exp, ln Ln, sin Sin, cos Cos, tan Tan, asin Asin, acos Acos, atan Atan);
+    functions!(sinh Sinh, cosh Cosh, tanh Tanh);
+    /// The largest integer that is not above x; its derivative is zero.
+    #[inline(always)]
+    fn floor(self) -> Self {
+        self.unary(Unary::Floor)
+    }
     /// 1 / x.
     fn recip(self) -> Self;
-    /// x^n for an integer n.
-    fn powi(self, exponent: i32) -> Self;
+    /// x^n for an integer n, by squaring: the rounding of `f64::powi` depends on what the compiler knows of the exponent.
+    fn powi(self, exponent: i32) -> Self {
+        let (mut power, mut square, mut rest) = (None, self, exponent.unsigned_abs());
+        while rest > 0 {
+            if rest % 2 == 1 {
+                power = Some(power.map_or(square, |power: Self| power * square));
+            }
+            rest /= 2;
+            if rest > 0 {
+                square *= square;
+            }
+        }
+        let power = power.unwrap_or_else(Self::one);
+        if exponent < 0 { power.recip() } else { power }
+    }
     /// x^r for a real exponent r; negative x only makes sense for integer r.
     fn powf(self, exponent: f64) -> Self;
     /// Angle of the point (x, y) with x = `other`: atan2(self, other), in (-pi, pi].
@@ -110,8 +130,6 @@ pub trait Scalar:
     fn less(self, other: Self) -> Self;
     /// `then` where `self` is not 0, otherwise `otherwise`; what is not taken leaves no trace in any derivative.
     fn select(self, then: Self, otherwise: Self) -> Self;
-    /// The largest integer that is not above x; its derivative is zero.
-    fn floor(self) -> Self;
     /// self times other, but 0 where self is 0, whatever the other is.
     #[doc(hidden)]
     fn vanishing_times(self, other: Self) -> Self;
@@ -158,31 +176,21 @@ pub fn gathered_place(x: f64, count: usize) -> usize {
 
 /// Assignment operators, `Sum`, zero and one, from the binary operators of a scalar type.
 macro_rules! assign_operators {
+    ([$($generics:tt)*] $type:ty, $operator:ident $method:ident $sign:tt) => {
+        impl<$($generics)*> std::ops::$operator for $type {
+            #[inline(always)]
+            fn $method(&mut self, other: Self) { *self = *self $sign other; }
+        }
+    };
     ([$($generics:tt)*] $type:ty) => {
-        impl<$($generics)*> std::ops::AddAssign for $type {
-            #[inline(always)]
-            fn add_assign(&mut self, other: Self) { *self = *self + other; }
-        }
-        impl<$($generics)*> std::ops::SubAssign for $type {
-            #[inline(always)]
-            fn sub_assign(&mut self, other: Self) { *self = *self - other; }
-        }
-        impl<$($generics)*> std::ops::MulAssign for $type {
-            #[inline(always)]
-            fn mul_assign(&mut self, other: Self) { *self = *self * other; }
-        }
-        impl<$($generics)*> std::ops::DivAssign for $type {
-            #[inline(always)]
-            fn div_assign(&mut self, other: Self) { *self = *self / other; }
-        }
+        $crate::scalar::assign_operators!([$($generics)*] $type, AddAssign add_assign +);
+        $crate::scalar::assign_operators!([$($generics)*] $type, SubAssign sub_assign -);
+        $crate::scalar::assign_operators!([$($generics)*] $type, MulAssign mul_assign *);
+        $crate::scalar::assign_operators!([$($generics)*] $type, DivAssign div_assign /);
         impl<$($generics)*> std::iter::Sum for $type {
             #[inline(always)]
             fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
-                let mut total = <$type>::from(0.0);
-                for term in terms {
-                    total += term;
-                }
-                total
+                terms.fold(<$type>::from(0.0), |total, term| total + term)
             }
         }
         impl<$($generics)*> num_traits::Zero for $type {

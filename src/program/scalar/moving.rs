@@ -1,4 +1,4 @@
-use super::{Curve, Scalar, assign_operators};
+use super::{Curve, Scalar, Unary, assign_operators, jet};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ impl<S: Scalar> Moving<S> {
         Moving { value, rate }
     }
     /// f(x) with the rate f'(x) dx/dt.
-    fn chain(self, value: S, slope: S) -> Self {
+    fn chain(self, [value, slope]: [S; 2]) -> Self {
         Moving { value, rate: self.rate.vanishing_times(slope) }
     }
 }
@@ -37,62 +37,32 @@ impl<S: Scalar> Neg for Moving<S> {
         Moving { value: -self.value, rate: -self.rate }
     }
 }
-impl<S: Scalar> Add for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Moving { value: self.value + other.value, rate: self.rate + other.rate }
-    }
+
+/// Operators with a number of the same type, or a real one, on the right.
+macro_rules! operators {
+    ($($operator:ident<$other:ty>, $method:ident: |$x:ident, $y:ident| $result:expr;)*) => {$(
+        impl<S: Scalar> $operator<$other> for Moving<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, $y: $other) -> Self {
+                let $x = self;
+                $result
+            }
+        }
+    )*};
 }
-impl<S: Scalar> Sub for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Moving { value: self.value - other.value, rate: self.rate - other.rate }
-    }
-}
-impl<S: Scalar> Mul for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Moving { value: self.value * other.value, rate: self.rate * other.value + self.value * other.rate }
-    }
-}
-impl<S: Scalar> Div for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        Moving { value, rate: (self.rate - value * other.rate) / other.value }
-    }
-}
-impl<S: Scalar> Add<f64> for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: f64) -> Self {
-        Moving { value: self.value + other, rate: self.rate }
-    }
-}
-impl<S: Scalar> Sub<f64> for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: f64) -> Self {
-        Moving { value: self.value - other, rate: self.rate }
-    }
-}
-impl<S: Scalar> Mul<f64> for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: f64) -> Self {
-        Moving { value: self.value * other, rate: self.rate * other }
-    }
-}
-impl<S: Scalar> Div<f64> for Moving<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: f64) -> Self {
-        Moving { value: self.value / other, rate: self.rate / other }
-    }
+operators! {
+    Add<Self>, add: |x, y| Moving { value: x.value + y.value, rate: x.rate + y.rate };
+    Sub<Self>, sub: |x, y| Moving { value: x.value - y.value, rate: x.rate - y.rate };
+    Mul<Self>, mul: |x, y| Moving { value: x.value * y.value, rate: x.rate * y.value + x.value * y.rate };
+    Div<Self>, div: |x, y| {
+        let value = x.value / y.value;
+        Moving { value, rate: (x.rate - value * y.rate) / y.value }
+    };
+    Add<f64>, add: |x, y| Moving { value: x.value + y, rate: x.rate };
+    Sub<f64>, sub: |x, y| Moving { value: x.value - y, rate: x.rate };
+    Mul<f64>, mul: |x, y| Moving { value: x.value * y, rate: x.rate * y };
+    Div<f64>, div: |x, y| Moving { value: x.value / y, rate: x.rate / y };
 }
 assign_operators!([S: Scalar] Moving<S>);
 
@@ -103,61 +73,22 @@ impl<S: Scalar> Scalar for Moving<S> {
     fn is_constant(self) -> bool {
         self.value.is_constant() && self.rate.is_zero()
     }
-    fn sqrt(self) -> Self {
-        let root = self.value.sqrt();
-        self.chain(root, S::from(0.5) / root)
-    }
-    fn exp(self) -> Self {
-        let power = self.value.exp();
-        self.chain(power, power)
-    }
-    fn ln(self) -> Self {
-        self.chain(self.value.ln(), self.value.recip())
-    }
-    fn sin(self) -> Self {
-        self.chain(self.value.sin(), self.value.cos())
-    }
-    fn cos(self) -> Self {
-        self.chain(self.value.cos(), -self.value.sin())
-    }
-    fn tan(self) -> Self {
-        let tan = self.value.tan();
-        self.chain(tan, tan * tan + 1.0)
-    }
-    fn asin(self) -> Self {
-        // (1 - x)(1 + x) keeps the digits that 1 - x^2 loses near the ends
-        let slope = ((-self.value + 1.0) * (self.value + 1.0)).sqrt().recip();
-        self.chain(self.value.asin(), slope)
-    }
-    fn acos(self) -> Self {
-        let slope = ((-self.value + 1.0) * (self.value + 1.0)).sqrt().recip();
-        self.chain(self.value.acos(), -slope)
-    }
-    fn atan(self) -> Self {
-        self.chain(self.value.atan(), (self.value * self.value + 1.0).recip())
-    }
-    fn sinh(self) -> Self {
-        self.chain(self.value.sinh(), self.value.cosh())
-    }
-    fn cosh(self) -> Self {
-        self.chain(self.value.cosh(), self.value.sinh())
-    }
-    fn tanh(self) -> Self {
-        let tanh = self.value.tanh();
-        self.chain(tanh, -(tanh * tanh) + 1.0)
+    #[inline(always)]
+    fn unary(self, function: Unary) -> Self {
+        match function {
+            Unary::Neg => -self,
+            Unary::Floor => Moving { value: self.value.floor(), rate: S::zero() },
+            _ => self.chain(function.with_slope(self.value)),
+        }
     }
     fn recip(self) -> Self {
-        let inverse = self.value.recip();
-        self.chain(inverse, -(inverse * inverse))
+        self.chain(jet::recip(self.value))
     }
     fn powi(self, exponent: i32) -> Self {
-        // a factor of zero ends the chain: x^-1 at x = 0 must not turn 0 into no number
-        let slope = if exponent == 0 { S::zero() } else { self.value.powi(exponent - 1) * f64::from(exponent) };
-        self.chain(self.value.powi(exponent), slope)
+        self.chain(jet::powi(self.value, exponent))
     }
     fn powf(self, exponent: f64) -> Self {
-        let slope = if exponent == 0.0 { S::zero() } else { self.value.powf(exponent - 1.0) * exponent };
-        self.chain(self.value.powf(exponent), slope)
+        self.chain(jet::powf(self.value, exponent))
     }
     fn atan2(self, other: Self) -> Self {
         let square = self.value * self.value + other.value * other.value;
@@ -170,9 +101,6 @@ impl<S: Scalar> Scalar for Moving<S> {
     fn select(self, then: Self, otherwise: Self) -> Self {
         Moving { value: self.value.select(then.value, otherwise.value), rate: self.value.select(then.rate, otherwise.rate) }
     }
-    fn floor(self) -> Self {
-        Moving { value: self.value.floor(), rate: S::zero() }
-    }
     fn vanishing_times(self, other: Self) -> Self {
         Moving {
             value: self.value.vanishing_times(other.value),
@@ -180,7 +108,7 @@ impl<S: Scalar> Scalar for Moving<S> {
         }
     }
     fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
-        self.chain(self.value.on_curve(curve, order), self.value.on_curve(curve, order + 1))
+        self.chain([order, order + 1].map(|order| self.value.on_curve(curve, order)))
     }
     fn gather(self, values: &[Self]) -> Self {
         let of = |part: fn(&Self) -> S| self.value.gather(&values.iter().map(part).collect::<Vec<S>>());

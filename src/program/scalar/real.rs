@@ -1,10 +1,5 @@
-use super::{Curve, Scalar};
+use super::{Curve, Scalar, Unary};
 use std::sync::Arc;
-
-/// Forwards the functions of one argument to the inherent ones of `f64`.
-macro_rules! forward {
-    ($($name:ident),*) => { $(#[inline(always)] fn $name(self) -> Self { f64::$name(self) })* };
-}
 
 impl Scalar for f64 {
     #[inline(always)]
@@ -15,7 +10,29 @@ impl Scalar for f64 {
     fn is_constant(self) -> bool {
         true
     }
-    forward!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip, floor);
+    #[inline(always)]
+    fn unary(self, function: Unary) -> Self {
+        match function {
+            Unary::Neg => -self,
+            Unary::Sqrt => self.sqrt(),
+            Unary::Exp => self.exp(),
+            Unary::Ln => self.ln(),
+            Unary::Sin => self.sin(),
+            Unary::Cos => self.cos(),
+            Unary::Tan => self.tan(),
+            Unary::Asin => self.asin(),
+            Unary::Acos => self.acos(),
+            Unary::Atan => self.atan(),
+            Unary::Sinh => self.sinh(),
+            Unary::Cosh => self.cosh(),
+            Unary::Tanh => self.tanh(),
+            Unary::Floor => self.floor(),
+        }
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        f64::recip(self)
+    }
     #[inline(always)]
     fn less(self, other: Self) -> Self {
         f64::from(u8::from(self < other))
@@ -30,19 +47,6 @@ impl Scalar for f64 {
     }
     fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
         curve.value(order, self)
-    }
-    #[inline]
-    fn powi(self, exponent: i32) -> Self {
-        // by squaring: the rounding of f64::powi depends on what the compiler knows of the exponent
-        let (mut power, mut square, mut rest) = (1.0, self, exponent.unsigned_abs());
-        while rest > 0 {
-            if rest % 2 == 1 {
-                power *= square;
-            }
-            square *= square;
-            rest /= 2;
-        }
-        if exponent < 0 { 1.0 / power } else { power }
     }
     #[inline]
     fn powf(self, exponent: f64) -> Self {
