@@ -116,12 +116,8 @@ fn differences(scene: &(impl Scene + Sync), level: ConstraintLevel, table: &str)
 fn rows_and_reactions_follow_from_h() {
     let mut random = Random::new(3);
     let constraints: [(&str, ConstraintPhysics, usize); 2] = [
-        (
-            "sphere",
-            ConstraintPhysics::new(Box::new(Nonholonomic(RollingSphere { a: NodeKind::Body, b: NodeKind::Body }))),
-            13,
-        ),
-        ("disc", ConstraintPhysics::new(Box::new(Nonholonomic(RollingDisc { a: NodeKind::Body, b: NodeKind::Body }))), 16),
+        ("sphere", ConstraintPhysics::new(Box::new(Nonholonomic(RollingSphere([NodeKind::Body; 2])))), 13),
+        ("disc", ConstraintPhysics::new(Box::new(Nonholonomic(RollingDisc([NodeKind::Body; 2])))), 16),
     ];
     let complex = |x: &[f64]| x.iter().map(|&x| Complex64::from(x)).collect::<Vec<_>>();
     for (name, constraint, parameters) in &constraints {

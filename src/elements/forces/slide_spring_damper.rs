@@ -14,38 +14,30 @@ use crate::scalar::Scalar;
 /// * `rest displacement`  s0 \[m\]
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
-pub struct SlideSpringDamper {
-    /// What guides: a body.
-    pub a: NodeKind,
-    /// What slides.
-    pub b: NodeKind,
-}
+pub struct SlideSpringDamper(pub [NodeKind; 2]);
 
 /// s - s0 with the parameters (s0, points, axis).
-struct Slide {
-    a: NodeKind,
-    b: NodeKind,
-}
+struct Slide([NodeKind; 2]);
 
 impl Constraint for Slide {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         [Parameter::new("rest displacement", "m")].into_iter().chain(points()).chain(vectors(&["axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        components(&Frame::of(self.a, q), &p[7..], gap([self.a, self.b], q, &p[1..]), g);
+        components(&Frame::of(self.0[0], q), &p[7..], gap(self.0, q, &p[1..]), g);
         g[0] -= p[0];
     }
 }
 
 impl SlideSpringDamper {
     fn soft(&self) -> Soft<Slide> {
-        Soft(Slide { a: self.a, b: self.b })
+        Soft(Slide(self.0))
     }
 }
 
@@ -88,10 +80,10 @@ impl Entry for SlideSpringDamper {
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.body_and_guided();
+        let nodes = given.body_and_guided();
         let places = [given.point("origin", 0), given.point("point", 1)];
         let axis = given.unit("axis");
         let own = [given.spring_damper("rest_displacement"), given.local_points([0, 1], places)].concat();
-        (SlideSpringDamper { a, b }, [own, given.local_directions(0, [axis])].concat())
+        (SlideSpringDamper(nodes), [own, given.local_directions(0, [axis])].concat())
     }
 }

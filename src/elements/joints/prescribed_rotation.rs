@@ -14,10 +14,8 @@ use crate::scalar::Scalar;
 /// * `reference b`  unit vector in the frame of b
 /// * parameters of f(t) \[rad\]
 pub struct PrescribedRotation {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
+    /// What guides, a body, and what is driven.
+    pub nodes: [NodeKind; 2],
     /// Angle over time.
     pub angle: TimeFunction,
 }
@@ -26,14 +24,14 @@ impl Constraint for PrescribedRotation {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.nodes.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         angle().into_iter().chain(self.angle.parameters("rad")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
-        g[0] = angle_between([self.a, self.b], q, p, self.angle.value(t, &p[9..]));
+        g[0] = angle_between(self.nodes, q, p, self.angle.value(t, &p[9..]));
     }
     fn is_driver(&self) -> bool {
         true
@@ -49,8 +47,8 @@ impl Entry for PrescribedRotation {
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (angle, numbers) = given.function("angle");
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let axis = given.unit("axis");
-        (PrescribedRotation { a, b, angle }, [given.angle_frame(axis), numbers].concat())
+        (PrescribedRotation { nodes, angle }, [given.angle_frame(axis), numbers].concat())
     }
 }
