@@ -1,4 +1,4 @@
-use crate::elements::entries::{Entry, Part, part_of};
+use crate::elements::entries::{Entry, Erase, Part};
 use crate::elements::{OfStates, Parameter, State};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
@@ -83,7 +83,11 @@ impl<Q: Quantity> AnyQuantity for Q {
 /// A quantity of a list.
 pub type QuantityPart = Part<dyn AnyQuantity>;
 
-part_of!(Quantity, dyn AnyQuantity);
+impl<Q: Quantity> Erase<dyn AnyQuantity> for Q {
+    fn erased(self) -> Box<dyn AnyQuantity> {
+        Box::new(self)
+    }
+}
 
 /// What is done with every quantity of the library that has an entry, each with its own type.
 pub trait QuantityVisitor {

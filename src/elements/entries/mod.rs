@@ -22,5 +22,5 @@ pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
 };
 pub use part::{Entry, JointPart, JointVisitor, Law, Made, MadeEntry, Part, SpringPart, SpringVisitor, forms_of};
-pub(crate) use part::{entries, joined, named, names_of, part_of};
+pub(crate) use part::{Erase, entries, joined, named, names_of};
 pub use placed::Placed;
