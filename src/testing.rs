@@ -36,11 +36,11 @@ use crate::assembly::{
     Products, Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
-    AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic,
-    NonholonomicConstraint, Parameter, State, StressFormulas, dofs_of,
+    AnyConstraint, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic, NonholonomicConstraint,
+    State, dofs_of,
 };
 use crate::functionals::{AnyQuantity, Quantity};
-use crate::program::{Formula, ProgramWork, Recorded, record};
+use crate::program::{ProgramWork, Recorded, record};
 use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
 use num_dual::{Dual2_64, Dual64, HyperDual64};
 use std::sync::Arc;
@@ -92,69 +92,6 @@ impl Sample {
 
     fn state(&self) -> State<'_, f64> {
         State { a: &self.a, v: &self.v, q: &self.q }
-    }
-}
-
-/// An element or constraint with several owners.
-struct Shared<T>(Arc<T>);
-
-impl<E: Element> AnyElement for Shared<E> {
-    fn as_any(&self) -> &dyn std::any::Any {
-        &*self.0
-    }
-    fn node_kinds(&self) -> Vec<NodeKind> {
-        self.0.nodes()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        self.0.parameters()
-    }
-    fn record_residual(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_residual()
-    }
-    fn record_impulse(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_impulse()
-    }
-    fn record_energies(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_energies()
-    }
-    fn record_power(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_power()
-    }
-    fn record_inertia_moment(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_inertia_moment()
-    }
-    fn has_energies(&self) -> bool {
-        AnyElement::has_energies(&*self.0)
-    }
-    fn is_conservative(&self) -> bool {
-        AnyElement::is_conservative(&*self.0)
-    }
-    fn has_strains(&self) -> bool {
-        self.0.has_strains()
-    }
-    fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
-        self.0.record_stresses()
-    }
-}
-
-impl<C: AnyConstraint> AnyConstraint for Shared<C> {
-    fn node_kinds(&self) -> Vec<NodeKind> {
-        self.0.node_kinds()
-    }
-    fn equation_count(&self) -> usize {
-        self.0.equation_count()
-    }
-    fn is_nonholonomic(&self) -> bool {
-        self.0.is_nonholonomic()
-    }
-    fn is_driver(&self) -> bool {
-        self.0.is_driver()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        self.0.parameter_list()
-    }
-    fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
-        self.0.evaluate(numbers, t)
     }
 }
 
@@ -231,12 +168,12 @@ fn lagrangian<E: Element>(element: &E, Sample { a, v, q, p, t }: &Sample) -> [Ve
 
 /// An element as a model sees it.
 pub fn element_physics<E: Element>(element: &Arc<E>) -> ElementPhysics {
-    ElementPhysics::new(Box::new(Shared(Arc::clone(element))))
+    ElementPhysics::new(element.clone())
 }
 
 /// A constraint as a model sees it.
 pub fn constraint_physics<C: AnyConstraint + 'static>(constraint: &Arc<C>) -> ConstraintPhysics {
-    ConstraintPhysics::new(Box::new(Shared(Arc::clone(constraint))))
+    ConstraintPhysics::new(constraint.clone())
 }
 
 /// Whether an element's residual is written out.
@@ -318,7 +255,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
         check_columns(&physics, sample)?;
     }
     let assembled = Assembled::new(samples, |model, node| {
-        model.add_element("", &[node], Box::new(Shared(Arc::clone(element))));
+        model.add_element("", &[node], element.clone());
     });
     let shift = |gamma, beta, alpha| Equations::stage(StageCoefficients::new(gamma, beta, alpha), Level::Acceleration);
     let mut kinds = vec![shift(1.0, 0.0, 0.0), shift(0.0, 1.0, 0.0), shift(0.0, 0.0, 1.0), shift(0.7, -0.4, 1.3)];
@@ -501,7 +438,7 @@ fn check_equation<C: AnyConstraint + 'static>(
         check_rows(&physics, formula, sample, [&mu, &lambda])?;
     }
     let assembled = Assembled::new(samples, |model, node| {
-        model.add_constraint("", &[node], Box::new(Shared(Arc::clone(constraint))));
+        model.add_constraint("", &[node], constraint.clone());
     });
     for level in [Level::Position, Level::Velocity, Level::Acceleration] {
         let equations = Equations::stage(StageCoefficients::new(0.7, 0.4, 1.3), level);

@@ -106,7 +106,7 @@ impl Force {
         match self {
             Force::Residual => Some(physics.residual()),
             Force::Inertia => Some(physics.inertia()),
-            Force::Stresses => physics.stresses().map(|stresses| &stresses.force),
+            Force::Stresses => physics.stresses().map(|stresses| stresses.force),
             Force::Impulse(_) => Some(physics.impulse()),
         }
     }

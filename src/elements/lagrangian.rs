@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Element, NodeKind, State, dofs_of};
+use super::{Element, NodeKind, Output, Parameter, State, dofs_of};
 use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
 /// Energies of an element.
@@ -32,10 +32,10 @@ pub trait Formulas {
 /// An element with its type erased where it is recorded, so that what is made of its formulas is compiled once for all of them.
 pub trait ElementFormulas: Formulas {
     fn node_kinds(&self) -> Vec<NodeKind>;
-    fn parameter_count(&self) -> usize;
+    fn parameter_list(&self) -> Vec<Parameter>;
     fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]);
     fn mass(&self, p: &[Recorded]) -> Recorded;
-    fn output_count(&self) -> usize;
+    fn output_list(&self) -> Vec<Output>;
     fn write_outputs(&self, state: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]);
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)>;
 }
@@ -44,8 +44,8 @@ impl<E: Element> ElementFormulas for E {
     fn node_kinds(&self) -> Vec<NodeKind> {
         self.nodes()
     }
-    fn parameter_count(&self) -> usize {
-        self.parameters().len()
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
     }
     fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]) {
         Element::residual(self, s, p, t, r);
@@ -53,8 +53,8 @@ impl<E: Element> ElementFormulas for E {
     fn mass(&self, p: &[Recorded]) -> Recorded {
         Element::mass(self, p)
     }
-    fn output_count(&self) -> usize {
-        self.outputs().len()
+    fn output_list(&self) -> Vec<Output> {
+        self.outputs()
     }
     fn write_outputs(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]) {
         Element::write_outputs(self, v, q, p, t, outputs);
@@ -96,7 +96,7 @@ impl<E: Element> Formulas for E {
 
 /// Numbers of coordinates and parameters.
 pub(super) fn sizes(element: &dyn ElementFormulas) -> (usize, usize) {
-    (dofs_of(&element.node_kinds()), element.parameter_count())
+    (dofs_of(&element.node_kinds()), element.parameter_list().len())
 }
 
 /// For each coordinate whether it is that of a state of first order, which has neither energy nor power.
@@ -200,7 +200,7 @@ pub(super) fn told(element: &dyn ElementFormulas, [v, q, p]: [&[Recorded]; 3], t
     let e = strains(element, q, p, t);
     let of_q = q.iter().copied().zip(v.iter().copied());
     let moving: Vec<(Recorded, Recorded)> = of_q.chain([(t, Recorded::from(1.0))]).collect();
-    let mut own = zeros(element.output_count() - OF_STRAIN * e.len());
+    let mut own = zeros(element.output_list().len() - OF_STRAIN * e.len());
     element.write_outputs([v, q, p], t, &mut own);
     let rates = along_motion(&e, &moving);
     [e, rates, own].concat()
