@@ -54,14 +54,9 @@ impl<Q: BeamQuantity> AnyPointQuantity for OfBeams<Q> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
-    fn is_on(&self, element: &ElementPhysics) -> bool {
-        element.downcast::<Beam>().is_some()
-    }
-    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
-        let Some(&Beam { 0: beam }) = element.downcast::<Beam>() else {
-            return Err(format!("{} is no beam", element.type_name()));
-        };
-        record_points(element, self.0.parameters().len(), |s, PointParameters { element: p, own }, _| {
+    fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
+        let beam = element.downcast::<Beam>()?.0;
+        Some(record_points(element, self.0.parameters().len(), |s, PointParameters { element: p, own }, _| {
             // two Gauss points of weight 1
             let half_length = (p[0] + p[beam.tying_parameters()]) * 0.5;
             let ends = end_forces(beam, s, p).into_iter().enumerate();
@@ -71,6 +66,6 @@ impl<Q: BeamQuantity> AnyPointQuantity for OfBeams<Q> {
                 values.into_iter().map(move |value| PointValue { value, weight })
             });
             weighted.collect()
-        })
+        }))
     }
 }

@@ -325,8 +325,8 @@ impl MeasuredGroup {
                 Some(&(_, place)) => place,
                 None => {
                     let mut place = None;
-                    if part.quantity.is_on(&element.physics) {
-                        let mut own = part.quantity.record(&element.physics)?;
+                    if let Some(own) = part.quantity.record(&element.physics) {
+                        let mut own = own?;
                         own.share_arguments(self.parameters.len());
                         let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.len());
                         // equal recordings of unlike elements are one formula
