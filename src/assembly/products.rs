@@ -258,7 +258,7 @@ impl<S: RunScalar> Products<S> {
                     &own.program,
                     count,
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         places.write_elements(&mut lanes, (at, p, t.into()), (force, S::one()));
                         adjoints.iter().for_each(|adjoint| lanes.gather_nodes(&places.nodes, [&adjoint.f]));
                     },
@@ -310,7 +310,7 @@ impl<S: RunScalar> Products<S> {
                     &own.program,
                     count,
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         places.write_constraints(&mut lanes, (at, p, t.into()), &unknowns.mu, scale);
                         for adjoint in adjoints {
                             if asked.reactions {
@@ -376,7 +376,7 @@ impl Products {
                     program,
                     batch.parts.len(),
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         lanes.skip(batch.formula.inputs);
                         places.write_constraints(&mut lanes, (at, &[], 0.0), &unknowns.local_mu, scale);
                         rates.iter().for_each(|&rate| lanes.spread(rate));

@@ -285,11 +285,11 @@ impl<S: RunScalar> Residual<S> {
             to.clear();
             to.extend(from.map(|x| x.value()));
         };
-        for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
+        for (number, part) in system.constraint_parts.iter().enumerate() {
             real(q, &mut part.segments.iter().flat_map(|dofs| &constraint_at.q[dofs.clone()]));
-            real(mu, &mut unknowns.mu[joint.equations.clone()].iter());
+            real(mu, &mut unknowns.mu[system.equations_of(number)].iter());
             real(own_p, &mut p[part.parameters.clone()].iter());
-            scale = scale.max(largest(joint.physics.reaction_in((q, own_p, t), mu, work)));
+            scale = scale.max(largest(system.global_constraint(number).reaction_in((q, own_p, t), mu, work)));
         }
         (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
@@ -311,7 +311,7 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 &mut self.work,
-                |mut lanes, _| batch.places.write_elements(&mut lanes, (at, p, time), (force, pace)),
+                |mut lanes| batch.places.write_elements(&mut lanes, (at, p, time), (force, pace)),
                 |results| {
                     results.add_to_nodes(0, &batch.places.nodes, 1.0, f);
                     if last_bits {
@@ -357,7 +357,7 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, time), &unknowns.mu, scale),
+                |mut lanes| batch.places.write_constraints(&mut lanes, (at, p, time), &unknowns.mu, scale),
                 |results| {
                     let mut place = 0;
                     if asked.reactions {
