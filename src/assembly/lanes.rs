@@ -262,18 +262,6 @@ impl<S: RunScalar> LaneResults<'_, S> {
         }
     }
 
-    /// Adds results from a place on, times a factor, to numbers of the parts: as far behind their begin as `offsets` say.
-    #[inline(always)]
-    pub fn add_numbers(&self, first: usize, offsets: &[u32], starts: &Starts, factor: f64, values: &mut [S]) {
-        let rows = self.numbers[first * self.width..].chunks_exact(self.width);
-        for (lane, part) in self.parts.clone().enumerate() {
-            let values = &mut values[starts.of(part)];
-            for (&offset, row) in offsets.iter().zip(rows.clone()) {
-                values[offset as usize] += row[lane] * factor;
-            }
-        }
-    }
-
     /// Writes results from a place on to a list where `wanted` says so; returns the place behind them.
     #[inline(always)]
     pub fn write(&self, first: usize, starts: &Starts, wanted: &[Option<usize>], values: &mut [S]) -> usize {
