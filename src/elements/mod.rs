@@ -43,6 +43,7 @@ pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
+pub(crate) use lagrangian::paired;
 pub use node_kind::NodeKind;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};

@@ -3,7 +3,7 @@ use super::point_quantity::record_points;
 use super::{AnyPointQuantity, PointParameters, PointValue};
 use crate::elements::flexible::shape::{AT_TYING_POINTS, TWO};
 use crate::elements::flexible::{Beam, BeamField, STRAINS, TYING_POINTS};
-use crate::elements::{ElementPhysics, Parameter, State, interpolate};
+use crate::elements::{ElementPhysics, Parameter, State, interpolate, paired};
 use crate::program::{Recorded, along_motion};
 use crate::scalar::Scalar;
 
@@ -31,7 +31,7 @@ pub struct OfBeams<Q>(pub Q);
 /// Section forces at both ends of an element.
 fn end_forces(beam: BeamField, s: State<Recorded>, p: &[Recorded]) -> [[Recorded; STRAINS]; 2] {
     let own = beam.tying_parameters();
-    let moving: Vec<_> = s.q.iter().copied().zip(s.v.iter().copied()).collect();
+    let moving = paired(s.q, s.v);
     let at_points: [[Recorded; STRAINS]; TYING_POINTS] = std::array::from_fn(|point| {
         let p = &p[point * own..];
         let strain = BeamField::strains(&interpolate::<BeamField, _>(&AT_TYING_POINTS[point], s.q), p);

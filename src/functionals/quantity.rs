@@ -1,5 +1,5 @@
 use crate::elements::entries::{Entry, Erase, Part};
-use crate::elements::{OfStates, Parameter, State};
+use crate::elements::{OfStates, Parameter, State, paired};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
 use crate::scalar::Scalar;
@@ -73,8 +73,7 @@ impl<Q: Quantity> AnyQuantity for Q {
             }
             let mut e = vec![Recorded::from(0.0); rated];
             self.rated(q, p, t, &mut e);
-            let moving: Vec<(Recorded, Recorded)> =
-                q.iter().copied().zip(v.iter().copied()).chain([(t, Recorded::from(1.0))]).collect();
+            let moving = [paired(q, v), vec![(t, Recorded::from(1.0))]].concat();
             vec![self.value_with_rates(&e, &along_motion(&e, &moving), p)]
         })
     }
