@@ -44,13 +44,9 @@ impl<S: RunScalar> Lanes<'_, S> {
     /// The next numbers of each part come from a list.
     #[inline(always)]
     pub fn gather(&mut self, starts: &Starts, values: &[S]) {
-        self.gather_at(self.place, starts, values);
-        self.place += starts.length;
-    }
-
-    #[inline(always)]
-    fn gather_at(&mut self, place: usize, starts: &Starts, values: &[S]) {
-        self.gather_range(place..place + starts.length, starts, values);
+        let end = self.place + starts.length;
+        self.gather_range(self.place..end, starts, values);
+        self.place = end;
     }
 
     /// Arguments are the first so many numbers of each part.
@@ -84,7 +80,8 @@ impl<S: RunScalar> Lanes<'_, S> {
         let mut first = self.place;
         for starts in segments {
             for (list, values) in lists.iter().enumerate() {
-                self.gather_at(first + list * count, starts, values);
+                let place = first + list * count;
+                self.gather_range(place..place + starts.length, starts, values);
             }
             first += starts.length;
         }

@@ -117,14 +117,6 @@ const NOWHERE: u32 = u32::MAX;
 /// Unknowns beyond which a block without gaps is kept by runs of rows.
 const LARGE: usize = 24;
 
-/// Adds a number to the matrix at a place, if that is in it.
-#[inline(always)]
-pub(super) fn add_at(place: u32, entry: f64, values: &mut [f64]) {
-    if let Some(value) = values.get_mut(place as usize) {
-        *value += entry;
-    }
-}
-
 impl ScatterMap {
     /// Adds some entries, times a factor, to their places in a matrix.
     #[inline(always)]

@@ -84,26 +84,22 @@ struct Floor {
     own_p: Vec<f64>,
 }
 
-impl<S> Default for Residual<S> {
-    fn default() -> Self {
-        Residual {
-            at: VectorsAvq::default(),
-            f: Vec::new(),
-            g: Vec::new(),
-            keep_values: false,
-            last_bits: false,
-            clock: None,
-            reaction_at: VectorsAvq::default(),
-            constraint_at: VectorsAvq::default(),
-            has_one_point: true,
-            base: Vec::new(),
-            constraint_base: VectorsAvq::default(),
-            work: BatchWork::default(),
-            inside_nodes: InsideNodes::default(),
-            floor: Floor::default(),
-        }
-    }
-}
+super::empty_fields!(Residual {
+    at,
+    f,
+    g,
+    keep_values,
+    last_bits,
+    clock,
+    reaction_at,
+    constraint_at,
+    has_one_point,
+    base,
+    constraint_base,
+    work,
+    inside_nodes,
+    floor,
+});
 
 impl<S: RunScalar> Residual<S> {
     /// One that all ranks evaluate in the same order: they share its elements.
@@ -348,7 +344,7 @@ impl<S: RunScalar> Residual<S> {
     ) {
         for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
-            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
             let Residual { f, g, at, constraint_at, reaction_at, has_one_point, work, last_bits, .. } = self;
             let constraint_at = of_constraints(*has_one_point, at, constraint_at);
