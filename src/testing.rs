@@ -32,8 +32,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, ProductPoint, ProductSeeds,
-    Products, Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Force, Jacobian, Level, Model, NodeId, ProductPoint, ProductSeeds, Products,
+    Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
     AnyConstraint, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic, NonholonomicConstraint,
@@ -623,7 +623,6 @@ impl<'s> Assembled<'s> {
         let system = self.system();
         let (t, weights) = (self.samples[0].t, [0.6, -1.7]);
         let adjoints = Self::adjoints(&system);
-        let impulse = Impulse { momentum: weights[0], force: weights[1] };
         let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
         let mut product_of = |argument: Argument, place: usize| -> Vec<f64> {
             let (mut at, mut p) = (at.clone(), p.clone());
@@ -642,7 +641,7 @@ impl<'s> Assembled<'s> {
             let point = ProductPoint { at: &self.at, p: &self.p, t };
             let mut seeds = [ProductSeeds { avq: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
-            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(impulse), 1.0), point, &mut seeds);
+            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(weights), 1.0), point, &mut seeds);
             (bar, bar_p)
         };
         self.compare_products("impulse", found, &mut product_of)
