@@ -14,6 +14,7 @@ mod placed;
 
 pub use super::time_function::FUNCTION;
 pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, HEADING, ONE_BODY, TWO_BODIES};
+pub(crate) use example::{DAMPED, DRIVE, REST_ANGLE, STIFF};
 pub use functions::{CHARACTERISTIC, ORIENTATION};
 pub(crate) use functions::{COLUMNS, FILE, INTERPOLATION, VALUES};
 pub use given::{Given, GivenValue, Values};

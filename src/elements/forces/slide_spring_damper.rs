@@ -1,7 +1,8 @@
 use super::Soft;
 use super::soft::as_soft_joint;
 use crate::elements::entries::{
-    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, may, need,
+    ALONG, AXIS, BETWEEN, DAMPED, Entry, Example, ExampleValue, Given, Key, POINT, REST_ANGLE, Range, STIFF, TWO_BODIES,
+    Type, may, need,
 };
 use crate::elements::joints::{components, gap, points, vectors};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Output, Parameter};
@@ -73,9 +74,9 @@ impl Entry for SlideSpringDamper {
             ("origin", ExampleValue::Point([0.1, 0.2, -0.3])),
             ("point", ExampleValue::Point([0.8, -0.4, 0.5])),
             ALONG,
-            ("stiffness", ExampleValue::Number(3.1)),
-            ("damping", ExampleValue::Number(0.7)),
-            ("rest_displacement", ExampleValue::Number(0.2)),
+            STIFF,
+            DAMPED,
+            ("rest_displacement", REST_ANGLE.1),
         ],
     );
 

@@ -1,6 +1,6 @@
 use super::spring_law::ANGLE;
 use crate::elements::entries::{
-    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, TWO_BODIES, Type, may, need,
+    ALONG, AXIS, BETWEEN, DAMPED, Entry, Example, Given, Key, REST_ANGLE, Range, STIFF, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::angle;
 use crate::elements::{Element, Frame, NodeKind, Output, Parameter};
@@ -57,15 +57,7 @@ impl Entry for TorsionSpringDamper {
         may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
         may("rest_angle", Type::Number("rad", Range::Any), "angle without moment, zero as they stand; 0"),
     ];
-    const EXAMPLE: Example = (
-        TWO_BODIES,
-        &[
-            ALONG,
-            ("stiffness", ExampleValue::Number(3.1)),
-            ("damping", ExampleValue::Number(0.7)),
-            ("rest_angle", ExampleValue::Number(0.2)),
-        ],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, STIFF, DAMPED, REST_ANGLE]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let nodes = given.bodies();

@@ -1,7 +1,5 @@
 use super::{angle, angle_between};
-use crate::elements::entries::{
-    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, TWO_BODIES, Type, need,
-};
+use crate::elements::entries::{ALONG, AXIS, BETWEEN, DRIVE, Entry, Example, FUNCTION, Given, Key, TWO_BODIES, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -43,7 +41,7 @@ impl Entry for PrescribedRotation {
     const NAME: &'static str = "rotation";
     const DOC: &'static str = "the angle of b against a about an axis, zero as they stand";
     const KEYS: &'static [Key] = &[BETWEEN, AXIS, need("angle", Type::Function("rad", &FUNCTION), "angle over time")];
-    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("angle", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]))]);
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("angle", DRIVE)]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (angle, numbers) = given.function("angle");

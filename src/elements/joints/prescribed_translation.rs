@@ -1,6 +1,6 @@
 use super::{gap, points, vectors};
 use crate::elements::entries::{
-    ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
+    ALONG, AT, AXIS, BETWEEN, DRIVE, Entry, Example, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
 };
 use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
@@ -49,15 +49,7 @@ impl Entry for PrescribedTranslation {
         POINT,
         need("displacement", Type::Function("m", &FUNCTION), "displacement over time"),
     ];
-    const EXAMPLE: Example = (
-        TWO_BODIES,
-        &[
-            ALONG,
-            ("origin", ExampleValue::Point([0.3, -0.2, 0.5])),
-            AT,
-            ("displacement", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0])),
-        ],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("origin", AT.1), AT, ("displacement", DRIVE)]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (displacement, numbers) = given.function("displacement");
