@@ -32,15 +32,15 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, ProductPoint, ProductSeeds,
-    Products, Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Force, Jacobian, Level, Model, NodeId, ProductPoint, ProductSeeds, Products,
+    Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
-    AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic,
-    NonholonomicConstraint, Parameter, State, StressFormulas, dofs_of,
+    AnyConstraint, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic, NonholonomicConstraint,
+    State, dofs_of,
 };
 use crate::functionals::{AnyQuantity, Quantity};
-use crate::program::{Formula, ProgramWork, Recorded, record};
+use crate::program::{ProgramWork, Recorded, record};
 use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
 use num_dual::{Dual2_64, Dual64, HyperDual64};
 use std::sync::Arc;
@@ -92,69 +92,6 @@ impl Sample {
 
     fn state(&self) -> State<'_, f64> {
         State { a: &self.a, v: &self.v, q: &self.q }
-    }
-}
-
-/// An element or constraint with several owners.
-struct Shared<T>(Arc<T>);
-
-impl<E: Element> AnyElement for Shared<E> {
-    fn as_any(&self) -> &dyn std::any::Any {
-        &*self.0
-    }
-    fn node_kinds(&self) -> Vec<NodeKind> {
-        self.0.nodes()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        self.0.parameters()
-    }
-    fn record_residual(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_residual()
-    }
-    fn record_impulse(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_impulse()
-    }
-    fn record_energies(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_energies()
-    }
-    fn record_power(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_power()
-    }
-    fn record_inertia_moment(&self) -> Result<Arc<Formula>, String> {
-        self.0.record_inertia_moment()
-    }
-    fn has_energies(&self) -> bool {
-        AnyElement::has_energies(&*self.0)
-    }
-    fn is_conservative(&self) -> bool {
-        AnyElement::is_conservative(&*self.0)
-    }
-    fn has_strains(&self) -> bool {
-        self.0.has_strains()
-    }
-    fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
-        self.0.record_stresses()
-    }
-}
-
-impl<C: AnyConstraint> AnyConstraint for Shared<C> {
-    fn node_kinds(&self) -> Vec<NodeKind> {
-        self.0.node_kinds()
-    }
-    fn equation_count(&self) -> usize {
-        self.0.equation_count()
-    }
-    fn is_nonholonomic(&self) -> bool {
-        self.0.is_nonholonomic()
-    }
-    fn is_driver(&self) -> bool {
-        self.0.is_driver()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        self.0.parameter_list()
-    }
-    fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
-        self.0.evaluate(numbers, t)
     }
 }
 
@@ -231,12 +168,12 @@ fn lagrangian<E: Element>(element: &E, Sample { a, v, q, p, t }: &Sample) -> [Ve
 
 /// An element as a model sees it.
 pub fn element_physics<E: Element>(element: &Arc<E>) -> ElementPhysics {
-    ElementPhysics::new(Box::new(Shared(Arc::clone(element))))
+    ElementPhysics::new(element.clone())
 }
 
 /// A constraint as a model sees it.
 pub fn constraint_physics<C: AnyConstraint + 'static>(constraint: &Arc<C>) -> ConstraintPhysics {
-    ConstraintPhysics::new(Box::new(Shared(Arc::clone(constraint))))
+    ConstraintPhysics::new(constraint.clone())
 }
 
 /// Whether an element's residual is written out.
@@ -318,7 +255,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
         check_columns(&physics, sample)?;
     }
     let assembled = Assembled::new(samples, |model, node| {
-        model.add_element("", &[node], Box::new(Shared(Arc::clone(element))));
+        model.add_element("", &[node], element.clone());
     });
     let shift = |gamma, beta, alpha| Equations::stage(StageCoefficients::new(gamma, beta, alpha), Level::Acceleration);
     let mut kinds = vec![shift(1.0, 0.0, 0.0), shift(0.0, 1.0, 0.0), shift(0.0, 0.0, 1.0), shift(0.7, -0.4, 1.3)];
@@ -370,15 +307,7 @@ fn check_sizes(samples: &[Sample], n: usize, m: usize) -> Result<(), String> {
 /// # Errors
 /// A formula that cannot be recorded, or the first disagreement: what, where, and both numbers.
 pub fn check_constraint<C: Constraint>(constraint: &Arc<C>, samples: &[Sample]) -> Result<(), String> {
-    let g = Equation {
-        count: constraint.equations(),
-        real: &|_: &[f64], q: &[f64], p: &[f64], t: f64, g: &mut [f64]| constraint.g(q, p, t, g),
-        second: &|_: &[Dual2_64], q: &[Dual2_64], p: &[Dual2_64], t: Dual2_64, g: &mut [Dual2_64]| constraint.g(q, p, t, g),
-        mixed: &|_: &[HyperDual64], q: &[HyperDual64], p: &[HyperDual64], t: HyperDual64, g: &mut [HyperDual64]| {
-            constraint.g(q, p, t, g)
-        },
-    };
-    check_equation(constraint, &g, samples)
+    check_rows_of(constraint, samples)
 }
 
 /// Holds what is derived from the h of a constraint on velocities against h in other numbers, at some states.
@@ -389,16 +318,7 @@ pub fn check_nonholonomic<C: NonholonomicConstraint>(
     constraint: &Arc<Nonholonomic<C>>,
     samples: &[Sample],
 ) -> Result<(), String> {
-    let own = &constraint.0;
-    let h = Equation {
-        count: C::EQUATIONS,
-        real: &|v: &[f64], q: &[f64], p: &[f64], t: f64, h: &mut [f64]| own.h(v, q, p, t, h),
-        second: &|v: &[Dual2_64], q: &[Dual2_64], p: &[Dual2_64], t: Dual2_64, h: &mut [Dual2_64]| own.h(v, q, p, t, h),
-        mixed: &|v: &[HyperDual64], q: &[HyperDual64], p: &[HyperDual64], t: HyperDual64, h: &mut [HyperDual64]| {
-            own.h(v, q, p, t, h)
-        },
-    };
-    check_equation(constraint, &h, samples)
+    check_rows_of(constraint, samples)
 }
 
 /// Holds the program of a quantity and its gradient against its formula in other numbers, at some states; it sees so many multipliers.
@@ -445,35 +365,35 @@ fn measured<Q: Quantity>(quantity: &Q, [n, multipliers, m]: [usize; 3], x: &[Dua
     quantity.value_with_rates(&numbers, &rates, p)
 }
 
-/// g or h of (v, q, p, t) in a number type.
-type InNumbers<'f, S> = &'f dyn Fn(&[S], &[S], &[S], S, &mut [S]);
-
-/// g or h in the number types of the checks.
-struct Equation<'f> {
-    count: usize,
-    real: InNumbers<'f, f64>,
-    second: InNumbers<'f, Dual2_64>,
-    mixed: InNumbers<'f, HyperDual64>,
+/// Equations of constraints in any numbers.
+trait InNumbers: AnyConstraint + 'static {
+    /// g or h of (v, q, p, t).
+    fn equations_at<S: Scalar>(&self, numbers: [&[S]; 3], t: S) -> Vec<S>;
 }
 
-/// The values of a formula.
-fn in_numbers<S: Scalar>(count: usize, formula: InNumbers<S>, [v, q, p]: [&[S]; 3], t: S) -> Vec<S> {
-    let mut values = vec![S::zero(); count];
-    formula(v, q, p, t, &mut values);
-    values
+impl<C: Constraint> InNumbers for C {
+    fn equations_at<S: Scalar>(&self, [_, q, p]: [&[S]; 3], t: S) -> Vec<S> {
+        let mut g = vec![S::zero(); self.equations()];
+        self.g(q, p, t, &mut g);
+        g
+    }
 }
 
-fn check_equation<C: AnyConstraint + 'static>(
-    constraint: &Arc<C>,
-    formula: &Equation,
-    samples: &[Sample],
-) -> Result<(), String> {
+impl<C: NonholonomicConstraint> InNumbers for Nonholonomic<C> {
+    fn equations_at<S: Scalar>(&self, [v, q, p]: [&[S]; 3], t: S) -> Vec<S> {
+        let mut h = vec![S::zero(); C::EQUATIONS];
+        self.0.h(v, q, p, t, &mut h);
+        h
+    }
+}
+
+fn check_rows_of<C: InNumbers>(constraint: &Arc<C>, samples: &[Sample]) -> Result<(), String> {
     let physics = constraint_physics(constraint);
     check_sizes(samples, physics.dof_count(), physics.parameter_count())?;
     if let Some(why) = physics.refused() {
         return Err(why.into());
     }
-    let (n, count, restricts_velocities) = (physics.dof_count(), formula.count, physics.is_nonholonomic());
+    let (n, count, restricts_velocities) = (physics.dof_count(), physics.equation_count(), physics.is_nonholonomic());
     for (index, sample) in samples.iter().enumerate() {
         let (s, p, t) = (sample.state(), &sample.p, sample.t);
         let mu: Vec<f64> = (0..count).map(|row| (1.3 * row as f64 + index as f64 + 0.4).sin()).collect();
@@ -481,8 +401,8 @@ fn check_equation<C: AnyConstraint + 'static>(
         let motion = physics.motion(s, p, t);
         let part = |order: usize| motion.iter().map(|g| g[order]).collect::<Vec<f64>>();
         let still = vec![0.0; n];
-        let real = in_numbers(count, formula.real, [s.v, s.q, p], t);
-        let at_rest = in_numbers(count, formula.real, [&still, s.q, p], t);
+        let real = constraint.equations_at([s.v, s.q, p], t);
+        let at_rest = constraint.equations_at([&still[..], s.q, p], t);
         if part(usize::from(restricts_velocities)) != real || physics.value(s.q, p, t) != at_rest {
             return Err(format!("equations: the program gives {motion:?}, the formula {real:?}"));
         }
@@ -491,17 +411,17 @@ fn check_equation<C: AnyConstraint + 'static>(
             (0..n).map(|i| Dual2_64::new(x[i], first[i], second[i])).collect()
         };
         let (v2, q2) = (path(s.v, s.a, &still), path(s.q, s.v, s.a));
-        let along = in_numbers(count, formula.second, [&v2, &q2, &lift(p)], Dual2_64::new(t, 1.0, 0.0));
+        let along = constraint.equations_at([&v2[..], &q2, &lift(p)], Dual2_64::new(t, 1.0, 0.0));
         let first: Vec<f64> = along.iter().map(|g| g.v1).collect();
         agree("first derivative along the motion", &part(1 + usize::from(restricts_velocities)), &first, 1.0)?;
         if !restricts_velocities {
             let second: Vec<f64> = along.iter().map(|g| g.v2).collect();
             agree("second derivative along the motion", &part(2), &second, 1.0)?;
         }
-        check_rows(&physics, formula, sample, [&mu, &lambda])?;
+        check_rows(&physics, &**constraint, sample, [&mu, &lambda])?;
     }
     let assembled = Assembled::new(samples, |model, node| {
-        model.add_constraint("", &[node], Box::new(Shared(Arc::clone(constraint))));
+        model.add_constraint("", &[node], constraint.clone());
     });
     for level in [Level::Position, Level::Velocity, Level::Acceleration] {
         let equations = Equations::stage(StageCoefficients::new(0.7, 0.4, 1.3), level);
@@ -512,13 +432,13 @@ fn check_equation<C: AnyConstraint + 'static>(
 }
 
 /// A, A^T mu and the gradients of lambda . A^T mu against derivatives of the formula.
-fn check_rows(
+fn check_rows<C: InNumbers>(
     physics: &ConstraintPhysics,
-    formula: &Equation,
+    constraint: &C,
     sample: &Sample,
     [mu, lambda]: [&[f64]; 2],
 ) -> Result<(), String> {
-    let (n, count, restricts_velocities) = (physics.dof_count(), formula.count, physics.is_nonholonomic());
+    let (n, count, restricts_velocities) = (physics.dof_count(), physics.equation_count(), physics.is_nonholonomic());
     let (s, p, t) = (sample.state(), &sample.p, sample.t);
     let still = vec![0.0; n];
     // A: derivatives to coordinates or velocities; lambda . A^T mu is the derivative of mu . g along lambda
@@ -530,7 +450,7 @@ fn check_rows(
         let v = if restricts_velocities { seed(&still, lambda, None) } else { lift(s.v) };
         let q = seed(s.q, if restricts_velocities { &still } else { lambda }, q_place);
         let p = seed(p, &vec![0.0; p.len()], p_place);
-        in_numbers(count, formula.mixed, [&v, &q, &p], t.into())
+        constraint.equations_at([&v[..], &q, &p], t.into())
     };
     let weighted = |g: &[HyperDual64]| g.iter().zip(mu).map(|(g, mu)| g.eps1eps2 * mu).sum::<f64>();
     let rows = physics.rows(s.q, p, t);
@@ -541,7 +461,7 @@ fn check_rows(
         let mut moved = lift::<Dual2_64>(if restricts_velocities { &still } else { s.q });
         moved[dof].v1 = 1.0;
         let (v, q) = if restricts_velocities { (moved, lift(s.q)) } else { (lift(s.v), moved) };
-        let g = in_numbers(count, formula.second, [&v, &q, &lift(p)], t.into());
+        let g = constraint.equations_at([&v[..], &q, &lift(p)], t.into());
         let own: Vec<f64> = (0..count).map(|row| rows[row * n + dof]).collect();
         agree("column of the rows", &own, &g.iter().map(|g| g.v1).collect::<Vec<_>>(), largest(&rows))?;
     }
@@ -703,7 +623,6 @@ impl<'s> Assembled<'s> {
         let system = self.system();
         let (t, weights) = (self.samples[0].t, [0.6, -1.7]);
         let adjoints = Self::adjoints(&system);
-        let impulse = Impulse { momentum: weights[0], force: weights[1] };
         let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
         let mut product_of = |argument: Argument, place: usize| -> Vec<f64> {
             let (mut at, mut p) = (at.clone(), p.clone());
@@ -722,7 +641,7 @@ impl<'s> Assembled<'s> {
             let point = ProductPoint { at: &self.at, p: &self.p, t };
             let mut seeds = [ProductSeeds { avq: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
-            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(impulse), 1.0), point, &mut seeds);
+            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(weights), 1.0), point, &mut seeds);
             (bar, bar_p)
         };
         self.compare_products("impulse", found, &mut product_of)

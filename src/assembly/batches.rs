@@ -116,17 +116,11 @@ impl System<'_> {
 
     /// Constraints whose multipliers are unknowns.
     pub(super) fn sort_constraints(&self) -> Vec<ConstraintBatch> {
-        let physics = |part: usize| self.global_constraint(part).map(|joint| joint.physics);
-        let kind = |part: usize| match physics(part) {
-            Some(own) => {
-                Some((Arc::clone(own.formula()), self.reductions(&self.constraint_parts[part]), own.is_nonholonomic()))
-            }
-            None => unreachable!("each part has a constraint"),
+        let kind = |part: usize| {
+            let own = self.global_constraint(part);
+            Some((Arc::clone(own.formula()), self.reductions(&self.constraint_parts[part]), own.is_nonholonomic()))
         };
-        let layout = |part: usize| match physics(part) {
-            Some(own) => ConstraintLayout::of(own),
-            None => unreachable!("each part has a constraint"),
-        };
+        let layout = |part: usize| ConstraintLayout::of(self.global_constraint(part));
         let numbers = |part: usize| (&self.constraint_parts[part], self.equations_of(part));
         sorted(self.constraint_parts.len(), kind, layout, numbers, &places_of_numbers(self))
     }
@@ -145,9 +139,6 @@ impl System<'_> {
 
     /// The constraint of a batch: its first one stands for all.
     pub(super) fn constraint_of(&self, batch: &ConstraintBatch) -> &ConstraintPhysics {
-        match self.global_constraint(batch.parts[0]) {
-            Some(joint) => joint.physics,
-            None => unreachable!("a batch has a part"),
-        }
+        self.global_constraint(batch.parts[0])
     }
 }

@@ -61,9 +61,6 @@ impl ConstraintLayout {
     pub fn extra(&self) -> usize {
         self.scale() + 1
     }
-    fn own(&self) -> usize {
-        self.a()
-    }
 }
 
 impl GatherMap {
@@ -116,8 +113,8 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    /// At a level, with the scale of the equations.
-    pub fn at(equations: &Equations, nonholonomic: bool) -> (Self, f64) {
+    /// Of a part of the constraint at a level, with the scale of the equations.
+    pub fn of(part: ConstraintPart, equations: &Equations, nonholonomic: bool) -> (Self, f64) {
         let (order, scale) = if nonholonomic {
             match equations.nonholonomic() {
                 None => (Order::Multiplier, 1.0),
@@ -132,18 +129,8 @@ impl Asked {
             };
             (order, equations.row_scale())
         };
-        (Asked { equations: Some(order), reactions: true }, scale)
-    }
-
-    /// The same of a part of the constraint.
-    pub fn part(part: ConstraintPart, equations: &Equations, nonholonomic: bool) -> (Self, f64) {
-        let (mut asked, scale) = Self::at(equations, nonholonomic);
-        match part {
-            ConstraintPart::Both => {}
-            ConstraintPart::Equations => asked.reactions = false,
-            ConstraintPart::Reactions(_) => asked.equations = None,
-        }
-        (asked, scale)
+        let has_equations = !matches!(part, ConstraintPart::Reactions(_));
+        (Asked { equations: has_equations.then_some(order), reactions: part != ConstraintPart::Equations }, scale)
     }
 
     /// A number for what is asked, and which of (a, v, q) move.
@@ -195,7 +182,7 @@ impl Parts {
 /// Reactions, then equations.
 pub(super) fn values(physics: &ConstraintPhysics, asked: Asked) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
-    let extra = layout.extra() - layout.own();
+    let extra = layout.extra() - layout.a();
     physics.formula().dense_program(("equations", asked.code().collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
         [reactions, equations].concat()
@@ -210,7 +197,7 @@ pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeRed
     let code = nodes.iter().map(|node| node.code()).chain(asked.code()).chain(moves.map(u32::from));
     let own = Columns::count(nodes);
     let size = own + layout.equations;
-    let extra = layout.extra() - layout.own() + 3 + Columns::numbers(nodes);
+    let extra = layout.extra() - layout.a() + 3 + Columns::numbers(nodes);
     physics.formula().sparse_program(("constraint matrix", code.collect()), extra, |graph, inputs, outputs| {
         let rates = &inputs[layout.extra()..];
         let columns_of = Columns::new(graph, nodes, &rates[3..]);
@@ -243,7 +230,7 @@ pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeRed
 pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[bool], count: usize) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
     let code = asked.code().chain(parameters.iter().map(|&asked| u32::from(asked))).chain([count as u32]);
-    let extra = layout.extra() - layout.own() + count * weights(layout, asked);
+    let extra = layout.extra() - layout.a() + count * weights(layout, asked);
     physics.formula().sparse_program(("constraint products", code.collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
         let all = [reactions, equations].concat();

@@ -3,7 +3,7 @@
 use super::gather_map::GatherMap;
 use super::lanes::Lanes;
 use super::reduction::{Columns, NodeReduction};
-use super::{Equations, Impulse, VectorsAvq};
+use super::{Equations, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::program::{Formula, Graph, LinearForm, Node, Program, Stages};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub enum Force {
     /// (de/dq)^T w, with the stresses w among the arguments: nothing for elements without strains.
     Stresses,
     /// w_P P + w_F F for a step of a variational integrator, with the weights among the arguments.
-    Impulse(Impulse),
+    Impulse([f64; 2]),
 }
 
 /// Arguments of an element's formulas: (a, v, q), parameters, time, and weights of an impulse or stresses; those of its programs follow.
@@ -70,8 +70,7 @@ impl GatherMap {
         lanes.gather_nodes(&self.nodes, [&at.a, &at.v, &at.q]);
         lanes.gather(&self.parameters, p);
         lanes.spread(t);
-        if let Force::Impulse(impulse) = force {
-            let [momentum, force] = impulse.weights();
+        if let Force::Impulse([momentum, force]) = force {
             lanes.spread(pace * momentum);
             lanes.spread(S::from(force));
         }
@@ -106,7 +105,7 @@ impl Force {
         match self {
             Force::Residual => Some(physics.residual()),
             Force::Inertia => Some(physics.inertia()),
-            Force::Stresses => physics.stresses().map(|stresses| &stresses.force),
+            Force::Stresses => physics.stresses().map(|stresses| stresses.force),
             Force::Impulse(_) => Some(physics.impulse()),
         }
     }

@@ -134,13 +134,16 @@ impl Equations {
         self.residual.gamma == 0.0 && self.residual.beta == 0.0
     }
 
+    fn projection(residual: StageCoefficients, constraint: StageCoefficients, level: Level) -> Self {
+        Equations { residual, constraint, level, metric: true, variational: None }
+    }
+
     /// Projection of q onto g = 0 in the metric of a stage's matrix.
     ///
     /// With (gamma, beta, alpha) of the stage and d = alpha x: R(a + gamma x, v + beta x, q + d) - R(a, v, q) + A^T nu = 0,
     /// g(q + d) = 0.
     pub fn position_projection(stage: StageCoefficients) -> Self {
-        let constraint = StageCoefficients::new(0.0, 0.0, stage.alpha);
-        Equations { residual: stage, constraint, level: Level::Position, metric: true, variational: None }
+        Self::projection(stage, StageCoefficients::new(0.0, 0.0, stage.alpha), Level::Position)
     }
 
     /// Projection of v onto dg/dt = 0 in the metric of a stage's matrix.
@@ -148,32 +151,17 @@ impl Equations {
     /// With (gamma, beta, alpha) of the stage and w = beta x: R(a + gamma x, v + w, q + alpha x) - R(a, v, q) + A^T nu = 0,
     /// A (v + w) + g_t = 0.
     pub fn velocity_projection(stage: StageCoefficients) -> Self {
-        let constraint = StageCoefficients::new(0.0, stage.beta, 0.0);
-        Equations { residual: stage, constraint, level: Level::Velocity, metric: true, variational: None }
+        Self::projection(stage, StageCoefficients::new(0.0, stage.beta, 0.0), Level::Velocity)
     }
 
     /// Projection of an initial q onto g = 0 in the mass metric, x = d: M d + A^T nu = 0, g(q + d) = 0.
     pub fn initial_position_projection() -> Self {
-        let constraint = StageCoefficients::new(0.0, 0.0, 1.0);
-        Equations {
-            residual: StageCoefficients::new(1.0, 0.0, 0.0),
-            constraint,
-            level: Level::Position,
-            metric: true,
-            variational: None,
-        }
+        Self::projection(StageCoefficients::new(1.0, 0.0, 0.0), StageCoefficients::new(0.0, 0.0, 1.0), Level::Position)
     }
 
     /// Projection of an initial v onto dg/dt = 0 in the mass metric, x = w: M w + A^T nu = 0, A (v + w) + g_t = 0.
     pub fn initial_velocity_projection() -> Self {
-        let constraint = StageCoefficients::new(0.0, 1.0, 0.0);
-        Equations {
-            residual: StageCoefficients::new(1.0, 0.0, 0.0),
-            constraint,
-            level: Level::Velocity,
-            metric: true,
-            variational: None,
-        }
+        Self::projection(StageCoefficients::new(1.0, 0.0, 0.0), StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity)
     }
 
     /// What a nonholonomic constraint h = 0 is asked for here, and the factor of its rows: h at every level but that of accelerations;

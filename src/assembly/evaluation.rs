@@ -83,26 +83,16 @@ struct Group<S> {
     outputs: Aligned<S>,
 }
 
-impl<S> Default for Group<S> {
-    fn default() -> Self {
-        Group { first: 0, outputs: Aligned::default() }
-    }
-}
+super::empty_fields!(Group { first, outputs });
 
 /// What one group after the other is evaluated with, so that it stays in the caches.
 #[derive(Clone, Debug)]
 struct ThreadWorkspace<S> {
-    /// Arguments, one element after the other, where they are written so.
-    apart: Vec<S>,
     inputs: Aligned<S>,
     work: ProgramWork<S>,
 }
 
-impl<S> Default for ThreadWorkspace<S> {
-    fn default() -> Self {
-        ThreadWorkspace { apart: Vec::new(), inputs: Aligned::default(), work: ProgramWork::default() }
-    }
-}
+super::empty_fields!(ThreadWorkspace { inputs, work });
 
 /// Groups that several threads evaluate at a time, while the results of as many are taken: at least so many, and as many as have so many results.
 const GROUPS: usize = 16;
@@ -128,13 +118,12 @@ fn groups(count: usize, lanes: usize) -> impl ExactSizeIterator<Item = usize> + 
     (0..full + further).map(move |group| lanes * group.min(full) + group.saturating_sub(full))
 }
 
-/// Executes a program for `count` parts: `write` sets the arguments of those that are evaluated side by side, with a list to use as it likes;
-/// `read` takes their results, in the order of the parts.
+/// Executes a program for `count` parts: `write` sets the arguments of those that are evaluated side by side, `read` takes their results, in the order of the parts.
 pub(crate) fn run_lanes<S: RunScalar>(
     program: &Program,
     count: usize,
     work: &mut BatchWork<S>,
-    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    write: impl Fn(Lanes<S>) + Sync,
     read: impl FnMut(LaneResults<S>) + Send,
 ) {
     let instructions = program.instructions();
@@ -159,7 +148,7 @@ fn run_on_ranks<S: RunScalar>(
     program: &Program,
     count: usize,
     work: &mut BatchWork<S>,
-    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    write: impl Fn(Lanes<S>) + Sync,
     mut read: impl FnMut(LaneResults<S>) + Send,
 ) {
     let outputs = program.outputs();
@@ -185,7 +174,7 @@ fn run_parts<S: RunScalar>(
     program: &Program,
     parts: Range<usize>,
     work: &mut BatchWork<S>,
-    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    write: impl Fn(Lanes<S>) + Sync,
     mut read: impl FnMut(LaneResults<S>) + Send,
 ) {
     let (begin, count) = (parts.start, parts.len());
@@ -194,10 +183,7 @@ fn run_parts<S: RunScalar>(
     let fill = |(group, workspace): (&mut Group<S>, &mut ThreadWorkspace<S>)| {
         let (parts, width) = next_group(count - group.first, lanes);
         let numbers = workspace.inputs.first(inputs * width);
-        write(
-            Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 },
-            &mut workspace.apart,
-        );
+        write(Lanes { numbers, width, parts: begin + group.first..begin + group.first + parts, place: 0 });
     };
     let run = |section: usize, (group, workspace): (&mut Group<S>, &mut ThreadWorkspace<S>)| {
         let width = next_group(count - group.first, lanes).1;
@@ -277,7 +263,7 @@ mod tests {
             // sums over neighbours, which depend on the order of the parts
             let sums = |world: &dyn Exchange| {
                 let (mut sums, mut work) = (vec![0.1; count + 1], BatchWork::default());
-                let write = |mut lanes: Lanes<f64>, _: &mut Vec<f64>| lanes.gather(&starts, &values);
+                let write = |mut lanes: Lanes<f64>| lanes.gather(&starts, &values);
                 let read = |results: LaneResults<f64>| {
                     results.for_each_part(|part, own| own.enumerate().for_each(|(k, own)| sums[part + k] += own / 3.0));
                 };

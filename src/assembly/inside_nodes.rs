@@ -27,11 +27,7 @@ pub(super) struct InsideNodes<S> {
     before: Vec<S>,
 }
 
-impl<S> Default for InsideNodes<S> {
-    fn default() -> Self {
-        InsideNodes { work: BatchWork::default(), gaps: Vec::new(), before: Vec::new() }
-    }
-}
+super::empty_fields!(InsideNodes { work, gaps, before });
 
 impl<S: RunScalar> InsideNodes<S> {
     /// Moves unknowns along C^T until the equations inside each node hold to round-off, in every derivative part; with `keep_values` in the
@@ -47,7 +43,7 @@ impl<S: RunScalar> InsideNodes<S> {
         if keep_values && S::PARTS == 0 {
             return;
         }
-        let (asked, scale) = Asked::part(ConstraintPart::Equations, equations, false);
+        let (asked, scale) = Asked::of(ConstraintPart::Equations, equations, false);
         let StageCoefficients { gamma, beta, alpha } = equations.constraint;
         let InsideNodes { work, gaps, before } = self;
         gaps.clear();
@@ -68,7 +64,7 @@ impl<S: RunScalar> InsideNodes<S> {
                     program,
                     batch.parts.len(),
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         lanes.skip(batch.formula.inputs);
                         lanes.gather_nodes(nodes, [&base.v, &base.q]);
                         lanes.skip(1);
@@ -104,7 +100,7 @@ impl<S: RunScalar> InsideNodes<S> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| {
+                |mut lanes| {
                     lanes.skip(batch.formula.inputs + batch.layout.n);
                     lanes.gather_nodes(nodes, [q]);
                     lanes.skip(1);

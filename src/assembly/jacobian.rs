@@ -2,6 +2,7 @@ use super::batches::ElementBatch;
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::evaluation::{BatchWork, run_lanes};
+use super::gather_map::Starts;
 use super::inside_nodes::{CURVATURE, InsideNodes};
 use super::lanes::LaneResults;
 use super::matrix_values::{MatrixValues, SharedValues};
@@ -408,15 +409,18 @@ impl PartsAt<'_> {
                 continue;
             }
             let weights = layout.extra() - layout.weights();
+            let stresses = self.relief.filter(|_| force == Force::Stresses).map(|relief| {
+                let places = |&part: &usize| relief.starts[part]..relief.starts[part] + weights;
+                (Starts::of_parts(batch.parts.iter().map(places)), &relief.stresses)
+            });
             run_lanes(
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, numbers| {
+                |mut lanes| {
                     batch.places.write_elements(&mut lanes, (&point.at, p, t), (force, 1.0));
-                    if let (Force::Stresses, Some(relief)) = (force, self.relief) {
-                        let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
-                        lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
+                    if let Some((starts, stresses)) = &stresses {
+                        lanes.gather(starts, stresses);
                     }
                     shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
                     lanes.gather_bases(batch, self.bases);
@@ -447,7 +451,7 @@ impl PartsAt<'_> {
         }
         for taken in system.taken_constraints(own) {
             let (batch, physics) = (taken.parts, system.constraint_of(taken.whole));
-            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
             // behind those of residuals
             let code = asked.short_code(moves) | 1 << 31;
             let make = || constraint_programs::matrix(physics, asked, &batch.nodes, moves);
@@ -459,7 +463,7 @@ impl PartsAt<'_> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| {
+                |mut lanes| {
                     batch.places.write_constraints(&mut lanes, (at, p, t), &point.unknowns.mu, scale);
                     shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
                     lanes.gather_bases(batch, self.bases);
@@ -483,7 +487,7 @@ impl PartsAt<'_> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| {
+                |mut lanes| {
                     // equations inside nodes are quadratic: their curvature is the same everywhere
                     lanes.skip(batch.formula.inputs + batch.nodes[0].dofs());
                     lanes.gather(&batch.places.multipliers, &point.unknowns.local_mu);

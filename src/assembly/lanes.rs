@@ -1,10 +1,35 @@
 //! Arguments and results of parts that are evaluated side by side.
 
 use super::batches::Batch;
-use super::gather_map::{MOST_LANES, Starts};
+use super::gather_map::Starts;
 use super::null_spaces::{LEFT, NullSpaces, RIGHT};
 use crate::elements::RunScalar;
 use std::ops::Range;
+
+/// What is done with as many lanes as a program has, for a constant `$width`.
+macro_rules! by_width {
+    ($lanes:expr, $width:ident => $done:expr) => {
+        match $lanes {
+            1 => {
+                const $width: usize = 1;
+                $done
+            }
+            2 => {
+                const $width: usize = 2;
+                $done
+            }
+            4 => {
+                const $width: usize = 4;
+                $done
+            }
+            8 => {
+                const $width: usize = 8;
+                $done
+            }
+            _ => unreachable!("programs have 2, 4 or 8 lanes"),
+        }
+    };
+}
 
 /// Arguments of parts that are evaluated side by side, written one after the other: number i of lane l stands at i times their width + l.
 pub(crate) struct Lanes<'i, S> {
@@ -19,13 +44,9 @@ impl<S: RunScalar> Lanes<'_, S> {
     /// The next numbers of each part come from a list.
     #[inline(always)]
     pub fn gather(&mut self, starts: &Starts, values: &[S]) {
-        self.gather_at(self.place, starts, values);
-        self.place += starts.length;
-    }
-
-    #[inline(always)]
-    fn gather_at(&mut self, place: usize, starts: &Starts, values: &[S]) {
-        self.gather_range(place..place + starts.length, starts, values);
+        let end = self.place + starts.length;
+        self.gather_range(self.place..end, starts, values);
+        self.place = end;
     }
 
     /// Arguments are the first so many numbers of each part.
@@ -33,13 +54,10 @@ impl<S: RunScalar> Lanes<'_, S> {
     fn gather_range(&mut self, arguments: Range<usize>, starts: &Starts, values: &[S]) {
         let target = &mut self.numbers[arguments.start * self.width..arguments.end * self.width];
         let (places, length) = (starts.places_from(self.parts.start), arguments.len());
-        match self.width {
+        by_width!(self.width, WIDTH => match WIDTH {
             1 => target.copy_from_slice(&values[places[0] as usize..][..length]),
-            2 => gather::<S, 2>(length, places, values, target),
-            4 => gather::<S, 4>(length, places, values, target),
-            8 => gather::<S, 8>(length, places, values, target),
-            _ => unreachable!("programs have 2, 4 or 8 lanes"),
-        }
+            _ => gather::<S, WIDTH>(length, places, values, target),
+        })
     }
 
     /// Runs of arguments come from a list, wherever they stand among the arguments.
@@ -62,7 +80,8 @@ impl<S: RunScalar> Lanes<'_, S> {
         let mut first = self.place;
         for starts in segments {
             for (list, values) in lists.iter().enumerate() {
-                self.gather_at(first + list * count, starts, values);
+                let place = first + list * count;
+                self.gather_range(place..place + starts.length, starts, values);
             }
             first += starts.length;
         }
@@ -73,23 +92,6 @@ impl<S: RunScalar> Lanes<'_, S> {
     pub fn spread(&mut self, value: S) {
         self.numbers[self.place * self.width..(self.place + 1) * self.width].fill(value);
         self.place += 1;
-    }
-    /// The next numbers of each part are those that `push` appends to a list.
-    #[inline(always)]
-    pub fn each(&mut self, list: &mut Vec<S>, push: impl Fn(usize, &mut Vec<S>)) {
-        list.clear();
-        self.parts.clone().for_each(|part| push(part, list));
-        let (last, length) = (self.parts.len() - 1, list.len() / self.parts.len());
-        let starts: [u32; MOST_LANES] = std::array::from_fn(|lane| (lane.min(last) * length) as u32);
-        let target = &mut self.numbers[self.place * self.width..(self.place + length) * self.width];
-        match self.width {
-            1 => target.copy_from_slice(list),
-            2 => gather::<S, 2>(length, &starts, list, target),
-            4 => gather::<S, 4>(length, &starts, list, target),
-            8 => gather::<S, 8>(length, &starts, list, target),
-            _ => unreachable!("programs have 2, 4 or 8 lanes"),
-        }
-        self.place += length;
     }
     /// Leaves so many numbers what they are.
     pub fn skip(&mut self, count: usize) {
@@ -222,13 +224,7 @@ impl<S: RunScalar> LaneResults<'_, S> {
     /// Adds results from a place on, times a factor, to the coordinates of the parts' nodes, part by part; returns the place behind them.
     #[inline(always)]
     pub fn add_to_nodes(&self, first: usize, segments: &[Starts], factor: f64, values: &mut [S]) -> usize {
-        match self.width {
-            1 => self.add_rows::<1>(first, segments, factor, values),
-            2 => self.add_rows::<2>(first, segments, factor, values),
-            4 => self.add_rows::<4>(first, segments, factor, values),
-            8 => self.add_rows::<8>(first, segments, factor, values),
-            _ => unreachable!("programs have 2, 4 or 8 lanes"),
-        }
+        by_width!(self.width, WIDTH => self.add_rows::<WIDTH>(first, segments, factor, values))
     }
 
     #[inline(always)]
@@ -249,13 +245,7 @@ impl<S: RunScalar> LaneResults<'_, S> {
     /// Adds runs of results, the first of which stands at a place, times a factor, to the numbers of the parts, part by part.
     #[inline(always)]
     pub fn add_runs(&self, first: usize, runs: &[Run], lists: &[Starts], factor: f64, values: &mut [S]) {
-        match self.width {
-            1 => self.add_runs_of::<1>(first, runs, lists, factor, values),
-            2 => self.add_runs_of::<2>(first, runs, lists, factor, values),
-            4 => self.add_runs_of::<4>(first, runs, lists, factor, values),
-            8 => self.add_runs_of::<8>(first, runs, lists, factor, values),
-            _ => unreachable!("programs have 2, 4 or 8 lanes"),
-        }
+        by_width!(self.width, WIDTH => self.add_runs_of::<WIDTH>(first, runs, lists, factor, values))
     }
 
     fn add_runs_of<const WIDTH: usize>(&self, first: usize, runs: &[Run], lists: &[Starts], factor: f64, values: &mut [S]) {
@@ -265,18 +255,6 @@ impl<S: RunScalar> LaneResults<'_, S> {
                 let start = lists[run.list].of(self.parts.start + lane).start + run.offset;
                 let own = &rows[run.numbers.clone()];
                 add_lane(own, lane, factor, &mut values[start..start + own.len()]);
-            }
-        }
-    }
-
-    /// Adds results from a place on, times a factor, to numbers of the parts: as far behind their begin as `offsets` say.
-    #[inline(always)]
-    pub fn add_numbers(&self, first: usize, offsets: &[u32], starts: &Starts, factor: f64, values: &mut [S]) {
-        let rows = self.numbers[first * self.width..].chunks_exact(self.width);
-        for (lane, part) in self.parts.clone().enumerate() {
-            let values = &mut values[starts.of(part)];
-            for (&offset, row) in offsets.iter().zip(rows.clone()) {
-                values[offset as usize] += row[lane] * factor;
             }
         }
     }
@@ -317,13 +295,7 @@ impl Strided<'_, f64> {
     /// values += the numbers from one on.
     #[inline(always)]
     pub fn add_to(&self, first: usize, values: &mut [f64]) {
-        match self.width {
-            1 => self.add_strided::<1>(first, values),
-            2 => self.add_strided::<2>(first, values),
-            4 => self.add_strided::<4>(first, values),
-            8 => self.add_strided::<8>(first, values),
-            _ => unreachable!("programs have 2, 4 or 8 lanes"),
-        }
+        by_width!(self.width, WIDTH => self.add_strided::<WIDTH>(first, values))
     }
 
     #[inline(always)]

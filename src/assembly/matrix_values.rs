@@ -1,6 +1,5 @@
 //! Values of a matrix, to which one thread or several add the entries of parts.
 
-use super::numbering::add_at;
 use std::marker::PhantomData;
 use std::ops::Range;
 
@@ -15,7 +14,9 @@ pub(super) trait MatrixValues {
 impl MatrixValues for &mut [f64] {
     #[inline(always)]
     fn add(&mut self, place: u32, entry: f64) {
-        add_at(place, entry, self);
+        if let Some(value) = self.get_mut(place as usize) {
+            *value += entry;
+        }
     }
     #[inline(always)]
     fn run(&mut self, places: Range<usize>) -> &mut [f64] {

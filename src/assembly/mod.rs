@@ -59,4 +59,4 @@ pub use residual::Residual;
 pub(crate) use resting::RestingModel;
 pub(crate) use structural_signature::StructuralSignature;
 pub use terms::{Term, TermPoint};
-pub use variational::{Impulse, Variational};
+pub use variational::Variational;

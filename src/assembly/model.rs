@@ -2,6 +2,7 @@ use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysi
 use std::any::TypeId;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Tells models apart, so that what belongs to one is not taken for a part of another.
@@ -174,7 +175,7 @@ impl Model {
     }
 
     /// Adds an element; the caller has checked the number of coordinates.
-    pub fn add_element(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyElement>) -> ElementId {
+    pub fn add_element(&mut self, name: &str, nodes: &[NodeId], physics: Arc<dyn AnyElement>) -> ElementId {
         // types without options have the same formulas everywhere: they are recorded once
         let physics = if std::mem::size_of_val(&*physics) == 0 {
             let kind = physics.as_any().type_id();
@@ -199,7 +200,7 @@ impl Model {
     }
 
     /// Adds a constraint; the caller has checked the number of coordinates.
-    pub fn add_constraint(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyConstraint>) -> ConstraintId {
+    pub fn add_constraint(&mut self, name: &str, nodes: &[NodeId], physics: Arc<dyn AnyConstraint>) -> ConstraintId {
         let physics = ConstraintPhysics::new(physics);
         let parameters = self.add_parameters(physics.parameter_count());
         let equations = self.equations..self.equations + physics.equation_count();
@@ -210,7 +211,7 @@ impl Model {
 
     /// Adds what holds parts in the equilibrium at the start; the caller has checked the number of coordinates.
     pub(crate) fn add_hold(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyConstraint>) {
-        let physics = ConstraintPhysics::new(physics);
+        let physics = ConstraintPhysics::new(physics.into());
         let parameters = self.add_parameters(physics.parameter_count());
         self.holds.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
     }

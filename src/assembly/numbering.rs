@@ -68,12 +68,6 @@ impl MultiplierRun {
     }
 }
 
-/// A constraint whose multipliers are unknowns of the matrix.
-pub(super) struct GlobalConstraint<'s> {
-    pub physics: &'s ConstraintPhysics,
-    pub equations: Range<usize>,
-}
-
 /// Unknowns of one node that reach the matrix.
 #[derive(Clone, Debug)]
 pub(super) struct NodeUnknowns {
@@ -122,14 +116,6 @@ pub(super) struct ScatterColumns {
 const NOWHERE: u32 = u32::MAX;
 /// Unknowns beyond which a block without gaps is kept by runs of rows.
 const LARGE: usize = 24;
-
-/// Adds a number to the matrix at a place, if that is in it.
-#[inline(always)]
-pub(super) fn add_at(place: u32, entry: f64, values: &mut [f64]) {
-    if let Some(value) = values.get_mut(place as usize) {
-        *value += entry;
-    }
-}
 
 impl ScatterMap {
     /// Adds some entries, times a factor, to their places in a matrix.
@@ -406,18 +392,12 @@ impl<'m> System<'m> {
         }
     }
 
-    /// Joints and drivers, followed by the node-local constraints where these are not eliminated.
-    pub(super) fn global_constraints(&self) -> impl Iterator<Item = GlobalConstraint<'_>> {
-        (0..self.constraint_parts.len()).filter_map(|index| self.global_constraint(index))
-    }
-
-    /// One of the global constraints.
-    pub(super) fn global_constraint(&self, index: usize) -> Option<GlobalConstraint<'_>> {
-        if let Some(joint) = self.model.constraints.get(index) {
-            return Some(GlobalConstraint { physics: &joint.physics, equations: joint.equations.clone() });
+    /// A constraint whose multipliers are unknowns: a joint or driver, or one inside a node where these are not eliminated.
+    pub(super) fn global_constraint(&self, part: usize) -> &ConstraintPhysics {
+        match self.model.constraints.get(part) {
+            Some(joint) => &joint.physics,
+            None => &self.locals[part - self.model.constraints.len()].physics,
         }
-        let local = self.locals.get(index - self.model.constraints.len())?;
-        Some(GlobalConstraint { physics: &local.physics, equations: local.global_equations(self.model) })
     }
 
     /// Number of unknowns in the matrix.

@@ -13,7 +13,6 @@ use crate::elements::RunScalar;
 use crate::program::Program;
 use crate::scalar::Scalar;
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Adjoint variables of one system: one number for each row of F and G.
@@ -153,8 +152,8 @@ struct ProductProgram {
     count: usize,
     /// Those of them that belong to coordinates of (a, v, q).
     coordinates: Vec<Run>,
-    /// Those that belong to parameters, and to which ones of the part.
-    parameters: (Range<usize>, Vec<u32>),
+    /// Those that belong to parameters.
+    parameters: Vec<Run>,
 }
 
 impl ProductProgram {
@@ -174,21 +173,17 @@ impl ProductProgram {
         assert!(shifted.into_iter().all(alike), "products for further functionals have the places of those for the first");
         let coordinates: Vec<(usize, usize)> =
             nodes.iter().enumerate().flat_map(|(node, starts)| (0..starts.length).map(move |place| (node, place))).collect();
-        let (mut runs, mut results, mut offsets) = (Vec::new(), 0..0, Vec::new());
+        let (mut runs, mut parameters) = (Vec::new(), Vec::new());
         for (result, &label) in own.iter().enumerate() {
             match argument(label as usize) {
                 ProductArgument::Coordinate(vector, place) => {
                     let (node, place) = coordinates[place];
                     Run::extend(&mut runs, result, node, vector * dofs + place);
                 }
-                ProductArgument::Parameter(place) => {
-                    results = if offsets.is_empty() { result..result + 1 } else { results.start..result + 1 };
-                    offsets.push(place as u32);
-                }
+                ProductArgument::Parameter(place) => Run::extend(&mut parameters, result, 0, place),
             }
         }
-        assert_eq!(results.len(), offsets.len(), "results of parameters stand together");
-        ProductProgram { program, count, coordinates: runs, parameters: (results, offsets) }
+        ProductProgram { program, count, coordinates: runs, parameters }
     }
 
     /// Adds the results for some parts, times a factor.
@@ -197,8 +192,7 @@ impl ProductProgram {
         for (k, bar) in seeds.iter_mut().enumerate() {
             let first = k * self.count;
             results.add_runs(first, &self.coordinates, &places.nodes, factor, bar.avq);
-            let (own, offsets) = &self.parameters;
-            results.add_numbers(first + own.start, offsets, &places.parameters, factor, bar.p);
+            results.add_runs(first, &self.parameters, std::slice::from_ref(&places.parameters), factor, bar.p);
         }
     }
 }
@@ -258,7 +252,7 @@ impl<S: RunScalar> Products<S> {
                     &own.program,
                     count,
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         places.write_elements(&mut lanes, (at, p, t.into()), (force, S::one()));
                         adjoints.iter().for_each(|adjoint| lanes.gather_nodes(&places.nodes, [&adjoint.f]));
                     },
@@ -284,7 +278,7 @@ impl<S: RunScalar> Products<S> {
         for Selection { batch, asked: parameters, parts, own, chosen, programs } in selections {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
-            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
             let n = layout.n;
             let all = own.as_ref().unwrap_or(&batch.places);
             chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
@@ -310,7 +304,7 @@ impl<S: RunScalar> Products<S> {
                     &own.program,
                     count,
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         places.write_constraints(&mut lanes, (at, p, t.into()), &unknowns.mu, scale);
                         for adjoint in adjoints {
                             if asked.reactions {
@@ -359,7 +353,7 @@ impl Products {
         at: &VectorsAvq<f64>,
         functionals: &mut [NodeSeeds],
     ) {
-        let (asked, scale) = Asked::at(equations, false);
+        let (asked, scale) = Asked::of(ConstraintPart::Both, equations, false);
         let parts_reactions = equations.parts_reactions();
         let code = PRODUCTS | asked.short_code([parts_reactions, false, false]);
         let rates = [equations.residual, equations.constraint].map(|shift| numbers_of(shift).0).concat();
@@ -376,7 +370,7 @@ impl Products {
                     program,
                     batch.parts.len(),
                     work,
-                    |mut lanes, _| {
+                    |mut lanes| {
                         lanes.skip(batch.formula.inputs);
                         places.write_constraints(&mut lanes, (at, &[], 0.0), &unknowns.local_mu, scale);
                         rates.iter().for_each(|&rate| lanes.spread(rate));

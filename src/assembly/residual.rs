@@ -84,26 +84,22 @@ struct Floor {
     own_p: Vec<f64>,
 }
 
-impl<S> Default for Residual<S> {
-    fn default() -> Self {
-        Residual {
-            at: VectorsAvq::default(),
-            f: Vec::new(),
-            g: Vec::new(),
-            keep_values: false,
-            last_bits: false,
-            clock: None,
-            reaction_at: VectorsAvq::default(),
-            constraint_at: VectorsAvq::default(),
-            has_one_point: true,
-            base: Vec::new(),
-            constraint_base: VectorsAvq::default(),
-            work: BatchWork::default(),
-            inside_nodes: InsideNodes::default(),
-            floor: Floor::default(),
-        }
-    }
-}
+super::empty_fields!(Residual {
+    at,
+    f,
+    g,
+    keep_values,
+    last_bits,
+    clock,
+    reaction_at,
+    constraint_at,
+    has_one_point,
+    base,
+    constraint_base,
+    work,
+    inside_nodes,
+    floor,
+});
 
 impl<S: RunScalar> Residual<S> {
     /// One that all ranks evaluate in the same order: they share its elements.
@@ -285,11 +281,11 @@ impl<S: RunScalar> Residual<S> {
             to.clear();
             to.extend(from.map(|x| x.value()));
         };
-        for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
+        for (number, part) in system.constraint_parts.iter().enumerate() {
             real(q, &mut part.segments.iter().flat_map(|dofs| &constraint_at.q[dofs.clone()]));
-            real(mu, &mut unknowns.mu[joint.equations.clone()].iter());
+            real(mu, &mut unknowns.mu[system.equations_of(number)].iter());
             real(own_p, &mut p[part.parameters.clone()].iter());
-            scale = scale.max(largest(joint.physics.reaction_in((q, own_p, t), mu, work)));
+            scale = scale.max(largest(system.global_constraint(number).reaction_in((q, own_p, t), mu, work)));
         }
         (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
@@ -311,7 +307,7 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 &mut self.work,
-                |mut lanes, _| batch.places.write_elements(&mut lanes, (at, p, time), (force, pace)),
+                |mut lanes| batch.places.write_elements(&mut lanes, (at, p, time), (force, pace)),
                 |results| {
                     results.add_to_nodes(0, &batch.places.nodes, 1.0, f);
                     if last_bits {
@@ -348,7 +344,7 @@ impl<S: RunScalar> Residual<S> {
     ) {
         for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
-            let ((asked, scale), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
             let Residual { f, g, at, constraint_at, reaction_at, has_one_point, work, last_bits, .. } = self;
             let constraint_at = of_constraints(*has_one_point, at, constraint_at);
@@ -357,7 +353,7 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, time), &unknowns.mu, scale),
+                |mut lanes| batch.places.write_constraints(&mut lanes, (at, p, time), &unknowns.mu, scale),
                 |results| {
                     let mut place = 0;
                     if asked.reactions {

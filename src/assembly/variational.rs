@@ -21,31 +21,15 @@ pub struct Variational {
     pub first: bool,
 }
 
-/// `momentum` P + `force` F of an element.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Impulse {
-    /// Weight of P = dL/dv.
-    pub momentum: f64,
-    /// Weight of F = dL/dq + Q.
-    pub force: f64,
-}
-
-impl Impulse {
-    /// Both weights.
-    pub(super) fn weights(self) -> [f64; 2] {
-        [self.momentum, self.force]
-    }
-}
-
 impl Variational {
-    /// The impulse of this step.
-    pub fn now(self) -> Impulse {
-        Impulse { momentum: 1.0 / self.h, force: -(1.0 - self.alpha) }
+    /// Weights of the momentum P = dL/dv and the force F = dL/dq + Q of elements in this step.
+    pub fn now(self) -> [f64; 2] {
+        [1.0 / self.h, -(1.0 - self.alpha)]
     }
 
-    /// What the step before left.
-    pub fn before(self) -> Impulse {
-        Impulse { momentum: 1.0 / self.h, force: if self.first { 0.0 } else { self.alpha } }
+    /// Those in what the step before left.
+    pub fn before(self) -> [f64; 2] {
+        [1.0 / self.h, if self.first { 0.0 } else { self.alpha }]
     }
 
     /// Share of a step for which reactions act.

@@ -16,12 +16,11 @@
 //! mass instead of time lets states follow their rates. A state that stays keeps the equation z - z_0 = 0 in the search (z_0 in v), and z'' = 0 in
 //! small motions.
 
-use super::dyn_layer::{AnyElement, ElementPhysics, Recording, StressFormulas};
+use super::dyn_layer::{ElementFormula, ElementPhysics, Recording};
 use super::{NodeKind, Parameter};
 use crate::program::ArgumentKind::{Coordinate, Parameter as OfPart};
 use crate::program::{Codes, Formula, ProgramWork, Recorded, continued};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use std::any::Any;
 use std::sync::Arc;
 
 /// Numbers of a spin: a point of the axis, its direction, and the rate of the turn.
@@ -69,7 +68,7 @@ pub(crate) enum OfStates {
 /// An element at rest; the numbers of a spin are parameters behind its own where one of its nodes turns.
 #[derive(Clone)]
 pub(crate) struct AtRest {
-    own: ElementPhysics,
+    pub(super) own: ElementPhysics,
     /// Nodes that turn.
     turns: Vec<bool>,
     /// Where rates of states stand; `None` where states are what they are in motion.
@@ -103,7 +102,8 @@ impl AtRest {
 
     /// As an element.
     pub fn physics(self) -> ElementPhysics {
-        ElementPhysics::new(Box::new(self))
+        let further = if self.turns() { spin_parameters() } else { Vec::new() };
+        ElementPhysics::at_rest(self, further)
     }
 
     fn added(&self) -> usize {
@@ -182,26 +182,25 @@ impl OfStates {
     }
 }
 
-impl AnyElement for AtRest {
-    fn as_any(&self) -> &dyn Any {
-        self
+impl AtRest {
+    /// A formula as it is there; it has no outputs.
+    pub(super) fn record(&self, what: ElementFormula) -> Recording {
+        let in_motion = || self.own.recorded(what).as_ref().map_err(String::clone);
+        match what {
+            ElementFormula::Residual => self.staying(self.in_motion(in_motion()?)?),
+            ElementFormula::Power => self.in_motion(in_motion()?),
+            ElementFormula::Outputs | ElementFormula::Stresses => Err("it tells nothing".into()),
+            _ => self.as_it_is(in_motion()?),
+        }
     }
-    fn node_kinds(&self) -> Vec<NodeKind> {
-        self.own.node_kinds()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        let mut all = self.own.parameter_list();
-        all.extend(self.turns().then(spin_parameters).into_iter().flatten());
-        all
-    }
-    fn record_residual(&self) -> Recording {
-        self.own.residual_refused().map_or(Ok(()), |why| Err(why.to_string()))?;
-        let formula = self.in_motion(self.own.residual())?;
+
+    /// A residual with the equations of states that stay.
+    fn staying(&self, residual: Arc<Formula>) -> Recording {
         if !self.stays.contains(&true) {
-            return Ok(formula);
+            return Ok(residual);
         }
         let n = self.own.dof_count();
-        Ok(formula.derived(|graph, x, outputs| {
+        Ok(residual.derived(|graph, x, outputs| {
             let mut all = outputs.to_vec();
             for (dof, row) in all.iter_mut().enumerate().filter(|(dof, _)| self.stays[*dof]) {
                 *row = match self.states {
@@ -211,33 +210,5 @@ impl AnyElement for AtRest {
             }
             all
         }))
-    }
-    fn record_impulse(&self) -> Recording {
-        self.as_it_is(self.own.impulse())
-    }
-    fn record_energies(&self) -> Recording {
-        self.as_it_is(self.own.energies())
-    }
-    fn record_power(&self) -> Recording {
-        self.in_motion(self.own.power())
-    }
-    fn record_inertia_moment(&self) -> Recording {
-        self.as_it_is(self.own.inertia_moment())
-    }
-    fn has_energies(&self) -> bool {
-        !self.turns() && self.own.has_energies()
-    }
-    fn is_conservative(&self) -> bool {
-        self.own.is_conservative()
-    }
-    fn has_strains(&self) -> bool {
-        self.own.has_strains()
-    }
-    fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
-        let StressFormulas { count, course, deviation, force } = self.own.stresses()?;
-        let all = [course, deviation, force].map(|formula: &Arc<Formula>| self.as_it_is(formula));
-        let [course, deviation, force] = all;
-        let together = || Ok(StressFormulas { count: *count, course: course?, deviation: deviation?, force: force? });
-        Some(together())
     }
 }

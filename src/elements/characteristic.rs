@@ -1,7 +1,6 @@
-use super::{Parameter, Table};
-use crate::program::{ArgumentKind, Formula, ProgramWork};
+use super::{Parameter, RecordedFunction, Table};
+use crate::program::{ArgumentKind, Recorded};
 use crate::scalar::{Curve, Interpolant, Scalar};
-use std::fmt;
 use std::sync::Arc;
 
 /// What a spring or damper of one's own answers with: a force or moment f(s, ds/dt, t, p), or an energy f(s, p). It is recorded once, so that
@@ -40,17 +39,8 @@ pub trait ForceLaw: Send + Sync + 'static {
 }
 
 /// A [`ForceLaw`] that was recorded.
-#[derive(Clone)]
-pub struct Characteristic {
-    formula: Arc<Formula>,
-    parameters: Vec<Parameter>,
-}
-
-impl fmt::Debug for Characteristic {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_struct("Characteristic").field("parameters", &self.parameters).finish_non_exhaustive()
-    }
-}
+#[derive(Clone, Debug)]
+pub struct Characteristic(RecordedFunction);
 
 impl ForceLaw for Table {
     fn parameters(&self) -> Vec<Parameter> {
@@ -76,10 +66,8 @@ impl Characteristic {
     /// # Errors
     /// If it branches on a value.
     pub fn of<L: ForceLaw>(law: L) -> Result<Self, String> {
-        let parameters = law.parameters();
-        let arguments = [(ArgumentKind::Number, 3), (ArgumentKind::Parameter, parameters.len())];
-        let formula = Formula::record(arguments, |x| vec![law.value([x[0], x[1], x[2]], &x[3..])]);
-        Ok(Characteristic { formula: formula.map_err(|why| format!("a characteristic: {why}"))?, parameters })
+        let value = |x: &[Recorded], p: &[Recorded]| law.value([x[0], x[1], x[2]], p);
+        RecordedFunction::record("a characteristic", (ArgumentKind::Number, 3), law.parameters(), value).map(Characteristic)
     }
 
     /// A law by values at points of s that may depend on the design, and its parameters.
@@ -105,13 +93,11 @@ impl Characteristic {
 
     /// Its parameters.
     pub fn parameters(&self) -> &[Parameter] {
-        &self.parameters
+        self.0.parameters()
     }
 
     /// The value for s, its rate and the time.
     pub fn value<S: Scalar>(&self, arguments: [S; 3], p: &[S]) -> S {
-        let (inputs, mut result) = ([&arguments[..], p].concat(), [S::zero()]);
-        self.formula.values().run_in(&inputs, &mut result, &mut ProgramWork::default());
-        result[0]
+        self.0.value(&arguments, p)
     }
 }

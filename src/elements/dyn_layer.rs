@@ -1,8 +1,9 @@
 //! Elements and constraints with their types erased: what the framework sees of them are recorded formulas.
 
+use super::at_rest::AtRest;
 use super::lagrangian::{
-    ElementFormulas, Energies, impulse, is_linear_in, is_steady_in, residual, sizes, strain_course, stress_deviation,
-    stress_force,
+    self, ElementFormulas, Energies, impulse, is_linear_in, is_steady_in, power, residual, shorter_power_serves, sizes,
+    strain_course, stress_deviation, stress_force, stresses, told,
 };
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Output, Parameter, State};
 use crate::elements::NodeKind;
@@ -17,6 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use num_dual::Derivative;
 use std::any::Any;
 use std::cell::RefCell;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// A scalar in which whole simulations run.
@@ -147,58 +149,62 @@ impl RunScalar for Tangents {
 pub(super) type Recording = Result<Arc<Formula>, String>;
 
 /// An element with its type erased; every [`Element`] is one.
-pub trait AnyElement: Send + Sync {
+pub trait AnyElement: ElementFormulas + Send + Sync {
     /// Path of its type, for checks that no type is forgotten.
+    fn type_name(&self) -> &'static str;
+    /// Itself, for quantities of elements of one type.
+    fn as_any(&self) -> &dyn Any;
+}
+
+impl<E: Element> AnyElement for E {
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
-    /// Itself, for quantities of elements of one type.
-    fn as_any(&self) -> &dyn Any;
-    /// Kinds of its nodes.
-    fn node_kinds(&self) -> Vec<NodeKind>;
-    /// Its parameters.
-    fn parameter_list(&self) -> Vec<Parameter>;
-    /// Records R(a, v, q, p, t).
-    fn record_residual(&self) -> Recording;
-    /// Records w_P P + w_F F as a function of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
-    fn record_impulse(&self) -> Recording;
-    /// Records kinetic energy, potential energy with what is stored in strains, mass, and what is stored in strains, as functions of
-    /// (v, q, p).
-    fn record_energies(&self) -> Recording;
-    /// Records d(T + V)/dt - R . v as a function of (a, v, q, p, t): the power of all that is not in its energies.
-    fn record_power(&self) -> Recording;
-    /// Records the moment of inertia about an axis through a point as a function of (q, p, point, axis).
-    fn record_inertia_moment(&self) -> Recording;
-    /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
-    fn has_energies(&self) -> bool;
-    /// Whether nothing changes its energy but the motion.
-    fn is_conservative(&self) -> bool;
-    /// Whether it has strains.
-    fn has_strains(&self) -> bool;
-    /// What histories tell of it.
-    fn output_list(&self) -> Vec<Output> {
-        Vec::new()
+    fn as_any(&self) -> &dyn Any {
+        self
     }
-    /// Records strains, their rates and the outputs behind those of strains, of (v, q, p, t), and the stresses of (e, de/dt, p, t).
-    fn record_outputs(&self) -> Result<[Arc<Formula>; 2], String> {
-        Err("it tells nothing".into())
-    }
-    /// Records what a search for its state needs beside the residual; `None` without strains.
-    fn record_stresses(&self) -> Option<Result<StressFormulas, String>>;
 }
+
+/// A formula that is recorded of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ElementFormula {
+    /// R(a, v, q, p, t).
+    Residual,
+    /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
+    Impulse,
+    /// Kinetic energy, potential energy with what is stored in strains, mass, and what is stored in strains, of (v, q, p).
+    Energies,
+    /// d(T + V)/dt - R . v of (a, v, q, p, t): the power of all that is not in its energies.
+    Power,
+    /// The moment of inertia about an axis through a point, of (q, p, point, axis).
+    InertiaMoment,
+    /// Strains, their rates and the outputs behind those of strains, of (v, q, p, t).
+    Outputs,
+    /// Stresses of (e, de/dt, p, t).
+    Stresses,
+    /// e(q_0), its change along d there, and e(q_1), of (q_0, d, q_1, p, t).
+    StrainCourse,
+    /// Stresses foreseen less stresses, s(e_0) + ds/de e' - s(e_1), of (e_0, e', e_1, p).
+    StressDeviation,
+    /// (de/dq)^T w of (a, v, q, p, t, w).
+    StressForce,
+}
+
+/// Number of them.
+const FORMULAS: usize = ElementFormula::StressForce as usize + 1;
 
 /// Stresses apart from the coordinates that they follow from: a search keeps those that its last correction foresaw, until the strains
 /// have come to them.
-#[derive(Clone)]
-pub struct StressFormulas {
+#[derive(Clone, Copy)]
+pub struct StressFormulas<'e> {
     /// Number of strains.
     pub count: usize,
     /// e(q_0), its change along d there, and e(q_1), of (q_0, d, q_1, p, t).
-    pub course: Arc<Formula>,
+    pub course: &'e Arc<Formula>,
     /// Stresses foreseen less stresses, s(e_0) + ds/de e' - s(e_1), of (e_0, e', e_1, p).
-    pub deviation: Arc<Formula>,
+    pub deviation: &'e Arc<Formula>,
     /// (de/dq)^T w of (a, v, q, p, t, w).
-    pub force: Arc<Formula>,
+    pub force: &'e Arc<Formula>,
 }
 
 /// Arguments one after the other.
@@ -210,69 +216,66 @@ fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorde
     })
 }
 
-impl<E: Element> AnyElement for E {
-    fn as_any(&self) -> &dyn Any {
-        self
-    }
-    fn node_kinds(&self) -> Vec<NodeKind> {
-        self.nodes()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        self.parameters()
-    }
-    fn record_residual(&self) -> Recording {
-        record_residual(self)
-    }
-    fn record_impulse(&self) -> Recording {
-        record_impulse(self)
-    }
-    fn record_energies(&self) -> Recording {
-        record_energies(self)
-    }
-    fn record_power(&self) -> Recording {
-        record_power(self)
-    }
-    fn record_inertia_moment(&self) -> Recording {
-        record_inertia_moment(self)
-    }
-    fn has_energies(&self) -> bool {
-        super::lagrangian::has_energies(self)
-    }
-    fn is_conservative(&self) -> bool {
-        super::lagrangian::is_conservative(self)
-    }
-    fn has_strains(&self) -> bool {
-        self.strain_count() > 0
-    }
-    fn output_list(&self) -> Vec<Output> {
-        self.outputs()
-    }
-    fn record_outputs(&self) -> Result<[Arc<Formula>; 2], String> {
-        record_outputs(self)
-    }
-    fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
-        (self.strain_count() > 0).then(|| record_stresses(self))
-    }
-}
-
 /// Arguments of a residual: (a, v, q), parameters, time.
 fn of_residual(n: usize, m: usize) -> [(ArgumentKind, usize); 5] {
     [(Acceleration, n), (Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)]
 }
 
-fn record_residual(element: &dyn ElementFormulas) -> Recording {
-    let (n, m) = sizes(element);
-    Formula::record_in_stages(of_residual(n, m), |x| {
-        let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
-        residual(element, State { a, v, q }, p, t[0])
-    })
+impl ElementFormula {
+    /// Records it.
+    fn record(self, element: &dyn ElementFormulas) -> Recording {
+        let ((n, m), count) = (sizes(element), element.strain_count());
+        match self {
+            ElementFormula::Residual => Formula::record_in_stages(of_residual(n, m), |x| {
+                let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+                residual(element, State { a, v, q }, p, t[0])
+            }),
+            ElementFormula::Impulse => record_impulse(element),
+            ElementFormula::Energies => Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m)], |x| {
+                let [v, q, p] = arguments(x, [n, n, m]);
+                let Energies { kinetic, potential, strain } = Energies::of(element, [v, q, p], Recorded::from(0.0));
+                vec![kinetic, potential, element.mass(p), strain]
+            }),
+            ElementFormula::Power => {
+                let is_short = shorter_power_serves(element);
+                Formula::record(of_residual(n, m), |x| {
+                    let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+                    let (short, whole) = power(element, State { a, v, q }, p, t[0]);
+                    vec![if is_short { short } else { whole }]
+                })
+            }
+            ElementFormula::InertiaMoment => record_inertia_moment(element),
+            ElementFormula::Outputs => Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)], |x| {
+                let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+                told(element, [v, q, p], t[0])
+            }),
+            ElementFormula::Stresses => Formula::record([(Strain, 2 * count), (OfPart, m), (Time, 1)], |x| {
+                let [e, rate, p, t] = arguments(x, [count, count, m, 1]);
+                stresses(element, [e, rate, p], t[0])
+            }),
+            ElementFormula::StrainCourse => Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
+                let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
+                strain_course(element, [from, d, to, p], t[0])
+            }),
+            ElementFormula::StressDeviation => Formula::record([(Strain, 3 * count), (OfPart, m)], |x| {
+                let [start, change, end, p] = arguments(x, [count, count, count, m]);
+                stress_deviation(element, [start, change, end], p)
+            }),
+            ElementFormula::StressForce => {
+                let weights = [(Weight, count)];
+                Formula::record([&of_residual(n, m)[..], &weights].concat(), |x| {
+                    let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
+                    stress_force(element, [q, p, w], t[0])
+                })
+            }
+        }
+    }
 }
 
 fn record_impulse(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     let mut depends = false;
-    let of_impulse = [(Acceleration, n), (Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1), (Weight, 2)];
-    let formula = Formula::record(of_impulse, |x| {
+    let formula = Formula::record([&of_residual(n, m)[..], &[(Weight, 2)]].concat(), |x| {
         let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
         let own = impulse(element, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
         depends = own.is_none();
@@ -284,25 +287,6 @@ fn record_impulse(element: &dyn ElementFormulas) -> Recording {
         );
     }
     formula
-}
-
-fn record_energies(element: &dyn ElementFormulas) -> Recording {
-    let (n, m) = sizes(element);
-    Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m)], |x| {
-        let [v, q, p] = arguments(x, [n, n, m]);
-        let Energies { kinetic, potential, strain } = Energies::of(element, [v, q, p], Recorded::from(0.0));
-        vec![kinetic, potential, element.mass(p), strain]
-    })
-}
-
-fn record_power(element: &dyn ElementFormulas) -> Recording {
-    let (n, m) = sizes(element);
-    let is_short = super::lagrangian::shorter_power_serves(element);
-    Formula::record(of_residual(n, m), |x| {
-        let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
-        let (short, whole) = super::lagrangian::power(element, State { a, v, q }, p, t[0]);
-        vec![if is_short { short } else { whole }]
-    })
 }
 
 fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
@@ -320,37 +304,6 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     })
 }
 
-fn record_outputs(element: &dyn ElementFormulas) -> Result<[Arc<Formula>; 2], String> {
-    let ((n, m), count) = (sizes(element), element.strain_count());
-    let told = Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)], |x| {
-        let [v, q, p, t] = arguments(x, [n, n, m, 1]);
-        super::lagrangian::told(element, [v, q, p], t[0])
-    })?;
-    let stresses = Formula::record([(Strain, 2 * count), (OfPart, m), (Time, 1)], |x| {
-        let [e, rate, p, t] = arguments(x, [count, count, m, 1]);
-        super::lagrangian::stresses(element, [e, rate, p], t[0])
-    })?;
-    Ok([told, stresses])
-}
-
-fn record_stresses(element: &dyn ElementFormulas) -> Result<StressFormulas, String> {
-    let ((n, m), count) = (sizes(element), element.strain_count());
-    let course = Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
-        let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
-        strain_course(element, [from, d, to, p], t[0])
-    })?;
-    let deviation = Formula::record([(Strain, 3 * count), (OfPart, m)], |x| {
-        let [start, change, end, p] = arguments(x, [count, count, count, m]);
-        stress_deviation(element, [start, change, end], p)
-    })?;
-    let of_force = [(Acceleration, n), (Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1), (Weight, count)];
-    let force = Formula::record(of_force, |x| {
-        let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
-        stress_force(element, [q, p, w], t[0])
-    })?;
-    Ok(StressFormulas { count, course, deviation, force })
-}
-
 /// Number of coordinates of some nodes.
 pub(crate) fn dofs_of(nodes: &[NodeKind]) -> usize {
     nodes.iter().map(|kind| kind.dofs()).sum()
@@ -362,17 +315,13 @@ pub struct ElementPhysics(Arc<ElementRecordings>);
 
 /// An element and what was recorded of it.
 struct ElementRecordings {
-    own: Box<dyn AnyElement>,
+    own: Arc<dyn AnyElement>,
+    /// As an equilibrium and small motions about it see it, if it is that.
+    at_rest: Option<AtRest>,
     dofs: usize,
-    parameters: usize,
-    residual: OnceLock<Recording>,
-    impulse: OnceLock<Recording>,
+    parameters: Vec<Parameter>,
+    formulas: [OnceLock<Recording>; FORMULAS],
     inertia: OnceLock<Arc<Formula>>,
-    energies: OnceLock<Recording>,
-    power: OnceLock<Recording>,
-    inertia_moment: OnceLock<Recording>,
-    stresses: OnceLock<Option<StressFormulas>>,
-    outputs: OnceLock<Option<[Arc<Formula>; 2]>>,
     has_energies: OnceLock<bool>,
     conservative: OnceLock<bool>,
 }
@@ -384,24 +333,33 @@ fn checked(recording: &Recording) -> &Arc<Formula> {
 
 impl ElementPhysics {
     /// An element, recorded when that is first asked for.
-    pub fn new(own: Box<dyn AnyElement>) -> Self {
-        let (dofs, parameters) = (dofs_of(&own.node_kinds()), own.parameter_list().len());
-        let [residual, impulse, energies, inertia_moment] = [const { OnceLock::new() }; 4];
+    pub fn new(own: Arc<dyn AnyElement>) -> Self {
+        let parameters = own.parameter_list();
+        Self::of(own, None, parameters)
+    }
+    fn of(own: Arc<dyn AnyElement>, at_rest: Option<AtRest>, parameters: Vec<Parameter>) -> Self {
         ElementPhysics(Arc::new(ElementRecordings {
+            dofs: dofs_of(&own.node_kinds()),
             own,
-            dofs,
+            at_rest,
             parameters,
-            residual,
-            impulse,
+            formulas: [const { OnceLock::new() }; FORMULAS],
             inertia: OnceLock::new(),
-            energies,
-            power: OnceLock::new(),
-            inertia_moment,
-            stresses: OnceLock::new(),
-            outputs: OnceLock::new(),
             has_energies: OnceLock::new(),
             conservative: OnceLock::new(),
         }))
+    }
+    /// An element as it is at rest, with these parameters behind its own.
+    pub(super) fn at_rest(at_rest: AtRest, further: Vec<Parameter>) -> Self {
+        let own = &at_rest.own.0;
+        Self::of(Arc::clone(&own.own), Some(at_rest.clone()), [&own.parameters[..], &further].concat())
+    }
+    /// A formula, recorded when it is first asked for.
+    pub(super) fn recorded(&self, what: ElementFormula) -> &Recording {
+        self.0.formulas[what as usize].get_or_init(|| match &self.0.at_rest {
+            None => what.record(&*self.0.own),
+            Some(own) => own.record(what),
+        })
     }
 
     /// Path of its type.
@@ -414,7 +372,7 @@ impl ElementPhysics {
     }
     /// The element itself, if it is one of type `E`.
     pub fn downcast<E: 'static>(&self) -> Option<&E> {
-        self.0.own.as_any().downcast_ref()
+        self.0.own.as_any().downcast_ref().filter(|_| self.0.at_rest.is_none())
     }
     /// Whether another one has the same recordings.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
@@ -426,27 +384,30 @@ impl ElementPhysics {
     }
     /// Number of parameters.
     pub fn parameter_count(&self) -> usize {
-        self.0.parameters
+        self.0.parameters.len()
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
-        self.0.own.parameter_list()
+        self.0.parameters.clone()
     }
-    /// Whether its energies are complete.
+    /// Whether its energies are all that it has: whether its residual follows from them and from losses.
     pub fn has_energies(&self) -> bool {
-        *self.0.has_energies.get_or_init(|| self.0.own.has_energies())
+        *self.0.has_energies.get_or_init(|| match &self.0.at_rest {
+            None => lagrangian::has_energies(&*self.0.own),
+            Some(at_rest) => !at_rest.turns() && at_rest.own.has_energies(),
+        })
     }
     /// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
     pub fn is_conservative(&self) -> bool {
-        *self.0.conservative.get_or_init(|| self.0.own.is_conservative())
+        *self.0.conservative.get_or_init(|| lagrangian::is_conservative(&*self.0.own))
     }
     /// Why its residual cannot be used, if so.
     pub fn residual_refused(&self) -> Option<&str> {
-        self.0.residual.get_or_init(|| self.0.own.record_residual()).as_ref().err().map(String::as_str)
+        self.recorded(ElementFormula::Residual).as_ref().err().map(String::as_str)
     }
     /// Why it has no momentum, if so.
     pub fn impulse_refused(&self) -> Option<&str> {
-        self.0.impulse.get_or_init(|| self.0.own.record_impulse()).as_ref().err().map(String::as_str)
+        self.recorded(ElementFormula::Impulse).as_ref().err().map(String::as_str)
     }
     /// What it does: its residual, or why it has none.
     pub(crate) fn law(&self) -> Digest {
@@ -454,7 +415,7 @@ impl ElementPhysics {
     }
     /// R(a, v, q, p, t).
     pub fn residual(&self) -> &Arc<Formula> {
-        checked(self.0.residual.get_or_init(|| self.0.own.record_residual()))
+        checked(self.recorded(ElementFormula::Residual))
     }
     /// dR/da a of (a, v, q, p, t): inertia forces alone, where R is linear in a.
     pub fn inertia(&self) -> &Arc<Formula> {
@@ -467,19 +428,24 @@ impl ElementPhysics {
     }
     /// Whether it has strains, whose stresses a search can relieve.
     pub fn has_strains(&self) -> bool {
-        self.0.own.has_strains()
+        self.0.own.strain_count() > 0
     }
     /// Formulas of its stresses, if it has strains that can be recorded apart.
-    pub fn stresses(&self) -> Option<&StressFormulas> {
-        self.0.stresses.get_or_init(|| self.0.own.record_stresses().and_then(Result::ok)).as_ref()
+    pub fn stresses(&self) -> Option<StressFormulas<'_>> {
+        let count = Some(self.0.own.strain_count()).filter(|count| *count > 0)?;
+        let formula = |what| self.recorded(what).as_ref().ok();
+        let (course, deviation) = (formula(ElementFormula::StrainCourse)?, formula(ElementFormula::StressDeviation)?);
+        Some(StressFormulas { count, course, deviation, force: formula(ElementFormula::StressForce)? })
     }
     /// What histories tell of it; nothing where that cannot be recorded.
     pub fn outputs(&self) -> Vec<Output> {
         let own = self.0.own.output_list();
         if own.is_empty() || self.output_formulas().is_some() { own } else { Vec::new() }
     }
-    fn output_formulas(&self) -> Option<&[Arc<Formula>; 2]> {
-        self.0.outputs.get_or_init(|| self.0.own.record_outputs().ok()).as_ref()
+    fn output_formulas(&self) -> Option<[&Arc<Formula>; 2]> {
+        let [told, stresses] =
+            [ElementFormula::Outputs, ElementFormula::Stresses].map(|what| self.recorded(what).as_ref().ok());
+        Some([told?, stresses?])
     }
     /// Its outputs at a state, in the order of their list.
     pub fn outputs_at(&self, [v, q]: [&[f64]; 2], p: &[f64], t: f64) -> Vec<f64> {
@@ -496,7 +462,7 @@ impl ElementPhysics {
     }
     /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
     pub fn impulse(&self) -> &Arc<Formula> {
-        checked(self.0.impulse.get_or_init(|| self.0.own.record_impulse()))
+        checked(self.recorded(ElementFormula::Impulse))
     }
     /// R(a, v, q, p, t).
     pub fn residual_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<S> {
@@ -504,7 +470,7 @@ impl ElementPhysics {
     }
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
-        let place = 3 * self.0.dofs + self.0.parameters;
+        let place = 3 * self.0.dofs + self.0.parameters.len();
         let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])
@@ -514,35 +480,30 @@ impl ElementPhysics {
     /// w_P P + w_F F.
     pub fn impulse_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S, [of_momentum, of_force]: [f64; 2]) -> Vec<S> {
         let weights = [S::from(of_momentum), S::from(of_force)];
-        let inputs: Vec<S> = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).chain(&weights).copied().collect();
-        let mut outputs = vec![S::zero(); self.0.dofs];
-        S::run(self.impulse().values(), &inputs, &mut outputs, &mut ProgramWork::default());
-        outputs
+        let inputs = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).chain(&weights).copied();
+        FormulaWork::default().run(self.impulse().values(), inputs).to_vec()
     }
     fn evaluated<S: RunScalar>(&self, program: &Program, s: State<S>, p: &[S], t: S) -> Vec<S> {
-        let inputs: Vec<S> = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).copied().collect();
-        let mut outputs = vec![S::zero(); self.0.dofs];
-        S::run(program, &inputs, &mut outputs, &mut ProgramWork::default());
-        outputs
+        let inputs = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).copied();
+        FormulaWork::default().run(program, inputs).to_vec()
     }
     /// Kinetic energy, potential energy, mass, and the part of the potential energy that is stored in strains.
     pub fn energies_at<S: RunScalar>(&self, v: &[S], q: &[S], p: &[S]) -> [S; 4] {
-        let inputs: Vec<S> = v.iter().chain(q).chain(p).copied().collect();
-        let mut outputs = [S::zero(); 4];
-        S::run(self.energies().values(), &inputs, &mut outputs, &mut ProgramWork::default());
-        outputs
+        let mut work = FormulaWork::default();
+        let energies = work.run(self.energies().values(), v.iter().chain(q).chain(p).copied());
+        std::array::from_fn(|place| energies[place])
     }
     /// The same as a formula of (v, q, p).
     pub fn energies(&self) -> &Arc<Formula> {
-        checked(self.0.energies.get_or_init(|| self.0.own.record_energies()))
+        checked(self.recorded(ElementFormula::Energies))
     }
     /// d(T + V)/dt - R . v as a formula of (a, v, q, p, t) \[W\].
     pub fn power(&self) -> &Arc<Formula> {
-        checked(self.0.power.get_or_init(|| self.0.own.record_power()))
+        checked(self.recorded(ElementFormula::Power))
     }
     /// Twice the kinetic energy of a turn at 1 rad/s, as a formula of (q, p, point, axis): the moment of inertia about the axis [kg m2].
     pub fn inertia_moment(&self) -> &Arc<Formula> {
-        checked(self.0.inertia_moment.get_or_init(|| self.0.own.record_inertia_moment()))
+        checked(self.recorded(ElementFormula::InertiaMoment))
     }
 }
 
@@ -657,7 +618,7 @@ pub struct ConstraintPhysics(Arc<ConstraintRecording>);
 
 /// A constraint and what was recorded of it.
 struct ConstraintRecording {
-    own: Box<dyn AnyConstraint>,
+    own: Arc<dyn AnyConstraint>,
     dofs: usize,
     equations: usize,
     parameters: usize,
@@ -674,7 +635,7 @@ impl ConstraintPhysics {
     }
 
     /// A constraint, recorded when that is first asked for.
-    pub fn new(own: Box<dyn AnyConstraint>) -> Self {
+    pub fn new(own: Arc<dyn AnyConstraint>) -> Self {
         let (dofs, equations, list) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list());
         let lengths = (0..list.len()).filter(|&place| list[place].unit == "m").collect();
         let (parameters, formula, is_balanced) = (list.len(), OnceLock::new(), OnceLock::new());
@@ -767,17 +728,16 @@ impl ConstraintPhysics {
     /// d(A^T mu)/dt and dg/dt at a fixed state.
     pub fn time_rates(&self, q: &[f64], mu: &[f64], p: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (self.0.dofs, self.0.parameters);
-        let towards = if self.is_nonholonomic() { 0 } else { n };
+        let towards = self.towards();
         let program = self.formula().dense_program(("time rates", Codes::new()), self.0.equations, |graph, x, outputs| {
             let one = graph.constant(1.0);
-            let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
+            let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards.clone()]);
             let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
             graph.forward(&all, &[(x[2 * n + m], one)])
         });
-        let zeros = vec![0.0; n];
-        let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
-        let mut outputs = vec![0.0; n + self.0.equations];
-        program.run(&inputs, &mut outputs, &mut ProgramWork::default());
+        let zeros = std::iter::repeat_n(&0.0, n);
+        let inputs = zeros.chain(q).chain(p).chain([&t]).chain(mu).copied();
+        let mut outputs = FormulaWork::default().run(&program, inputs).to_vec();
         let gaps = outputs.split_off(n);
         (outputs, gaps)
     }
@@ -794,16 +754,18 @@ impl ConstraintPhysics {
         mu: &[S],
         work: &'w mut FormulaWork<S>,
     ) -> &'w [S] {
+        let (towards, first) = (self.towards(), 2 * self.0.dofs + self.0.parameters + 1);
+        let key = ("reaction", Codes::new());
+        let program = self
+            .formula()
+            .dense_program(key, self.0.equations, |graph, x, outputs| graph.reverse(outputs, &x[first..], &x[towards]));
         let zeros = std::iter::repeat_n(S::zero(), self.0.dofs);
-        work.run(&self.reaction_program(), zeros.chain(q.iter().chain(p).copied()).chain([t]).chain(mu.iter().copied()))
+        work.run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t]).chain(mu.iter().copied()))
     }
 
-    fn reaction_program(&self) -> Arc<Program> {
-        let (n, first) = (self.0.dofs, 2 * self.0.dofs + self.0.parameters + 1);
-        let towards = if self.is_nonholonomic() { 0 } else { n };
-        self.formula().dense_program(("reaction", Codes::new()), self.0.equations, |graph, x, outputs| {
-            graph.reverse(outputs, &x[first..], &x[towards..towards + n])
-        })
+    /// Arguments by which the formula is differentiated for its reaction: coordinates, or velocities.
+    fn towards(&self) -> Range<usize> {
+        if self.is_nonholonomic() { 0..self.0.dofs } else { self.0.dofs..2 * self.0.dofs }
     }
 
     /// Rows A (or B), equations by coordinates.
@@ -813,10 +775,10 @@ impl ConstraintPhysics {
 
     /// [`Self::rows`] in a workspace.
     pub fn rows_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
-        let (n, towards) = (self.0.dofs, if self.is_nonholonomic() { 0 } else { self.0.dofs });
+        let (n, towards) = (self.0.dofs, self.towards());
         let program = self.formula().dense_program(("rows", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
-            outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
+            outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards.clone()])).collect()
         });
         let zeros = std::iter::repeat_n(S::zero(), n);
         work.run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t]))
@@ -900,8 +862,7 @@ impl ConstraintPhysics {
     ) -> (Vec<f64>, Vec<f64>) {
         let (n, m, count) = (self.0.dofs, self.0.parameters, self.0.equations);
         let first = 2 * n + m + 1;
-        let towards = if self.is_nonholonomic() { 0 } else { n };
-        let extra = count + along.len();
+        let (towards, extra) = (self.towards(), count + along.len());
         let codes: Codes = kinds
             .iter()
             .map(|kind| match kind {
@@ -911,7 +872,7 @@ impl ConstraintPhysics {
             })
             .collect();
         let program = self.formula().dense_program(("along rows", codes), extra, |graph, x, outputs| {
-            let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
+            let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards.clone()]);
             let arguments = [&x[n..2 * n], &x[first + count..]].concat();
             let movement = continued(graph, &arguments, |arguments| {
                 let (mut q, mut along) = arguments.split_at(n);
@@ -929,10 +890,9 @@ impl ConstraintPhysics {
             let one = graph.constant(1.0);
             graph.reverse(&[work], &[one], &x[n..2 * n + m])
         });
-        let zeros = vec![0.0; n];
-        let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).chain(along).copied().collect();
-        let mut outputs = vec![0.0; n + m];
-        program.run(&inputs, &mut outputs, &mut ProgramWork::default());
+        let zeros = std::iter::repeat_n(&0.0, n);
+        let inputs = zeros.chain(q).chain(p).chain([&t]).chain(mu).chain(along).copied();
+        let mut outputs = FormulaWork::default().run(&program, inputs).to_vec();
         let of_p = outputs.split_off(n);
         (outputs, of_p)
     }

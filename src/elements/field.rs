@@ -1,8 +1,9 @@
-use super::lagrangian::{Formulas, from_energies};
+use super::lagrangian::{Formulas, from_energies, paired};
 use super::{Element, NodeKind, Parameter, State};
 use crate::program::{Recorded, Stages, along_motion, gradient_of, is_from_energies};
 use crate::scalar::{Moving, Scalar};
 use smallvec::SmallVec;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// One interpolated number of a point: sum over the nodes of a constant weight times one of their numbers.
@@ -90,6 +91,23 @@ pub trait Field: Send + Sync + 'static {
     }
 }
 
+/// Interpolated numbers of a point by runs of components that have the same weights: the first of them, and how many they are.
+pub(super) const fn rows<const N: usize>(runs: &[(usize, usize, &'static [f64])]) -> [Interpolation; N] {
+    let mut rows = [Interpolation { component: 0, weights: &[] }; N];
+    let (mut run, mut row) = (0, 0);
+    while run < runs.len() {
+        let (first, count, weights) = runs[run];
+        let end = row + count;
+        while row < end {
+            rows[row] = Interpolation { component: first + count + row - end, weights };
+            row += 1;
+        }
+        run += 1;
+    }
+    assert!(row == N);
+    rows
+}
+
 /// The element that a [`Field`] makes.
 pub struct Flexible<F>(pub F);
 
@@ -138,42 +156,42 @@ impl<F: Field> Flexible<F> {
 }
 
 impl<F: Field> Flexible<F> {
-    /// Numbers of all nodes from their coordinates, moving or still.
-    fn node_numbers<S: Scalar>(&self, q: &[S], p: &[S]) -> Vec<S> {
-        let mut y = vec![S::zero(); F::NODES * numbers::<F>()];
-        for (node, (q, y)) in q.chunks_exact(F::NODE.dofs()).zip(y.chunks_exact_mut(numbers::<F>())).enumerate() {
+    /// Numbers of all nodes from their coordinates, moving or still: these themselves without a map.
+    fn node_numbers<'q, S: Scalar>(&self, q: &'q [S], p: &[S]) -> Cow<'q, [S]> {
+        let Some(count) = F::MAPPED else { return Cow::Borrowed(q) };
+        let mut y = vec![S::zero(); F::NODES * count];
+        for (node, (q, y)) in q.chunks_exact(F::NODE.dofs()).zip(y.chunks_exact_mut(count)).enumerate() {
             self.0.node_map(node, q, p, y);
         }
-        y
+        Cow::Owned(y)
     }
     /// Rates of the nodes' numbers, and the numbers.
-    fn moving_numbers<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> [Vec<S>; 2] {
+    fn moving_numbers<'q, S: Scalar>(&self, v: &'q [S], q: &'q [S], p: &[S]) -> [Cow<'q, [S]>; 2] {
+        if F::MAPPED.is_none() {
+            return [v, q].map(Cow::Borrowed);
+        }
         let moving: Vec<Moving<S>> = q.iter().zip(v).map(|(&q, &v)| Moving::new(q, v)).collect();
         let still: Vec<Moving<S>> = p.iter().map(|&p| Moving::new(p, S::zero())).collect();
         let y = self.node_numbers(&moving, &still);
         [y.iter().map(|y| y.rate).collect(), y.iter().map(|y| y.value).collect()]
     }
-    fn kinetic_of<S: Scalar>(&self, v: &[S], y: &[S], p: &[S]) -> S {
+    /// The sum over all points.
+    fn sum<S: Scalar>(&self, of_point: impl Fn(usize, &'static [Interpolation]) -> S) -> S {
         let mut total = S::zero();
-        self.for_each_point(|point, rows, _| {
-            let (rates, h) = (interpolate::<F, S>(rows, v), interpolate::<F, S>(rows, y));
-            total += self.0.kinetic(point, &rates, &h, &p[self.0.parameters_of(point)]);
-        });
+        self.for_each_point(|point, rows, _| total += of_point(point, rows));
         total
+    }
+    fn kinetic_of<S: Scalar>(&self, v: &[S], y: &[S], p: &[S]) -> S {
+        self.sum(|point, rows| {
+            let (rates, h) = (interpolate::<F, S>(rows, v), interpolate::<F, S>(rows, y));
+            self.0.kinetic(point, &rates, &h, &p[self.0.parameters_of(point)])
+        })
     }
     fn potential_of<S: Scalar>(&self, y: &[S], p: &[S]) -> S {
-        let mut total = S::zero();
-        self.for_each_point(|point, rows, _| {
-            total += self.0.potential(point, &interpolate::<F, S>(rows, y), &p[self.0.parameters_of(point)]);
-        });
-        total
+        self.sum(|point, rows| self.0.potential(point, &interpolate::<F, S>(rows, y), &p[self.0.parameters_of(point)]))
     }
     fn strain_energy_of<S: Scalar>(&self, y: &[S], p: &[S]) -> S {
-        let mut total = S::zero();
-        self.for_each_point(|point, rows, _| {
-            total += self.0.strain_energy(point, &interpolate::<F, S>(rows, y), &p[self.0.parameters_of(point)]);
-        });
-        total
+        self.sum(|point, rows| self.0.strain_energy(point, &interpolate::<F, S>(rows, y), &p[self.0.parameters_of(point)]))
     }
     fn add_force_of<S: Scalar>(&self, v: &[S], y: &[S], p: &[S], t: S, force: &mut [S]) {
         self.for_each_point(|point, rows, _| {
@@ -200,22 +218,13 @@ impl<F: Field> Element for Flexible<F> {
         self.0.parameters()
     }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
-        if F::MAPPED.is_none() {
-            return self.kinetic_of(v, q, p);
-        }
         let [v, y] = self.moving_numbers(v, q, p);
         self.kinetic_of(&v, &y, p)
     }
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        if F::MAPPED.is_none() {
-            return self.potential_of(q, p);
-        }
         self.potential_of(&self.node_numbers(q, p), p)
     }
     fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        if F::MAPPED.is_none() {
-            return self.strain_energy_of(q, p);
-        }
         self.strain_energy_of(&self.node_numbers(q, p), p)
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
@@ -238,9 +247,6 @@ impl<F: Field> Element for Flexible<F> {
         (0..F::POINTS.len()).map(|point| self.0.strain_count(point)).sum()
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        if F::MAPPED.is_none() {
-            return self.strains_of(q, p, e);
-        }
         self.strains_of(&self.node_numbers(q, p), p, e);
     }
     fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
@@ -279,12 +285,11 @@ impl<F: Field> Element for Flexible<F> {
             return None;
         }
         let y = self.node_numbers(s.q, p);
-        let moving = |x: &[Recorded], rate: &[Recorded]| x.iter().copied().zip(rate.iter().copied()).collect::<Vec<_>>();
-        let v = along_motion(&y, &moving(s.q, s.v));
-        let a = along_motion(&v, &[moving(s.q, s.v), moving(s.v, s.a)].concat());
+        let v = along_motion(&y, &paired(s.q, s.v));
+        let a = along_motion(&v, &[paired(s.q, s.v), paired(s.v, s.a)].concat());
         let forces = from_energies(&OfNodeNumbers(self), State { a: &a, v: &v, q: &y }, p, t);
         let residual = gradient_of(&y, &forces, s.q);
-        Some((residual, Stages { numbers: [a, v, y], forces }))
+        Some((residual, Stages { numbers: [a, v, y.into_owned()], forces }))
     }
 }
 

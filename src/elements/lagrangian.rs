@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Element, NodeKind, State, dofs_of};
+use super::{Element, NodeKind, Output, Parameter, State, dofs_of};
 use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
 /// Energies of an element.
@@ -32,10 +32,10 @@ pub trait Formulas {
 /// An element with its type erased where it is recorded, so that what is made of its formulas is compiled once for all of them.
 pub trait ElementFormulas: Formulas {
     fn node_kinds(&self) -> Vec<NodeKind>;
-    fn parameter_count(&self) -> usize;
+    fn parameter_list(&self) -> Vec<Parameter>;
     fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]);
     fn mass(&self, p: &[Recorded]) -> Recorded;
-    fn output_count(&self) -> usize;
+    fn output_list(&self) -> Vec<Output>;
     fn write_outputs(&self, state: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]);
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)>;
 }
@@ -44,8 +44,8 @@ impl<E: Element> ElementFormulas for E {
     fn node_kinds(&self) -> Vec<NodeKind> {
         self.nodes()
     }
-    fn parameter_count(&self) -> usize {
-        self.parameters().len()
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
     }
     fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]) {
         Element::residual(self, s, p, t, r);
@@ -53,8 +53,8 @@ impl<E: Element> ElementFormulas for E {
     fn mass(&self, p: &[Recorded]) -> Recorded {
         Element::mass(self, p)
     }
-    fn output_count(&self) -> usize {
-        self.outputs().len()
+    fn output_list(&self) -> Vec<Output> {
+        self.outputs()
     }
     fn write_outputs(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded, outputs: &mut [Recorded]) {
         Element::write_outputs(self, v, q, p, t, outputs);
@@ -96,7 +96,7 @@ impl<E: Element> Formulas for E {
 
 /// Numbers of coordinates and parameters.
 pub(super) fn sizes(element: &dyn ElementFormulas) -> (usize, usize) {
-    (dofs_of(&element.node_kinds()), element.parameter_count())
+    (dofs_of(&element.node_kinds()), element.parameter_list().len())
 }
 
 /// For each coordinate whether it is that of a state of first order, which has neither energy nor power.
@@ -127,6 +127,11 @@ impl Energies {
     }
 }
 
+/// Numbers with their rates.
+pub(crate) fn paired(numbers: &[Recorded], rates: &[Recorded]) -> Vec<(Recorded, Recorded)> {
+    numbers.iter().copied().zip(rates.iter().copied()).collect()
+}
+
 /// The gradient of one number.
 fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
     gradient_of(&[of], &[Recorded::from(1.0)], towards)
@@ -153,8 +158,7 @@ fn force_and_momentum(element: &dyn Formulas, [v, q, p]: [&[Recorded]; 3], t: Re
     element.add_force(v, q, p, t, &mut applied);
     let e = strains(element, q, p, t);
     // along the motion of coordinates and time
-    let moving: Vec<(Recorded, Recorded)> =
-        q.iter().copied().zip(v.iter().copied()).chain([(t, Recorded::from(1.0))]).collect();
+    let moving = [paired(q, v), vec![(t, Recorded::from(1.0))]].concat();
     let stresses = losses(element, [&e, &along_motion(&e, &moving), p], t);
     let damping = gradient_of(&e, &stresses, q);
     for ((force, applied), damping) in force.iter_mut().zip(applied).zip(damping) {
@@ -189,8 +193,7 @@ fn written(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Recorded], t:
 /// d/dt (dT/dv) - dL/dq - Q.
 pub(super) fn from_energies(element: &dyn Formulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
     let (force, momentum) = force_and_momentum(element, [s.v, s.q, p], t);
-    let along_v = s.v.iter().copied().zip(s.a.iter().copied());
-    let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();
+    let moving = [paired(s.v, s.a), paired(s.q, s.v)].concat();
     let rate = along_motion(&momentum, &moving);
     rate.into_iter().zip(force).map(|(rate, force)| rate - force).collect()
 }
@@ -198,9 +201,8 @@ pub(super) fn from_energies(element: &dyn Formulas, s: State<Recorded>, p: &[Rec
 /// Strains, their rates, and the outputs behind those of strains.
 pub(super) fn told(element: &dyn ElementFormulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
     let e = strains(element, q, p, t);
-    let of_q = q.iter().copied().zip(v.iter().copied());
-    let moving: Vec<(Recorded, Recorded)> = of_q.chain([(t, Recorded::from(1.0))]).collect();
-    let mut own = zeros(element.output_count() - OF_STRAIN * e.len());
+    let moving = [paired(q, v), vec![(t, Recorded::from(1.0))]].concat();
+    let mut own = zeros(element.output_list().len() - OF_STRAIN * e.len());
     element.write_outputs([v, q, p], t, &mut own);
     let rates = along_motion(&e, &moving);
     [e, rates, own].concat()
@@ -223,8 +225,7 @@ pub(super) fn stress_force(element: &dyn Formulas, [q, p, w]: [&[Recorded]; 3], 
 /// Strains at a place, their change along d there, and strains at another place, one list behind the other.
 pub(super) fn strain_course(element: &dyn Formulas, [from, d, to, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
     let start = strains(element, from, p, t);
-    let moving: Vec<(Recorded, Recorded)> = from.iter().copied().zip(d.iter().copied()).collect();
-    let change = along_motion(&start, &moving);
+    let change = along_motion(&start, &paired(from, d));
     [start, change, strains(element, to, p, t)].concat()
 }
 
@@ -236,8 +237,7 @@ pub(super) fn stress_deviation(
 ) -> Vec<Recorded> {
     let stresses = |e: &[Recorded]| gradient(element.stored(e, p), e);
     let foreseen = stresses(start);
-    let moving: Vec<(Recorded, Recorded)> = start.iter().copied().zip(change.iter().copied()).collect();
-    let changes = along_motion(&foreseen, &moving);
+    let changes = along_motion(&foreseen, &paired(start, change));
     foreseen.into_iter().zip(changes).zip(stresses(end)).map(|((start, change), end)| start + change - end).collect()
 }
 
@@ -253,8 +253,7 @@ pub(super) fn impulse(
 ) -> Option<Vec<Recorded>> {
     let (force, momentum) = match written(element, s, p, t) {
         Some(residual) if are_states(element).contains(&true) || !has_energies(element) => {
-            let moving: Vec<(Recorded, Recorded)> = s.a.iter().copied().zip(s.v.iter().copied()).collect();
-            let momentum = along_motion(&residual, &moving);
+            let momentum = along_motion(&residual, &paired(s.a, s.v));
             // what the momentum depends on beside v: M of anything else would leave its derivatives behind
             let still: Vec<(Recorded, Recorded)> = s.a.iter().map(|&a| (a, Recorded::from(1.0))).collect();
             let depends = |towards: &[Recorded]| {
@@ -264,10 +263,7 @@ pub(super) fn impulse(
             if depends(s.a) || depends(s.v) || depends(s.q) || depends(&[t]) {
                 return None;
             }
-            let inertia: Vec<Recorded> = {
-                let along: Vec<(Recorded, Recorded)> = s.a.iter().map(|&a| (a, a)).collect();
-                along_motion(&residual, &along)
-            };
+            let inertia = along_motion(&residual, &paired(s.a, s.a));
             let force = residual.iter().zip(inertia).map(|(&residual, inertia)| inertia - residual).collect();
             (force, momentum)
         }
@@ -282,8 +278,7 @@ pub(super) fn impulse(
 /// What energies make of the residual cancels in that; it is left out where both ways agree at two states, which they do for kinetic energies that
 /// are quadratic in velocities.
 pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> (Recorded, Recorded) {
-    let along_v = s.v.iter().copied().zip(s.a.iter().copied());
-    let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();
+    let moving = [paired(s.v, s.a), paired(s.q, s.v)].concat();
     // as energies are told, which know no time
     let Energies { kinetic, potential, .. } = Energies::of(element, [s.v, s.q, p], Recorded::from(0.0));
     let own = residual(element, s, p, t).0;
@@ -292,8 +287,8 @@ pub(super) fn power(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Reco
     let mut applied = zeros(s.q.len());
     element.add_force(s.v, s.q, p, t, &mut applied);
     let e = strains(element, s.q, p, t);
-    let of_q: Vec<(Recorded, Recorded)> = s.q.iter().copied().zip(s.v.iter().copied()).collect();
-    let with_time: Vec<(Recorded, Recorded)> = of_q.iter().copied().chain([(t, Recorded::from(1.0))]).collect();
+    let of_q = paired(s.q, s.v);
+    let with_time = [&of_q[..], &[(t, Recorded::from(1.0))]].concat();
     let stresses = losses(element, [&e, &along_motion(&e, &with_time), p], t);
     let lost = work_of(&stresses, &along_motion(&e, &of_q));
     (work_of(&of_coordinates(element, &applied), &own_rates) - lost, whole)
@@ -381,8 +376,7 @@ pub(super) fn is_conservative(element: &dyn ElementFormulas) -> bool {
         let (p, t) = rest.split_at(m);
         element.add_force(v, q, p, t[0], &mut force);
         let mut e = strains(element, q, p, t[0]);
-        let moving: Vec<(Recorded, Recorded)> = q.iter().copied().zip(v.iter().copied()).collect();
-        let losses = losses(element, [&e, &along_motion(&e, &moving), p], t[0]);
+        let losses = losses(element, [&e, &along_motion(&e, &paired(q, v)), p], t[0]);
         e.extend(&losses);
         is_free = of_coordinates(element, &force).iter().chain(&losses).all(|&force| is_zero(force));
         e

@@ -37,13 +37,13 @@ pub use constraint::Constraint;
 pub use dyn_layer::ElementPhysics;
 pub use dyn_layer::{AnyConstraint, AnyElement};
 pub(crate) use dyn_layer::{
-    ConstraintPhysics, FormulaWork, RunScalar, StressFormulas, dofs_of, instantiate_here, motion_derivatives,
-    unrelated_numbers,
+    ConstraintPhysics, FormulaWork, RunScalar, dofs_of, instantiate_here, motion_derivatives, unrelated_numbers,
 };
 pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
+pub(crate) use lagrangian::paired;
 pub use node_kind::NodeKind;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};

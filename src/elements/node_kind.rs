@@ -1,6 +1,7 @@
 use super::ConstraintPhysics;
 use super::bodies::{EulerParameterNorm, OrthonormalAxes};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns, rotation_gradient_transposed};
+use std::sync::Arc;
 
 /// What a node's coordinates are, and how elements take hold of it.
 ///
@@ -61,8 +62,8 @@ impl NodeKind {
     /// The constraint inside the node, if it has one.
     pub fn local_constraint(self) -> Option<ConstraintPhysics> {
         match self {
-            NodeKind::Body => Some(ConstraintPhysics::new(Box::new(EulerParameterNorm))),
-            NodeKind::Natural => Some(ConstraintPhysics::new(Box::new(OrthonormalAxes))),
+            NodeKind::Body => Some(ConstraintPhysics::new(Arc::new(EulerParameterNorm))),
+            NodeKind::Natural => Some(ConstraintPhysics::new(Arc::new(OrthonormalAxes))),
             _ => None,
         }
     }

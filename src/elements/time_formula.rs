@@ -1,5 +1,5 @@
 use super::Parameter;
-use crate::program::{ArgumentKind, Formula, ProgramWork};
+use crate::program::{ArgumentKind, Formula, ProgramWork, Recorded};
 use crate::scalar::Scalar;
 use std::fmt;
 use std::sync::Arc;
@@ -41,10 +41,9 @@ pub trait TimeFormula: Send + Sync + 'static {
     fn value<S: Scalar>(&self, t: S, p: &[S]) -> S;
 }
 
-/// A [`TimeFormula`] that was recorded.
+/// A formula of one's own that was recorded: of some arguments, and of parameters.
 #[derive(Clone)]
 pub struct RecordedFunction {
-    /// f of (t, p).
     formula: Arc<Formula>,
     parameters: Vec<Parameter>,
 }
@@ -56,17 +55,27 @@ impl fmt::Debug for RecordedFunction {
 }
 
 impl RecordedFunction {
-    /// Records a function.
+    /// Records a function of time.
     ///
     /// # Errors
     /// If it branches on a value.
     pub fn of<F: TimeFormula>(function: F) -> Result<Self, String> {
-        let parameters = function.parameters();
-        let formula = Formula::record([(ArgumentKind::Time, 1), (ArgumentKind::Parameter, parameters.len())], |x| {
-            vec![function.value(x[0], &x[1..])]
+        let value = |t: &[Recorded], p: &[Recorded]| function.value(t[0], p);
+        Self::record("a function of time", (ArgumentKind::Time, 1), function.parameters(), value)
+    }
+
+    /// Records what messages call `what`, of so many arguments of a kind.
+    pub(super) fn record(
+        what: &str,
+        arguments: (ArgumentKind, usize),
+        parameters: Vec<Parameter>,
+        value: impl Fn(&[Recorded], &[Recorded]) -> Recorded,
+    ) -> Result<Self, String> {
+        let formula = Formula::record([arguments, (ArgumentKind::Parameter, parameters.len())], |x| {
+            let (arguments, p) = x.split_at(arguments.1);
+            vec![value(arguments, p)]
         });
-        let formula = formula.map_err(|why| format!("a function of time: {why}"))?;
-        Ok(RecordedFunction { formula, parameters })
+        Ok(RecordedFunction { formula: formula.map_err(|why| format!("{what}: {why}"))?, parameters })
     }
 
     /// Its parameters.
@@ -74,9 +83,9 @@ impl RecordedFunction {
         &self.parameters
     }
 
-    /// f(t).
-    pub fn value<S: Scalar>(&self, t: S, p: &[S]) -> S {
-        let (inputs, mut result) = ([&[t], p].concat(), [S::zero()]);
+    /// The value for its arguments.
+    pub fn value<S: Scalar>(&self, arguments: &[S], p: &[S]) -> S {
+        let (inputs, mut result) = ([arguments, p].concat(), [S::zero()]);
         self.formula.values().run_in(&inputs, &mut result, &mut ProgramWork::default());
         result[0]
     }

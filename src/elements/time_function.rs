@@ -161,7 +161,7 @@ impl TimeFunction {
             },
             TimeFunction::Curve(curve, _) => t.on_curve(curve, 0),
             TimeFunction::Table(table) => table.value(t, p),
-            TimeFunction::Own(own) => own.value(t, p),
+            TimeFunction::Own(own) => own.value(&[t], p),
         }
     }
 

@@ -3,7 +3,7 @@ use super::point_quantity::record_points;
 use super::{AnyPointQuantity, PointParameters, PointValue};
 use crate::elements::flexible::shape::{AT_TYING_POINTS, TWO};
 use crate::elements::flexible::{Beam, BeamField, STRAINS, TYING_POINTS};
-use crate::elements::{ElementPhysics, Parameter, State, interpolate};
+use crate::elements::{ElementPhysics, Parameter, State, interpolate, paired};
 use crate::program::{Recorded, along_motion};
 use crate::scalar::Scalar;
 
@@ -31,7 +31,7 @@ pub struct OfBeams<Q>(pub Q);
 /// Section forces at both ends of an element.
 fn end_forces(beam: BeamField, s: State<Recorded>, p: &[Recorded]) -> [[Recorded; STRAINS]; 2] {
     let own = beam.tying_parameters();
-    let moving: Vec<_> = s.q.iter().copied().zip(s.v.iter().copied()).collect();
+    let moving = paired(s.q, s.v);
     let at_points: [[Recorded; STRAINS]; TYING_POINTS] = std::array::from_fn(|point| {
         let p = &p[point * own..];
         let strain = BeamField::strains(&interpolate::<BeamField, _>(&AT_TYING_POINTS[point], s.q), p);
@@ -54,14 +54,9 @@ impl<Q: BeamQuantity> AnyPointQuantity for OfBeams<Q> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
-    fn is_on(&self, element: &ElementPhysics) -> bool {
-        element.downcast::<Beam>().is_some()
-    }
-    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
-        let Some(&Beam { 0: beam }) = element.downcast::<Beam>() else {
-            return Err(format!("{} is no beam", element.type_name()));
-        };
-        record_points(element, self.0.parameters().len(), |s, PointParameters { element: p, own }, _| {
+    fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
+        let beam = element.downcast::<Beam>()?.0;
+        Some(record_points(element, self.0.parameters().len(), |s, PointParameters { element: p, own }, _| {
             // two Gauss points of weight 1
             let half_length = (p[0] + p[beam.tying_parameters()]) * 0.5;
             let ends = end_forces(beam, s, p).into_iter().enumerate();
@@ -71,6 +66,6 @@ impl<Q: BeamQuantity> AnyPointQuantity for OfBeams<Q> {
                 values.into_iter().map(move |value| PointValue { value, weight })
             });
             weighted.collect()
-        })
+        }))
     }
 }

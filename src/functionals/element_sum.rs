@@ -40,19 +40,9 @@ impl AnyPointQuantity for ElementSum {
         if *self != ElementSum::InertiaMoment {
             return Vec::new();
         }
-        let (point, axis) = (["point x", "point y", "point z"], ["axis x", "axis y", "axis z"]);
-        point.map(|name| Parameter::new(name, "m")).into_iter().chain(axis.map(|name| Parameter::new(name, "-"))).collect()
+        [Parameter::vectors(&["point"], "m"), Parameter::vectors(&["axis"], "-")].concat()
     }
-    fn is_on(&self, element: &ElementPhysics) -> bool {
-        if *self == ElementSum::Power {
-            return !element.is_conservative();
-        }
-        let has_some = |own: GroupFormula| {
-            own.formula.inspect(|graph, outputs| own.values.iter().any(|&value| !graph.is_zero(outputs[value])))
-        };
-        self.record(element).is_ok_and(has_some)
-    }
-    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
+    fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
         let (n, m) = (element.dof_count(), element.parameter_count());
         let coordinates = (0..n).map(Argument::Q).chain((0..m).map(Argument::Parameter));
         let of_energies = |results: &[usize]| GroupFormula {
@@ -61,7 +51,8 @@ impl AnyPointQuantity for ElementSum {
             values: results.to_vec(),
             weights: Vec::new(),
         };
-        Ok(match self {
+        let own = match self {
+            ElementSum::Power if element.is_conservative() => return None,
             ElementSum::Energy => of_energies(&[KINETIC, POTENTIAL]),
             ElementSum::Mass => of_energies(&[MASS]),
             ElementSum::StrainEnergy => of_energies(&[STORED]),
@@ -82,6 +73,9 @@ impl AnyPointQuantity for ElementSum {
                 values: vec![0],
                 weights: Vec::new(),
             },
-        })
+        };
+        let is_there = *self == ElementSum::Power
+            || own.formula.inspect(|graph, outputs| own.values.iter().any(|&value| !graph.is_zero(outputs[value])));
+        is_there.then_some(Ok(own))
     }
 }

@@ -33,9 +33,9 @@ pub struct JointLoad {
     /// The frame of the direction.
     frame: LoadFrame,
     /// Coordinates of the node among those of the joint.
-    node: Range<usize>,
+    pub(super) node: Range<usize>,
     /// What they are.
-    on: NodeKind,
+    pub(super) on: NodeKind,
     /// That of the joint for which it was first asked, and the law of that joint.
     formula: OnceLock<(Digest, Arc<Formula>)>,
 }
@@ -77,14 +77,6 @@ impl JointLoad {
     /// Whether it was made for a joint of this law.
     pub(super) fn is_of(&self, joint: &ConstraintPhysics) -> bool {
         self.of(joint).0 == joint.law()
-    }
-
-    pub(super) fn node(&self) -> &Range<usize> {
-        &self.node
-    }
-
-    pub(super) fn on(&self) -> NodeKind {
-        self.on
     }
 
     fn of(&self, joint: &ConstraintPhysics) -> &(Digest, Arc<Formula>) {

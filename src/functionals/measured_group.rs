@@ -190,11 +190,7 @@ impl<S> GroupWork<S> {
     }
 }
 
-impl<S> Default for GroupWork<S> {
-    fn default() -> Self {
-        GroupWork { batch: BatchWork::default(), values: Vec::new() }
-    }
-}
+crate::assembly::empty_fields!(GroupWork { batch, values });
 
 impl GroupPart {
     /// How many parameters each element has for itself.
@@ -325,8 +321,8 @@ impl MeasuredGroup {
                 Some(&(_, place)) => place,
                 None => {
                     let mut place = None;
-                    if part.quantity.is_on(&element.physics) {
-                        let mut own = part.quantity.record(&element.physics)?;
+                    if let Some(own) = part.quantity.record(&element.physics) {
+                        let mut own = own?;
                         own.share_arguments(self.parameters.len());
                         let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.len());
                         // equal recordings of unlike elements are one formula
@@ -394,7 +390,7 @@ impl MeasuredGroup {
                 program,
                 batch.members.len(),
                 work,
-                |mut lanes, _| arguments.gather(&batch.places, sample, p, &mut lanes),
+                |mut lanes| arguments.gather(&batch.places, sample, p, &mut lanes),
                 |results| {
                     results.for_each_part(|_, own| {
                         let first = values.len();
@@ -583,7 +579,7 @@ impl GroupGradient {
                 program,
                 *count,
                 work,
-                |mut lanes, _| {
+                |mut lanes| {
                     arguments.gather(places, sample, p, &mut lanes);
                     lanes.spread_at(*extra, &seeds);
                     lanes.spread_at(*extra + SUMS, &[offset]);

@@ -51,13 +51,11 @@ pub trait AnyPointQuantity: Send + Sync {
     fn name(&self) -> &'static str;
     /// Its own parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Whether an element has it.
-    fn is_on(&self, element: &ElementPhysics) -> bool;
-    /// Its formula for an element that has it.
+    /// Its formula for an element, if that has it.
     ///
     /// # Errors
     /// In words, if the formula branches on a value.
-    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String>;
+    fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>>;
 }
 
 impl<Q: PointQuantity> AnyPointQuantity for Q {
@@ -67,14 +65,9 @@ impl<Q: PointQuantity> AnyPointQuantity for Q {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn is_on(&self, element: &ElementPhysics) -> bool {
-        element.downcast::<Q::Element>().is_some_and(|element| self.is_of(element))
-    }
-    fn record(&self, physics: &ElementPhysics) -> Result<GroupFormula, String> {
-        let Some(element) = physics.downcast::<Q::Element>() else {
-            return Err(format!("it is none of {}", physics.type_name()));
-        };
-        record_points(physics, self.parameters().len(), |s, p, t| self.at_points(element, s, p, t))
+    fn record(&self, physics: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
+        let element = physics.downcast::<Q::Element>().filter(|element| self.is_of(element))?;
+        Some(record_points(physics, self.parameters().len(), |s, p, t| self.at_points(element, s, p, t)))
     }
 }
 

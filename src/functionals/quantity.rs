@@ -1,5 +1,5 @@
-use crate::elements::entries::{Entry, Part, part_of};
-use crate::elements::{OfStates, Parameter, State};
+use crate::elements::entries::{Entry, Erase, Part};
+use crate::elements::{OfStates, Parameter, State, paired};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
 use crate::scalar::Scalar;
@@ -73,8 +73,7 @@ impl<Q: Quantity> AnyQuantity for Q {
             }
             let mut e = vec![Recorded::from(0.0); rated];
             self.rated(q, p, t, &mut e);
-            let moving: Vec<(Recorded, Recorded)> =
-                q.iter().copied().zip(v.iter().copied()).chain([(t, Recorded::from(1.0))]).collect();
+            let moving = [paired(q, v), vec![(t, Recorded::from(1.0))]].concat();
             vec![self.value_with_rates(&e, &along_motion(&e, &moving), p)]
         })
     }
@@ -83,7 +82,11 @@ impl<Q: Quantity> AnyQuantity for Q {
 /// A quantity of a list.
 pub type QuantityPart = Part<dyn AnyQuantity>;
 
-part_of!(Quantity, dyn AnyQuantity);
+impl<Q: Quantity> Erase<dyn AnyQuantity> for Q {
+    fn erased(self) -> Box<dyn AnyQuantity> {
+        Box::new(self)
+    }
+}
 
 /// What is done with every quantity of the library that has an entry, each with its own type.
 pub trait QuantityVisitor {
@@ -91,49 +94,36 @@ pub trait QuantityVisitor {
     fn visit<Q: Entry<Law: Quantity>>(&mut self);
 }
 
-/// A quantity that reads states of first order where they are unknowns like coordinates.
-struct AtRest {
-    own: MeasuredQuantity,
-    /// Which of its coordinates are states.
-    states: Vec<usize>,
-}
-
-impl AnyQuantity for AtRest {
-    fn dof_count(&self) -> usize {
-        self.own.dof_count()
-    }
-    fn unit(&self) -> &'static str {
-        self.own.own.unit()
-    }
-    fn parameter_list(&self) -> Vec<Parameter> {
-        self.own.parameter_list()
-    }
-    fn record(&self, _multipliers: usize) -> Result<Arc<Formula>, String> {
-        self.own.refused().map_or(Ok(()), |why| Err(why.to_string()))?;
-        self.own.formula().with_arguments(|x| {
-            let mut all = x.to_vec();
-            self.states.iter().for_each(|&dof| OfStates::InVelocity.in_motion(&mut all, self.dof_count(), dof));
-            all
-        })
-    }
-}
-
 /// A quantity of a model with its recording, made when it is first asked for.
 pub struct MeasuredQuantity {
     own: Box<dyn AnyQuantity>,
     multipliers: usize,
+    /// Which of its coordinates are states of first order that are unknowns like coordinates.
+    states: Vec<usize>,
     formula: OnceLock<Result<Arc<Formula>, String>>,
 }
 
 impl MeasuredQuantity {
     /// A quantity that sees some number of multipliers.
     pub fn new(own: Box<dyn AnyQuantity>, multipliers: usize) -> Self {
-        MeasuredQuantity { own, multipliers, formula: OnceLock::new() }
+        MeasuredQuantity { own, multipliers, states: Vec::new(), formula: OnceLock::new() }
     }
     /// The same where some of its coordinates are states that are unknowns like coordinates.
     pub(crate) fn at_rest(self, states: Vec<usize>) -> Self {
-        let multipliers = self.multipliers;
-        MeasuredQuantity::new(Box::new(AtRest { own: self, states }), multipliers)
+        MeasuredQuantity { states, formula: OnceLock::new(), ..self }
+    }
+    fn recorded(&self) -> &Result<Arc<Formula>, String> {
+        self.formula.get_or_init(|| {
+            let formula = self.own.record(self.multipliers)?;
+            if self.states.is_empty() {
+                return Ok(formula);
+            }
+            formula.with_arguments(|x| {
+                let mut all = x.to_vec();
+                self.states.iter().for_each(|&dof| OfStates::InVelocity.in_motion(&mut all, self.dof_count(), dof));
+                all
+            })
+        })
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
@@ -147,11 +137,10 @@ impl MeasuredQuantity {
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
-        self.formula.get_or_init(|| self.own.record(self.multipliers)).as_ref().err().map(String::as_str)
+        self.recorded().as_ref().err().map(String::as_str)
     }
     /// The value of (a, v, q, mu, p, t).
     pub fn formula(&self) -> &Arc<Formula> {
-        let formula = self.formula.get_or_init(|| self.own.record(self.multipliers));
-        formula.as_ref().unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"))
+        self.recorded().as_ref().unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"))
     }
 }

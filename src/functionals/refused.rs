@@ -69,9 +69,9 @@ fn load_refused(model: &Model, joint: &Attached<ConstraintPhysics>, load: &Joint
         let node = model.node(node);
         let own = first..first + node.dofs.len();
         first = own.end;
-        own == *load.node() && (load.is_power() || node.kind.in_space() == Some(load.on()))
+        own == load.node && (load.is_power() || node.kind.in_space() == Some(load.on))
     });
-    let is_held = is_held || (load.is_power() && *load.node() == (0..joint.physics.dof_count()));
+    let is_held = is_held || (load.is_power() && load.node == (0..joint.physics.dof_count()));
     let is_own = is_held && load.is_of(&joint.physics);
     (!is_own).then(|| format!("it is the load of another joint than \"{}\"; make one for each joint", joint.name))
 }

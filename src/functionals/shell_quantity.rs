@@ -43,13 +43,8 @@ impl<Q: ShellQuantity> AnyPointQuantity for OfShells<Q> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
-    fn is_on(&self, element: &ElementPhysics) -> bool {
-        shell_kind(element).is_some_and(|shell| self.0.is_of(shell))
-    }
-    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
-        let Some(shell) = shell_kind(element) else {
-            return Err(format!("{} is no shell", element.type_name()));
-        };
-        record_points(element, self.0.parameters().len(), |s, p, t| self.0.at_points(shell, s, p, t))
+    fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
+        let shell = shell_kind(element).filter(|shell| self.0.is_of(*shell))?;
+        Some(record_points(element, self.0.parameters().len(), |s, p, t| self.0.at_points(shell, s, p, t)))
     }
 }

@@ -227,7 +227,7 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
     for node in problem.model.nodes.iter().filter(|node| node.kind == NodeKind::Natural && !policy.project_start) {
         let (q, v) = (&problem.start.q[node.dofs.clone()], &problem.start.v[node.dofs.clone()]);
         let still = vec![0.0; q.len()];
-        let g = ConstraintPhysics::new(Box::new(OrthonormalAxes)).motion(State { a: &still, v, q }, &[], 0.0);
+        let g = ConstraintPhysics::new(Arc::new(OrthonormalAxes)).motion(State { a: &still, v, q }, &[], 0.0);
         let largest = |order: usize| g.iter().fold(0.0, |largest: f64, g| largest.max(g[order].abs()));
         let (off, rate) = (largest(0), largest(1));
         let speed = v[3..].iter().fold(1.0, |largest: f64, v| largest.max(v.abs()));

@@ -399,7 +399,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return self.model.refused_element();
         }
         self.numbers.p.extend_from_slice(p);
-        self.model.add_element(name, nodes, element)
+        self.model.add_element(name, nodes, element.into())
     }
 
     /// Adds any constraint with its parameters.
@@ -420,7 +420,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return self.model.refused_constraint();
         }
         self.numbers.p.extend_from_slice(p);
-        self.model.add_constraint(name, nodes, constraint)
+        self.model.add_constraint(name, nodes, constraint.into())
     }
 
     /// Adds any nonholonomic constraint with its parameters.

@@ -94,7 +94,7 @@ pub fn rollings() -> Vec<Rolling> {
     pairs
         .flat_map(|nodes| {
             let [a, b] = nodes;
-            [rolling("sphere", nodes, RollingSphere { a, b }), rolling("disc", nodes, RollingDisc { a, b })]
+            [rolling("sphere", nodes, RollingSphere([a, b])), rolling("disc", nodes, RollingDisc([a, b]))]
         })
         .collect()
 }
@@ -235,45 +235,45 @@ pub fn cases() -> Vec<Case> {
     ];
     for [a, b] in BODIES {
         list.extend([
-        Case::new(between("fixed", [a, b]), FixedJoint { a, b }, &[&points[..], &skew.0].concat(), together)
+        Case::new(between("fixed", [a, b]), FixedJoint([a, b]), &[&points[..], &skew.0].concat(), together)
             .shows("turn about x", &[3], |placed| placed.turned(X, STEP))
             .shows("turn about y", &[4], |placed| placed.turned(Y, STEP))
             .shows("turn about z", &[5], |placed| placed.turned(Z, STEP))
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("Euler parameters of the other sign", &[], |placed| Placement { turn: Quaternion(placed.turn.0.map(|e| -e)), ..placed }),
-        Case::new(between("revolute", [a, b]), RevoluteJoint { a, b }, &[&points[..], &along].concat(), hinged)
+        Case::new(between("revolute", [a, b]), RevoluteJoint([a, b]), &[&points[..], &along].concat(), hinged)
             .shows("turn about the axis", &[], |placed| placed.turned(AXIS, 2.0))
             .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
             .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
-        Case::new(between("prismatic", [a, b]), PrismaticJoint { a, b }, &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
+        Case::new(between("prismatic", [a, b]), PrismaticJoint([a, b]), &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
             .shows("shift along the axis", &[], |placed| placed.shifted(AXIS * 0.8))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP))
             .shows("turn about y", &[3], |placed| placed.turned(Y, STEP)),
-        Case::new(between("cylindrical", [a, b]), CylindricalJoint { a, b }, &[&points[..], &along].concat(), slid)
+        Case::new(between("cylindrical", [a, b]), CylindricalJoint([a, b]), &[&points[..], &along].concat(), slid)
             .shows("turn about and shift along the axis", &[], |placed| placed.turned(AXIS, 2.0).shifted(AXIS * 0.8))
             .shows("shift across", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("tilt about u", &[3], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[2], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new(between("planar", [a, b]), PlanarJoint { a, b }, &[&points[..], &along].concat(), lying)
+        Case::new(between("planar", [a, b]), PlanarJoint([a, b]), &[&points[..], &along].concat(), lying)
             .shows("turn about the normal and slide", &[], |placed| placed.turned(AXIS, 2.0).shifted(NORMAL_U * 0.8))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)),
-        Case::new(between("planar where the points meet", [a, b]), PlanarJoint { a, b }, &[&points[..], &along].concat(), hinged)
+        Case::new(between("planar where the points meet", [a, b]), PlanarJoint([a, b]), &[&points[..], &along].concat(), hinged)
             .shows("tilt about u", &[2], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[1], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new(between("universal", [a, b]), UniversalJoint { a, b }, &[&points[..], &AXIS.components(), &NORMAL_U.components()].concat(), hinged)
+        Case::new(between("universal", [a, b]), UniversalJoint([a, b]), &[&points[..], &AXIS.components(), &NORMAL_U.components()].concat(), hinged)
             .shows("turn about the pin of a", &[], |placed| placed.turned(AXIS, 0.5))
             .shows("turn about the pin of b", &[], |placed| placed.turned(placed.turn.rotate(NORMAL_U), 0.5))
             .shows("turn about neither", &[3], |placed| placed.turned(AXIS.cross(&placed.turn.rotate(NORMAL_U)), STEP))
             .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
-        Case::new(between("helical", [a, b]), HelicalJoint { a, b }, &[&points[..], &along, &NORMAL_U.components(), &[pitch]].concat(), screwed)
+        Case::new(between("helical", [a, b]), HelicalJoint([a, b]), &[&points[..], &along, &NORMAL_U.components(), &[pitch]].concat(), screwed)
             .shows("six turns on", &[], |placed| placed.turned(AXIS, 6.0 * TAU).shifted(AXIS * (6.0 * 0.35)))
             .shows("shift along the axis", &[4], |placed| placed.shifted(AXIS * STEP))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP)),
         Case::new(between("rack and pinion", [a, b]), RackAndPinion { nodes: [a, b, b] }, &[&points[..], &angle, &NORMAL_W.components(), &[radius]].concat(), rolled)
             .shows("turn and lift the rack", &[], |placed| placed.turned(NORMAL_U, 0.4).shifted(AXIS * 0.3))
             .shows("shift the rack", &[0], |placed| placed.shifted(NORMAL_W * STEP)),
-        Case::new(between("angle coordinate", [a, b]), AngleCoordinate { a, b }, &angle, hinged.counted(0.7))
+        Case::new(between("angle coordinate", [a, b]), AngleCoordinate([a, b]), &angle, hinged.counted(0.7))
             .shows("any shift", &[], |placed| placed.shifted(Vector3::new(0.4, -0.7, 1.9)))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("count on", &[0], |placed| placed.counted(STEP)),
@@ -283,7 +283,7 @@ pub fn cases() -> Vec<Case> {
         let relative = if b.has_axes() { &skew.0[..] } else { &[] };
         let offset = POINT_A - if b.has_axes() { skew.rotate(POINT_B) } else { Vector3::zeros() };
         let rows = if b.has_axes() { vec![3] } else { vec![] };
-        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink { a, b }, &[&offset.components(), relative].concat(), together)
+        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink([a, b]), &[&offset.components(), relative].concat(), together)
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("turn about x with the node in place", &rows, |placed| {
                 let turned = placed.turned(X, STEP);
@@ -294,22 +294,22 @@ pub fn cases() -> Vec<Case> {
             list.push(Case::new(format!("tied {b:?}"), TiedNode { carriers: 1, b }, &[&[1.0], &offset.components()[..], relative].concat(), together)
                 .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)));
         }
-        list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine { a, b }, &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
+        list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine([a, b]), &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
             .shows("any turn and shift along the line", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(AXIS))
             .shows("shift along u", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("shift along w", &[1], |placed| placed.shifted(NORMAL_W * STEP)));
-        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane { a, b }, &[&points[..], &AXIS.components()].concat(), together.shifted(NORMAL_W))
+        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane([a, b]), &[&points[..], &AXIS.components()].concat(), together.shifted(NORMAL_W))
             .shows("any turn and slide", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(NORMAL_U))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
     for [a, b] in PAIRS {
-        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint { a, b }, &points, together)
+        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint([a, b]), &points, together)
             .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
             .shows("shift along x", &[0], |placed| placed.shifted(X * STEP))
             .shows("shift along z", &[2], |placed| placed.shifted(Z * -STEP)));
         let length = 1.7;
         let apart = Placement { offset: AXIS * length, ..together };
-        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[&points[..], &[length]].concat(), apart)
+        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint([a, b]), &[&points[..], &[length]].concat(), apart)
             .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
             .shows("another direction", &[], |placed| Placement { offset: Vector3::new(-1.7, 0.0, 0.0), ..placed })
             .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
@@ -340,14 +340,14 @@ pub fn cases() -> Vec<Case> {
         let driven = Placement { turn: Quaternion::about(AXIS, now), ..Placement::default() };
         let p = [&angle[..], &own].concat();
         for [a, b] in BODIES {
-        list.push(Case::new(between(&format!("{of_time} rotation"), [a, b]), PrescribedRotation { a, b, angle: function.clone() }, &p, driven)
+        list.push(Case::new(between(&format!("{of_time} rotation"), [a, b]), PrescribedRotation { nodes: [a, b], angle: function.clone() }, &p, driven)
             .shows("any shift", &[], |placed| placed.shifted(Vector3::new(0.4, -0.7, 1.9)))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
         }
         for [a, b] in GUIDED {
             let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
-            let drive = PrescribedTranslation { a, b, displacement: function.clone() };
+            let drive = PrescribedTranslation { nodes: [a, b], displacement: function.clone() };
             list.push(Case::new(format!("{of_time} translation of {b:?} by {a:?}"), drive, &[&points[..], &AXIS.components(), &own].concat(), slid)
                 .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
                 .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))

@@ -96,7 +96,7 @@ fn made(part: &JointPart, kinds: &[NodeKind], random: &mut Random) -> Option<Mad
     }
     let equations = law.equations();
     let (again, _) = part.make(&mut given_again).expect("real numbers");
-    let law = ConstraintPhysics::new(law.rigid());
+    let law = ConstraintPhysics::new(law.rigid().into());
     assert_eq!(law.parameter_count(), p.len(), "{}", part.form.name);
     assert_eq!(law.equation_count(), equations, "{}", part.form.name);
     let soft = again.soft().parameter_list().into_iter().map(|own| own.name.into_owned()).collect();

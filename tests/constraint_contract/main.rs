@@ -317,7 +317,7 @@ fn euler_parameters_of_another_length_violate_their_norm_whatever_the_rotation()
 
 #[test]
 fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
-    let drive = PrescribedRotation { a: Body, b: Body, angle: TimeFunction::ConstantRate };
+    let drive = PrescribedRotation { nodes: [Body; 2], angle: TimeFunction::ConstantRate };
     let (offset, rate) = (0.2, 9.0);
     let p = [&AXIS.components()[..], &NORMAL_U.components(), &NORMAL_U.components(), &[offset, rate]].concat();
     let case = Case::new("driven", drive, &p, Placement::default());

@@ -234,7 +234,7 @@ pub fn cases() -> Vec<Case> {
     list.extend(entries.0);
     for [a, b] in BODIES {
     list.extend([
-        Case::soft("angle coordinate", AngleCoordinate { a, b }, &angle),
+        Case::soft("angle coordinate", AngleCoordinate([a, b]), &angle),
     ]);
     }
     for (coupled, damped, eccentric) in [(false, false, false), (true, false, true), (false, true, false), (true, true, true)] {

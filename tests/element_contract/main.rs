@@ -332,7 +332,7 @@ fn damper_between_points_takes_c_times_the_square_of_the_rate() {
     let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
     for [a, b] in PAIRS {
         let p = [&[2.3], &ends[..]].concat();
-        let case = Case::new("dampers", LineDamper { a, b }, &p);
+        let case = Case::new("dampers", LineDamper([a, b]), &p);
         for_all_samples(&case, |sample| {
             // positions along the motion: their rates need no formula of velocities
             let along = along(&sample.q, &sample.v);
@@ -341,8 +341,8 @@ fn damper_between_points_takes_c_times_the_square_of_the_rate() {
             let between: Vector3<Dual64> = b.position(of_b, ends[1]) - a.position(of_a, ends[0]);
             let length_rate = between.length().eps;
             let speed = between.map(|x| x.eps).length();
-            let line = power(&LineDamper { a, b }, &sample, &p);
-            let vector = power(&VectorDamper { a, b }, &sample, &p);
+            let line = power(&LineDamper([a, b]), &sample, &p);
+            let vector = power(&VectorDamper([a, b]), &sample, &p);
             assert_close("line damper", &[line], &[-2.3 * length_rate * length_rate], 1e-12, 1.0);
             assert_close("vector damper", &[vector], &[-2.3 * speed * speed], 1e-12, 1.0);
         });
@@ -391,9 +391,9 @@ fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
         let q = [&at[..], &of_a.0, &at, &of_b.0].concat();
         let v = [&at[..], &rate_a, &at, &rate_b].concat();
         let sample = Sample { a: vec![0.0; 14], v, q, t: 0.0 };
-        let spring = TorsionSpringDamper { a: Body, b: Body };
-        let [_, potential, ..] = testing::element_physics(&Arc::new(TorsionSpringDamper { a: Body, b: Body }))
-            .energies_at(&sample.v, &sample.q, &p);
+        let spring = TorsionSpringDamper([Body; 2]);
+        let [_, potential, ..] =
+            testing::element_physics(&Arc::new(TorsionSpringDamper([Body; 2]))).energies_at(&sample.v, &sample.q, &p);
         assert_close("energy", &[potential], &[0.5 * stiffness * (angle - rest) * (angle - rest)], 1e-13, 1.0);
         let taken = power(&spring, &sample, &p);
         assert_close("power", &[taken], &[-damping * rate * rate], 1e-13, 1.0);
@@ -417,7 +417,7 @@ fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
             let place = of_a.rotate(Vector3::from(point) + axis_of_a * shift);
             let q =
                 [&[0.0; 3][..], &of_a.0, &place.components(), &of_a.times(Quaternion::about(axis_of_a, angle)).0].concat();
-            let bushing = testing::element_physics(&Arc::new(Bushing { a: Body, b: Body }));
+            let bushing = testing::element_physics(&Arc::new(Bushing([Body; 2])));
             let [_, energy, ..] = bushing.energies_at(&[0.0; 14], &q, &p);
             let turn = 2.0 * (0.5 * angle).sin();
             let expected = 0.5 * (along[axis] * shift * shift + about[axis] * turn * turn);
@@ -430,7 +430,7 @@ fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
 
 #[test]
 fn a_soft_drive_pulls_towards_its_moving_target() {
-    let drive = Soft(PrescribedTranslation { a: Body, b: Body, displacement: TimeFunction::ConstantRate });
+    let drive = Soft(PrescribedTranslation { nodes: [Body; 2], displacement: TimeFunction::ConstantRate });
     let drive = testing::element_physics(&Arc::new(drive));
     let (stiffness, damping, offset, rate, t) = (30.0, 4.0, 0.1, 0.7, 0.5);
     let p = [&[stiffness, damping][..], &[0.0; 6], &[1.0, 0.0, 0.0], &[offset, rate]].concat();

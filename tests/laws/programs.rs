@@ -1,6 +1,7 @@
 //! Constraints whose recordings are equal operation by operation, but read other kinds of arguments.
 
 use costate::prelude::*;
+use std::sync::Arc;
 
 /// g, or h, is x_left - x_right of x = (v, q, p, t).
 #[derive(Clone, Copy)]
@@ -181,8 +182,8 @@ fn a_holonomic_constraint_and_one_on_velocities_with_one_recording_are_two_formu
     use costate::internals::ConstraintPhysics;
     // neither reads a velocity: the operations are the same, the reactions are not
     let own = Difference { coordinates: 1, parameters: 1, left: 1, right: 2 };
-    let holonomic = ConstraintPhysics::new(Box::new(Holonomic(own)));
-    let of_rates = ConstraintPhysics::new(Box::new(Nonholonomic(OfRates(own))));
+    let holonomic = ConstraintPhysics::new(Arc::new(Holonomic(own)));
+    let of_rates = ConstraintPhysics::new(Arc::new(Nonholonomic(OfRates(own))));
     assert_eq!(holonomic.reaction(&[0.5], &[3.0], &[0.2], 0.0), [3.0]);
     assert_eq!(of_rates.reaction(&[0.5], &[3.0], &[0.2], 0.0), [0.0]);
     assert_eq!(holonomic.rows(&[0.5], &[0.2], 0.0), [1.0]);

@@ -8,6 +8,7 @@ use costate::internals::{ConstraintPhysics, RollingDisc, RollingSphere};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{DesignVariable, MechanismBuilder, Prepared, Scene, Settings, Signal};
 use costate::sensitivity::largest_difference;
+use std::sync::Arc;
 
 const END: f64 = 4.0;
 const START: [f64; 2] = [0.7, -0.2];
@@ -116,12 +117,8 @@ fn differences(scene: &(impl Scene + Sync), level: ConstraintLevel, table: &str)
 fn rows_and_reactions_follow_from_h() {
     let mut random = Random::new(3);
     let constraints: [(&str, ConstraintPhysics, usize); 2] = [
-        (
-            "sphere",
-            ConstraintPhysics::new(Box::new(Nonholonomic(RollingSphere { a: NodeKind::Body, b: NodeKind::Body }))),
-            13,
-        ),
-        ("disc", ConstraintPhysics::new(Box::new(Nonholonomic(RollingDisc { a: NodeKind::Body, b: NodeKind::Body }))), 16),
+        ("sphere", ConstraintPhysics::new(Arc::new(Nonholonomic(RollingSphere([NodeKind::Body; 2])))), 13),
+        ("disc", ConstraintPhysics::new(Arc::new(Nonholonomic(RollingDisc([NodeKind::Body; 2])))), 16),
     ];
     let complex = |x: &[f64]| x.iter().map(|&x| Complex64::from(x)).collect::<Vec<_>>();
     for (name, constraint, parameters) in &constraints {

@@ -252,24 +252,16 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             Measure::Coordinate => m.functional(&name, over, (arm, &[]), Coordinate { of: 7, index: 4 }, &[]),
             Measure::Reaction => m.reaction_functional(&name, over, seen.joint, &weights),
             Measure::ReactionNorm => m.reaction_norm_functional(&name, over, seen.shoulder),
-            Measure::JointAngle => {
-                m.functional(&name, over, (&[seen.arm, seen.ground], &[]), JointAngle { a: of, b: of }, &angle)
-            }
+            Measure::JointAngle => m.functional(&name, over, (&[seen.arm, seen.ground], &[]), JointAngle([of; 2]), &angle),
             Measure::JointRate => {
-                m.functional(
-                    &name,
-                    over,
-                    (&[seen.arm, seen.ground], &[]),
-                    JointRate { a: of, b: of },
-                    &point_and_target[..3],
-                );
+                m.functional(&name, over, (&[seen.arm, seen.ground], &[]), JointRate([of; 2]), &point_and_target[..3]);
             }
             Measure::JointDisplacement => {
-                let quantity = JointDisplacement { a: of, b: other.1 };
+                let quantity = JointDisplacement([of, other.1]);
                 m.functional(&name, over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointSpeed => {
-                let quantity = JointSpeed { a: of, b: other.1 };
+                let quantity = JointSpeed([of, other.1]);
                 m.functional(&name, over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointLoad => {
@@ -280,7 +272,7 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             Measure::Energy => m.energy_functional(&name, over),
             Measure::Mass => m.mass_functional(&name, over),
             Measure::Distance => {
-                let quantity = Distance { a: of, b: of };
+                let quantity = Distance([of; 2]);
                 m.functional(&name, over, (&[seen.arm, seen.ground], &[]), quantity, &slide[..6]);
             }
             // in the first element, whose parameters are varied, and between both

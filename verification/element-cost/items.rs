@@ -88,7 +88,7 @@ fn elements() -> Vec<Item> {
         element("inertia of a cable", CABLE, move || CableInertia),
         element("weight of a cable", CABLE, move || CableGravity),
         element("weight", &[Body], move || Gravity { on }),
-        element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint { a, b })) }),
+        element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint([a, b]))) }),
     ]
 }
 
@@ -98,16 +98,13 @@ fn joints() -> Vec<Item> {
     let mut entries = Entries(Vec::new());
     joints::visit_all(&mut entries);
     let others = vec![
-        constraint("revolute between natural coordinates", NATURAL, move || RevoluteJoint {
-            a: NATURAL_END,
-            b: NATURAL_END,
-        }),
+        constraint("revolute between natural coordinates", NATURAL, move || RevoluteJoint([NATURAL_END; 2])),
         constraint("tied node", &[Body; 4], move || TiedNode { carriers: 3, b }),
         constraint("held node", &[Body], move || HeldNode { kind: a, held: Freedom::ALL.to_vec() }),
-        constraint("angle coordinate", &[Body, Body, Coordinates(1)], move || AngleCoordinate { a, b }),
-        constraint("disc on plane", BODIES, move || DiscOnPlane { a, b }),
-        constraint("rolling disc", BODIES, move || Nonholonomic(RollingDisc { a, b })),
-        constraint("rolling sphere", BODIES, move || Nonholonomic(RollingSphere { a, b })),
+        constraint("angle coordinate", &[Body, Body, Coordinates(1)], move || AngleCoordinate([a, b])),
+        constraint("disc on plane", BODIES, move || DiscOnPlane([a, b])),
+        constraint("rolling disc", BODIES, move || Nonholonomic(RollingDisc([a, b]))),
+        constraint("rolling sphere", BODIES, move || Nonholonomic(RollingSphere([a, b]))),
         constraint("unit length of Euler parameters", &[Coordinates(7)], move || -> Box<dyn AnyConstraint> {
             Box::new(EulerParameterNorm)
         }),

@@ -124,8 +124,8 @@ fn model(item: &Item, copies: usize, alone: bool) -> Model {
         let nodes: Vec<_> = item.nodes.iter().enumerate().map(add).collect();
         match (item.physics)() {
             _ if alone => {}
-            Physics::Element(own) => drop(model.add_element(&format!("part {copy}"), &nodes, own)),
-            Physics::Constraint(own) => drop(model.add_constraint(&format!("part {copy}"), &nodes, own)),
+            Physics::Element(own) => drop(model.add_element(&format!("part {copy}"), &nodes, own.into())),
+            Physics::Constraint(own) => drop(model.add_constraint(&format!("part {copy}"), &nodes, own.into())),
         }
     }
     model
@@ -232,8 +232,8 @@ pub fn programs(item: &Item) -> [Arc<Program>; 4] {
     let mut all = system.part_programs(&equations());
     let PartPrograms { residual, matrix, products: [products, _] } = all.pop().expect("a model of one part");
     let second = match (item.physics)() {
-        Physics::Element(own) => second_of_element(&ElementPhysics::new(own)),
-        Physics::Constraint(own) => second_of_constraint(&ConstraintPhysics::new(own)),
+        Physics::Element(own) => second_of_element(&ElementPhysics::new(own.into())),
+        Physics::Constraint(own) => second_of_constraint(&ConstraintPhysics::new(own.into())),
     };
     [residual, matrix, products, second]
 }

@@ -39,6 +39,13 @@ pub const ACROSS: (&str, ExampleValue) = ("normal", ExampleValue::Direction([0.6
 /// Ends of a link or spring in its example.
 pub const FROM_TO: (&str, ExampleValue) = ("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]]));
 
+/// Numbers of a spring and damper in its example.
+pub(crate) const STIFF: (&str, ExampleValue) = ("stiffness", ExampleValue::Number(3.1));
+pub(crate) const DAMPED: (&str, ExampleValue) = ("damping", ExampleValue::Number(0.7));
+pub(crate) const REST_ANGLE: (&str, ExampleValue) = ("rest_angle", ExampleValue::Number(0.2));
+/// What a driver follows in its example.
+pub(crate) const DRIVE: ExampleValue = ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]);
+
 impl ExampleValue {
     /// The value with the frame at a place \[m\] and turned.
     pub fn placed<S: Scalar>(self, origin: Vector3<S>, turn: Quaternion<S>) -> GivenValue<S> {

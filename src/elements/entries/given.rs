@@ -336,6 +336,12 @@ impl<S: Scalar> Given<S> {
         [self.local_points([0, 1], [point; 2]), self.guide(axis)].concat()
     }
 
+    /// The key `point` in both frames, and the direction of a key in that of the first node.
+    pub fn point_and_direction(&mut self, direction: &'static str) -> Vec<S> {
+        let (point, direction) = (self.point("point", 1), self.unit(direction));
+        [self.local_points([0, 1], [point; 2]), self.local_directions(0, [direction])].concat()
+    }
+
     /// Axis and zero mark in the frame of the first node and zero mark in that of the second, for an angle that is zero as they stand.
     pub fn angle_frame(&self, axis: Vector3<S>) -> Vec<S> {
         let [mark, _] = axis.perpendiculars();

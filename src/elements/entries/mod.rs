@@ -14,6 +14,7 @@ mod placed;
 
 pub use super::time_function::FUNCTION;
 pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, HEADING, ONE_BODY, TWO_BODIES};
+pub(crate) use example::{DAMPED, DRIVE, REST_ANGLE, STIFF};
 pub use functions::{CHARACTERISTIC, ORIENTATION};
 pub(crate) use functions::{COLUMNS, FILE, INTERPOLATION, VALUES};
 pub use given::{Given, GivenValue, Values};
@@ -22,5 +23,5 @@ pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
 };
 pub use part::{Entry, JointPart, JointVisitor, Law, Made, MadeEntry, Part, SpringPart, SpringVisitor, forms_of};
-pub(crate) use part::{entries, joined, named, names_of, part_of};
+pub(crate) use part::{Erase, entries, joined, named, names_of};
 pub use placed::Placed;

@@ -75,6 +75,31 @@ impl<C: Constraint> Law for C {
     }
 }
 
+/// A formula that is held with its type erased.
+pub trait Erase<L: ?Sized> {
+    /// The same as an `L`.
+    fn erased(self) -> Box<L>;
+}
+
+impl<C: Constraint> Erase<dyn Law> for C {
+    fn erased(self) -> Box<dyn Law> {
+        Box::new(self)
+    }
+}
+
+impl<E: Element> Erase<dyn AnyElement> for E {
+    fn erased(self) -> Box<dyn AnyElement> {
+        Box::new(self)
+    }
+}
+
+/// Of entries that make elements of several types.
+impl Erase<dyn AnyElement> for Box<dyn AnyElement> {
+    fn erased(self) -> Self {
+        self
+    }
+}
+
 /// A formula with its parameters.
 pub type Made<L, S> = (Box<L>, Vec<S>);
 
@@ -93,7 +118,7 @@ pub trait SpringVisitor {
 /// Lists of entries, and a function that visits all of them but those behind a bar, which make formulas of several types.
 macro_rules! entries {
     ($part:ty, $visitor:path; $($(#[$doc:meta])* $list:ident: $($entry:ty),* $(| $any:ty)*;)*) => {
-        $($(#[$doc])* pub const $list: &[$part] = &[$(<$part>::of::<$entry>(),)* $(<$part>::of_any::<$any>(),)*];)*
+        $($(#[$doc])* pub const $list: &[$part] = &[$(<$part>::of::<$entry>(),)* $(<$part>::of::<$any>(),)*];)*
 
         /// Visits all of them.
         pub fn visit_all(visitor: &mut impl $visitor) {
@@ -137,68 +162,30 @@ impl<L: ?Sized> Debug for Part<L> {
 }
 
 /// In one of the scalars in which mechanisms are built.
-fn make<E: MadeEntry, S: Scalar, L: ?Sized + 'static>(
+fn make_in<E: MadeEntry<Law: Erase<L>>, S: Scalar, L: ?Sized + 'static>(
     entry: &E,
     given: &mut dyn Any,
-    erase: fn(E::Law) -> Box<L>,
 ) -> Option<Box<dyn Any>> {
     let (law, p) = entry.make(given.downcast_mut::<Given<S>>()?);
-    Some(Box::new((erase(law), p)))
+    Some(Box::new((law.erased(), p)))
 }
 
 /// In any of them.
-fn make_in_any<E: MadeEntry, L: ?Sized + 'static>(
-    entry: &E,
-    given: &mut dyn Any,
-    erase: fn(E::Law) -> Box<L>,
-) -> Option<Box<dyn Any>> {
-    make::<E, f64, L>(entry, given, erase).or_else(|| make::<E, Recorded, L>(entry, given, erase))
-}
-
-/// The parts of entries whose formulas are of a kind: of one that is a type, and of one that is made while the program runs.
-macro_rules! part_of {
-    ($law:path, $erased:ty) => {
-        impl $crate::elements::entries::Part<$erased> {
-            /// The part of an entry.
-            pub const fn of<E: $crate::elements::entries::Entry<Law: $law>>() -> Self {
-                Self::of_type::<E>(|_, given| Self::made_of_type::<E>(given, |law| Box::new(law)))
-            }
-            /// The part of an entry that is made while the program runs; of a list of types it is [`Self::of`].
-            pub fn by<E: $crate::elements::entries::MadeEntry<Law: $law>>(entry: &'static E) -> Self {
-                Self::of_entry(entry, |entry, given| Self::made_by::<E>(entry, given, |law| Box::new(law)))
-            }
-        }
-    };
-}
-pub(crate) use part_of;
-
-part_of!(Constraint, dyn Law);
-part_of!(Element, dyn AnyElement);
-
-impl SpringPart {
-    /// The part of an entry that makes elements of several types.
-    pub(crate) const fn of_any<E: Entry<Law = Box<dyn AnyElement>>>() -> Self {
-        Self::of_type::<E>(|_, given| Self::made_of_type::<E>(given, |law| law))
-    }
+fn make<E: MadeEntry<Law: Erase<L>>, L: ?Sized + 'static>(entry: &E, given: &mut dyn Any) -> Option<Box<dyn Any>> {
+    make_in::<E, f64, L>(entry, given).or_else(|| make_in::<E, Recorded, L>(entry, given))
 }
 
 impl<L: ?Sized + 'static> Part<L> {
-    pub(crate) const fn of_type<E: Entry>(make: Maker) -> Self {
+    /// The part of an entry.
+    pub const fn of<E: Entry<Law: Erase<L>>>() -> Self {
         let form = Form { name: E::NAME, doc: E::DOC, keys: E::KEYS };
+        let make: Maker = |_, given| make(&OfType::<E>(PhantomData), given);
         Part { form, example: E::EXAMPLE, entry: &(), make, erased: PhantomData }
     }
-    pub(crate) fn of_entry<E: MadeEntry>(entry: &'static E, make: Maker) -> Self {
+    /// The part of an entry that is made while the program runs; of a list of types it is [`Self::of`].
+    pub fn by<E: MadeEntry<Law: Erase<L>>>(entry: &'static E) -> Self {
+        let make: Maker = |entry, given| make(entry.downcast_ref::<E>()?, given);
         Part { form: entry.form(), example: entry.example(), entry, make, erased: PhantomData }
-    }
-    pub(crate) fn made_of_type<E: Entry>(given: &mut dyn Any, erase: fn(E::Law) -> Box<L>) -> Option<Box<dyn Any>> {
-        make_in_any(&OfType::<E>(PhantomData), given, erase)
-    }
-    pub(crate) fn made_by<E: MadeEntry>(
-        entry: &dyn Any,
-        given: &mut dyn Any,
-        erase: fn(E::Law) -> Box<L>,
-    ) -> Option<Box<dyn Any>> {
-        make_in_any(entry.downcast_ref::<E>()?, given, erase)
     }
 
     /// The formula and its parameters.

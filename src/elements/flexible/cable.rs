@@ -1,7 +1,7 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::cable_inertia::mass_matrix;
+use super::CableInertia;
 use super::hermite::{CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -123,16 +123,8 @@ impl Element for Cable {
         list
     }
     #[inline(always)]
-    fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
-        let matrix = mass_matrix(&[p[LENGTH], p[MASS]]);
-        let vector = |place: usize| Vector3::first_three(&v[3 * place..]);
-        let mut twice = S::zero();
-        for i in 0..4 {
-            for j in 0..4 {
-                twice += matrix[i][j] * vector(i).dot(&vector(j));
-            }
-        }
-        twice * 0.5
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
+        CableInertia.kinetic(v, q, &[p[LENGTH], p[MASS]])
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {

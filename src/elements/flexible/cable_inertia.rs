@@ -16,7 +16,7 @@ const PRODUCTS: [[f64; 4]; 4] =
 
 /// Entries of M between (r_1, r_1x, r_2, r_2x), from length and mass.
 #[inline(always)]
-pub(super) fn mass_matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
+fn mass_matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
     let (length, share) = (p[0], p[0] * p[1] / 420.0);
     let factors = [S::one(), length, S::one(), length];
     let mut matrix = [[share; 4]; 4];

@@ -1,5 +1,6 @@
 //! Cubic Hermite functions of two nodes with position and slope, on xi = x / l from 0 to 1, and where they are used.
 
+use crate::elements::field::rows;
 use crate::elements::{Interpolation, NodeKind};
 
 /// Nodes of a cubic line.
@@ -43,27 +44,16 @@ pub(super) const CURVATURES_AT_THREE: [Weights; 3] =
     [split(curvatures(THREE[0])), split(curvatures(THREE[1])), split(curvatures(THREE[2]))];
 const CURVATURES_AT_TWO: [Weights; 2] = [split(curvatures(TWO[0])), split(curvatures(TWO[1]))];
 
-const fn row(component: usize, weights: &'static [f64]) -> Interpolation {
-    Interpolation { component, weights }
-}
-
 /// The six numbers whose combination is a derivative of r: the share of positions, then that of slopes.
 const fn derivative_rows(weights: &'static Weights) -> [Interpolation; 6] {
-    [
-        row(0, &weights[0]),
-        row(1, &weights[0]),
-        row(2, &weights[0]),
-        row(3, &weights[1]),
-        row(4, &weights[1]),
-        row(5, &weights[1]),
-    ]
+    rows(&[(0, 3, &weights[0]), (3, 3, &weights[1])])
 }
 
 /// Second derivatives at two points.
 pub const BENDING_AT_TWO: [[Interpolation; 6]; 2] =
     [derivative_rows(&CURVATURES_AT_TWO[0]), derivative_rows(&CURVATURES_AT_TWO[1])];
 /// r_2 - r_1.
-pub const CHORD: [Interpolation; 3] = [row(0, &[-1.0, 1.0]), row(1, &[-1.0, 1.0]), row(2, &[-1.0, 1.0])];
+pub const CHORD: [Interpolation; 3] = rows(&[(0, 3, &[-1.0, 1.0])]);
 
 #[cfg(test)]
 mod tests {

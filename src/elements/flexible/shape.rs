@@ -1,6 +1,7 @@
 //! Shape functions of three nodes at xi = -1, 0, 1, and where they are used.
 
 use crate::elements::Interpolation;
+use crate::elements::field::rows;
 use crate::scalar::{Scalar, Vector3};
 
 /// Nodes of a quadratic line.
@@ -27,30 +28,14 @@ const SLOPES_AT_TWO: [[f64; NODES]; 2] = [slopes(TWO[0]), slopes(TWO[1])];
 const VALUES_AT_TWO: [[f64; NODES]; 2] = [values(TWO[0]), values(TWO[1])];
 const VALUES_AT_THREE: [[f64; NODES]; 3] = [values(THREE[0]), values(THREE[1]), values(THREE[2])];
 
-const fn row(component: usize, weights: &'static [f64]) -> Interpolation {
-    Interpolation { component, weights }
-}
-
 /// (dr/dxi, e, de/dxi) of nodes with position r and Euler parameters e.
 const fn strain_rows(n: &'static [f64], slopes: &'static [f64]) -> [Interpolation; 11] {
-    [
-        row(0, slopes),
-        row(1, slopes),
-        row(2, slopes),
-        row(3, n),
-        row(4, n),
-        row(5, n),
-        row(6, n),
-        row(3, slopes),
-        row(4, slopes),
-        row(5, slopes),
-        row(6, slopes),
-    ]
+    rows(&[(0, 3, slopes), (3, 4, n), (3, 4, slopes)])
 }
 
 /// (r, e).
 const fn place_rows(n: &'static [f64]) -> [Interpolation; 7] {
-    [row(0, n), row(1, n), row(2, n), row(3, n), row(4, n), row(5, n), row(6, n)]
+    rows(&[(0, 7, n)])
 }
 
 /// (dr/dxi, e, de/dxi) at the tying points.

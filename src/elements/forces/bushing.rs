@@ -17,23 +17,16 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector};
 /// * `damping along x, y, z` [N s/m], `damping about x, y, z` [N m s/rad], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]: together at rest
 /// * `frame a e0..e3`, `frame b e0..e3`  e_af, e_bf, Euler parameters in the frames of the bodies: together at rest
-pub struct Bushing {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct Bushing(pub [NodeKind; 2]);
 
 /// (u, w) with the parameters behind stiffness and damping.
-struct Displacement {
-    ends: [NodeKind; 2],
-}
+struct Displacement([NodeKind; 2]);
 
 impl Constraint for Displacement {
     const EQUATIONS: usize = 6;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        self.ends.to_vec()
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let frame = |of| (0..4).map(move |i| Parameter::named(format!("frame {of} e{i}"), "-"));
@@ -41,14 +34,14 @@ impl Constraint for Displacement {
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        if self.ends == [NodeKind::Body; 2] {
+        if self.0 == [NodeKind::Body; 2] {
             let frame = |e: &[S], own: &[S]| Quaternion::from_slice(e).times(Quaternion::from_slice(own));
             let (fa, fb) = (frame(&q[3..], &p[6..]), frame(&q[10..], &p[10..]));
-            g[..3].copy_from_slice(&fa.rotate_back(gap(self.ends, q, p)).components());
+            g[..3].copy_from_slice(&fa.rotate_back(gap(self.0, q, p)).components());
             g[3..].copy_from_slice(&(fa.conjugate().times(fb).parts().1 * S::from(2.0)).components());
             return;
         }
-        let [a, b] = Frame::pair(self.ends, q);
+        let [a, b] = Frame::pair(self.0, q);
         let own =
             |frame: &Frame<S>, e: &[S]| Quaternion::from_slice(e).columns().map(|axis| frame.direction(&axis.components()));
         let (fa, fb) = (own(&a, &p[6..]), own(&b, &p[10..]));
@@ -63,7 +56,7 @@ impl Constraint for Displacement {
 
 impl Bushing {
     fn soft(&self) -> Soft<Displacement> {
-        Soft(Displacement { ends: [self.a, self.b] })
+        Soft(Displacement(self.0))
     }
 }
 
@@ -120,12 +113,12 @@ impl Entry for Bushing {
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let axes = given.rotation("orientation");
         let [on_a, on_b] = [0, 1].map(|node| given.node(node).rotation().conjugate().times(axes).0);
         let (stiffness, damping): ([S; 6], [S; 6]) = (given.numbers("stiffness"), given.numbers_or_zero("damping"));
         let point = given.point("point", 1);
         let points = given.local_points([0, 1], [point; 2]);
-        (Bushing { a, b }, [&stiffness[..], &damping, &points, &on_a, &on_b].concat())
+        (Bushing(nodes), [&stiffness[..], &damping, &points, &on_a, &on_b].concat())
     }
 }

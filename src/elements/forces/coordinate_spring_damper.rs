@@ -1,5 +1,5 @@
 use super::spring_law::ANGLE;
-use crate::elements::entries::{Entry, Example, ExampleValue, Given, INDEX, Key, Range, Type, may, need};
+use crate::elements::entries::{DAMPED, Entry, Example, Given, INDEX, Key, REST_ANGLE, Range, STIFF, Type, may, need};
 use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scalar::Scalar;
 
@@ -56,14 +56,7 @@ impl Entry for CoordinateSpringDamper {
         may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
         may("rest_angle", Type::Number("rad", Range::Any), "angle without moment; 0"),
     ];
-    const EXAMPLE: Example = (
-        &[NodeKind::Coordinates(1)],
-        &[
-            ("stiffness", ExampleValue::Number(3.1)),
-            ("damping", ExampleValue::Number(0.7)),
-            ("rest_angle", ExampleValue::Number(0.2)),
-        ],
-    );
+    const EXAMPLE: Example = (&[NodeKind::Coordinates(1)], &[STIFF, DAMPED, REST_ANGLE]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (of, index) = given.coordinate();

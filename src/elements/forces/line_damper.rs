@@ -4,32 +4,22 @@ use crate::elements::entries::{
 };
 use crate::elements::joints::{gap, points};
 use crate::elements::{Element, NodeKind, Output, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A damper along the line between two points: tension c dl/dt \[N\], l = |x_b - x_a|.
 ///
 /// * `damping`  c [N s/m], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
-pub struct LineDamper {
-    /// First end.
-    pub a: NodeKind,
-    /// Second end.
-    pub b: NodeKind,
-}
+pub struct LineDamper(pub [NodeKind; 2]);
 
 /// Parameters shared by the dampers between two points.
 pub(super) fn damper_parameters() -> Vec<Parameter> {
     [Parameter::non_negative("damping", "N s/m")].into_iter().chain(points()).collect()
 }
 
-/// x_b - x_a for the points of [`damper_parameters`] \[m\].
-pub(super) fn between<S: Scalar>([a, b]: [NodeKind; 2], q: &[S], p: &[S]) -> Vector3<S> {
-    gap([a, b], q, &p[1..])
-}
-
 impl Element for LineDamper {
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         damper_parameters()
@@ -38,7 +28,7 @@ impl Element for LineDamper {
         1
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        e[0] = between([self.a, self.b], q, p).length();
+        e[0] = gap(self.0, q, &p[1..]).length();
     }
     fn outputs(&self) -> Vec<Output> {
         Output::of_strain(LENGTH)
@@ -54,9 +44,9 @@ pub(super) const DAMPER_EXAMPLE: Example = (TWO_BODIES, &[FROM_TO, ("damping", E
 
 /// Kinds of both nodes, and the parameters of a damper between points of them.
 pub(super) fn held<S: Scalar>(given: &mut Given<S>) -> ([NodeKind; 2], Vec<S>) {
-    let ends = [given.in_space(0), given.in_space(1)];
+    let nodes = [given.in_space(0), given.in_space(1)];
     let points = given.points("points");
-    (ends, [&[given.number("damping")][..], &given.local_points([0, 1], points)].concat())
+    (nodes, [&[given.number("damping")][..], &given.local_points([0, 1], points)].concat())
 }
 
 impl Entry for LineDamper {
@@ -67,7 +57,7 @@ impl Entry for LineDamper {
     const EXAMPLE: Example = DAMPER_EXAMPLE;
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let ([a, b], p) = held(given);
-        (LineDamper { a, b }, p)
+        let (nodes, p) = held(given);
+        (LineDamper(nodes), p)
     }
 }

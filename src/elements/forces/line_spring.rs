@@ -11,16 +11,11 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `stiffness`  k [N/m], 0 or greater
 /// * `rest length`  l0 \[m\], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
-pub struct LineSpring {
-    /// First end.
-    pub a: NodeKind,
-    /// Second end.
-    pub b: NodeKind,
-}
+pub struct LineSpring(pub [NodeKind; 2]);
 
 impl Element for LineSpring {
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let own = [Parameter::non_negative("stiffness", "N/m").as_size(), Parameter::non_negative("rest length", "m")];
@@ -30,7 +25,7 @@ impl Element for LineSpring {
         1
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        e[0] = gap([self.a, self.b], q, &p[2..]).length();
+        e[0] = gap(self.0, q, &p[2..]).length();
     }
     fn outputs(&self) -> Vec<Output> {
         Output::of_strain(LENGTH)
@@ -55,9 +50,9 @@ impl Entry for LineSpring {
         (TWO_BODIES, &[FROM_TO, ("stiffness", ExampleValue::Number(5.0)), ("rest_length", ExampleValue::Number(0.7))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let nodes = [given.in_space(0), given.in_space(1)];
         let ends = given.points("points");
         let rest = given.number_or("rest_length", (ends[1] - ends[0]).length());
-        (LineSpring { a, b }, [&[given.number("stiffness"), rest][..], &given.local_points([0, 1], ends)].concat())
+        (LineSpring(nodes), [&[given.number("stiffness"), rest][..], &given.local_points([0, 1], ends)].concat())
     }
 }

@@ -1,7 +1,8 @@
 use super::Soft;
 use super::soft::as_soft_joint;
 use crate::elements::entries::{
-    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, may, need,
+    ALONG, AXIS, BETWEEN, DAMPED, Entry, Example, ExampleValue, Given, Key, POINT, REST_ANGLE, Range, STIFF, TWO_BODIES,
+    Type, may, need,
 };
 use crate::elements::joints::{components, gap, points, vectors};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Output, Parameter};
@@ -14,38 +15,30 @@ use crate::scalar::Scalar;
 /// * `rest displacement`  s0 \[m\]
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
-pub struct SlideSpringDamper {
-    /// What guides: a body.
-    pub a: NodeKind,
-    /// What slides.
-    pub b: NodeKind,
-}
+pub struct SlideSpringDamper(pub [NodeKind; 2]);
 
 /// s - s0 with the parameters (s0, points, axis).
-struct Slide {
-    a: NodeKind,
-    b: NodeKind,
-}
+struct Slide([NodeKind; 2]);
 
 impl Constraint for Slide {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         [Parameter::new("rest displacement", "m")].into_iter().chain(points()).chain(vectors(&["axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        components(&Frame::of(self.a, q), &p[7..], gap([self.a, self.b], q, &p[1..]), g);
+        components(&Frame::of(self.0[0], q), &p[7..], gap(self.0, q, &p[1..]), g);
         g[0] -= p[0];
     }
 }
 
 impl SlideSpringDamper {
     fn soft(&self) -> Soft<Slide> {
-        Soft(Slide { a: self.a, b: self.b })
+        Soft(Slide(self.0))
     }
 }
 
@@ -81,17 +74,17 @@ impl Entry for SlideSpringDamper {
             ("origin", ExampleValue::Point([0.1, 0.2, -0.3])),
             ("point", ExampleValue::Point([0.8, -0.4, 0.5])),
             ALONG,
-            ("stiffness", ExampleValue::Number(3.1)),
-            ("damping", ExampleValue::Number(0.7)),
-            ("rest_displacement", ExampleValue::Number(0.2)),
+            STIFF,
+            DAMPED,
+            ("rest_displacement", REST_ANGLE.1),
         ],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.body_and_guided();
+        let nodes = given.body_and_guided();
         let places = [given.point("origin", 0), given.point("point", 1)];
         let axis = given.unit("axis");
         let own = [given.spring_damper("rest_displacement"), given.local_points([0, 1], places)].concat();
-        (SlideSpringDamper { a, b }, [own, given.local_directions(0, [axis])].concat())
+        (SlideSpringDamper(nodes), [own, given.local_directions(0, [axis])].concat())
     }
 }

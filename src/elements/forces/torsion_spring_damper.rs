@@ -1,6 +1,6 @@
 use super::spring_law::ANGLE;
 use crate::elements::entries::{
-    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, TWO_BODIES, Type, may, need,
+    ALONG, AXIS, BETWEEN, DAMPED, Entry, Example, Given, Key, REST_ANGLE, Range, STIFF, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::angle;
 use crate::elements::{Element, Frame, NodeKind, Output, Parameter};
@@ -16,16 +16,11 @@ use crate::scalar::{Scalar, angle_about};
 /// * `rest angle`  theta0 \[rad\]
 /// * `axis`, `reference a`  unit vectors in the frame of body a, at right angles
 /// * `reference b`  unit vector in the frame of body b
-pub struct TorsionSpringDamper {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct TorsionSpringDamper(pub [NodeKind; 2]);
 
 impl Element for TorsionSpringDamper {
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let stiffness = Parameter::non_negative("stiffness", "N m/rad").as_size();
@@ -36,7 +31,7 @@ impl Element for TorsionSpringDamper {
         1
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         e[0] = angle_about(a.direction(&p[3..]), a.direction(&p[6..]), b.direction(&p[9..]));
     }
     fn outputs(&self) -> Vec<Output> {
@@ -62,19 +57,11 @@ impl Entry for TorsionSpringDamper {
         may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
         may("rest_angle", Type::Number("rad", Range::Any), "angle without moment, zero as they stand; 0"),
     ];
-    const EXAMPLE: Example = (
-        TWO_BODIES,
-        &[
-            ALONG,
-            ("stiffness", ExampleValue::Number(3.1)),
-            ("damping", ExampleValue::Number(0.7)),
-            ("rest_angle", ExampleValue::Number(0.2)),
-        ],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, STIFF, DAMPED, REST_ANGLE]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let axis = given.unit("axis");
-        (TorsionSpringDamper { a, b }, [given.spring_damper("rest_angle"), given.angle_frame(axis)].concat())
+        (TorsionSpringDamper(nodes), [given.spring_damper("rest_angle"), given.angle_frame(axis)].concat())
     }
 }

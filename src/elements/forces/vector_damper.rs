@@ -1,5 +1,6 @@
-use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, between, damper_parameters, held};
+use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, damper_parameters, held};
 use crate::elements::entries::{Entry, Example, Given, Key};
+use crate::elements::joints::gap;
 use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -9,16 +10,11 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 ///
 /// Source: Ebrahimi et al., eq. (65). [`LineDamper`](super::LineDamper) acts along the line only.
-pub struct VectorDamper {
-    /// First end.
-    pub a: NodeKind,
-    /// Second end.
-    pub b: NodeKind,
-}
+pub struct VectorDamper(pub [NodeKind; 2]);
 
 impl Element for VectorDamper {
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         damper_parameters()
@@ -27,7 +23,7 @@ impl Element for VectorDamper {
         3
     }
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        e.copy_from_slice(&between([self.a, self.b], q, p).components());
+        e.copy_from_slice(&gap(self.0, q, &p[1..]).components());
     }
     fn outputs(&self) -> Vec<Output> {
         let along = |axis| {
@@ -51,7 +47,7 @@ impl Entry for VectorDamper {
     const EXAMPLE: Example = DAMPER_EXAMPLE;
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let ([a, b], p) = held(given);
-        (VectorDamper { a, b }, p)
+        let (nodes, p) = held(given);
+        (VectorDamper(nodes), p)
     }
 }

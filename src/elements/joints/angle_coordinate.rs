@@ -1,5 +1,5 @@
 use super::{angle, angle_between};
-use crate::elements::{Constraint, NodeKind, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter, dofs_of};
 use crate::scalar::Scalar;
 
 /// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 \[rad\].
@@ -11,24 +11,19 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-pub struct AngleCoordinate {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct AngleCoordinate(pub [NodeKind; 2]);
 
 impl Constraint for AngleCoordinate {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b, NodeKind::Coordinates(1)]
+        [&self.0[..], &[NodeKind::Coordinates(1)]].concat()
     }
     fn parameters(&self) -> Vec<Parameter> {
         angle()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g[0] = angle_between([self.a, self.b], q, p, q[self.a.dofs() + self.b.dofs()]);
+        g[0] = angle_between(self.0, q, p, q[dofs_of(&self.0)]);
     }
 }

@@ -44,13 +44,12 @@ impl Constraint for CableEnd {
         }
     }
     fn parameters(&self) -> Vec<Parameter> {
-        let point = ["point a x", "point a y", "point a z"].map(|name| Parameter::new(name, "m"));
         let held = match self.held {
             HeldSlope::Direction => vectors(&["normal u", "normal w"]),
             HeldSlope::Vector => vectors(&["slope"]),
             HeldSlope::Plane => vectors(&["normal"]),
         };
-        point.into_iter().chain(held).collect()
+        [Parameter::vectors(&["point a"], "m"), held].concat()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

@@ -10,25 +10,20 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
-pub struct CylindricalJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct CylindricalJoint(pub [NodeKind; 2]);
 
 impl Constraint for CylindricalJoint {
     const EQUATIONS: usize = 4;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
         components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..]);
     }
@@ -42,7 +37,6 @@ impl Entry for CylindricalJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
-        (CylindricalJoint { a, b }, given.point_and_guide("axis"))
+        (CylindricalJoint(given.bodies()), given.point_and_guide("axis"))
     }
 }

@@ -9,25 +9,20 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `length`  l \[m\], greater than 0
-pub struct DistanceJoint {
-    /// First end.
-    pub a: NodeKind,
-    /// Second end.
-    pub b: NodeKind,
-}
+pub struct DistanceJoint(pub [NodeKind; 2]);
 
 impl Constraint for DistanceJoint {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain([Parameter::positive("length", "m")]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let between = gap([self.a, self.b], q, p);
+        let between = gap(self.0, q, p);
         g[0] = (between.dot(&between) - p[6] * p[6]) / (p[6] * 2.0);
     }
 }
@@ -40,9 +35,9 @@ impl Entry for DistanceJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[FROM_TO]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let nodes = [given.in_space(0), given.in_space(1)];
         let ends = given.points("points");
         let length = (ends[1] - ends[0]).length();
-        (DistanceJoint { a, b }, [&given.local_points([0, 1], ends)[..], &[length]].concat())
+        (DistanceJoint(nodes), [&given.local_points([0, 1], ends)[..], &[length]].concat())
     }
 }

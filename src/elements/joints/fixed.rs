@@ -9,26 +9,21 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
-pub struct FixedJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct FixedJoint(pub [NodeKind; 2]);
 
 impl Constraint for FixedJoint {
     const EQUATIONS: usize = 6;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g[..3].copy_from_slice(&gap([self.a, self.b], q, p).components());
-        g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[6..]).components());
+        g[..3].copy_from_slice(&gap(self.0, q, p).components());
+        g[3..].copy_from_slice(&remaining_rotation(self.0, q, &p[6..]).components());
     }
 }
 
@@ -40,9 +35,9 @@ impl Entry for FixedJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let point = given.point("point", 1);
         let relative = given.relative_rotation().0;
-        (FixedJoint { a, b }, [&given.local_points([0, 1], [point; 2])[..], &relative].concat())
+        (FixedJoint(nodes), [&given.local_points([0, 1], [point; 2])[..], &relative].concat())
     }
 }

@@ -16,18 +16,13 @@ use std::f64::consts::TAU;
 /// * `axis`  n_b, unit vector in the frame of b
 /// * `reference b`  unit vector in the frame of b at right angles to the axis: it stands along u_a where d = 0
 /// * `pitch`  [m per turn], not 0; negative for a left-handed thread
-pub struct HelicalJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct HelicalJoint(pub [NodeKind; 2]);
 
 impl Constraint for HelicalJoint {
     const EQUATIONS: usize = 5;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let vectors = vectors(&["normal u", "normal w", "axis", "reference b"]);
@@ -35,7 +30,7 @@ impl Constraint for HelicalJoint {
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         let pitch = p[18];
         let axis_of_a = Vector3::first_three(&p[6..]).cross(&Vector3::first_three(&p[9..]));
         let between = b.point(&p[3..]) - a.point(p);
@@ -59,10 +54,10 @@ impl Entry for HelicalJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG, ("pitch", ExampleValue::Number(0.8))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let (point, axis) = (given.point("point", 1), given.unit("axis"));
         let points = given.local_points([0, 1], [point; 2]);
         let mark = given.local_directions(1, [axis.perpendiculars()[0]]);
-        (HelicalJoint { a, b }, [&points[..], &given.guide(axis), &mark, &[given.number("pitch")]].concat())
+        (HelicalJoint(nodes), [&points[..], &given.guide(axis), &mark, &[given.number("pitch")]].concat())
     }
 }

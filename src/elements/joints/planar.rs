@@ -10,25 +10,20 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `tangent u`, `tangent w`  unit vectors of the plane in the frame of a, not parallel
 /// * `normal`  n_b, unit vector in the frame of b
-pub struct PlanarJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct PlanarJoint(pub [NodeKind; 2]);
 
 impl Constraint for PlanarJoint {
     const EQUATIONS: usize = 3;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["tangent u", "tangent w", "normal"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         let normal = b.direction(&p[12..]);
         g[0] = normal.dot(&(b.point(&p[3..]) - a.point(p)));
         components(&a, &p[6..12], normal, &mut g[1..]);
@@ -43,7 +38,6 @@ impl Entry for PlanarJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ACROSS]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
-        (PlanarJoint { a, b }, given.point_and_guide("normal"))
+        (PlanarJoint(given.bodies()), given.point_and_guide("normal"))
     }
 }

@@ -7,26 +7,20 @@ use crate::scalar::Scalar;
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal`  n_a, unit vector in the frame of a
-pub struct PointInPlane {
-    /// What guides: a body.
-    pub a: NodeKind,
-    /// What slides.
-    pub b: NodeKind,
-}
+pub struct PointInPlane(pub [NodeKind; 2]);
 
 impl Constraint for PointInPlane {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let ends = [self.a, self.b];
-        components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
+        components(&Frame::of(self.0[0], q), &p[6..], gap(self.0, q, p), g);
     }
 }
 
@@ -38,9 +32,6 @@ impl Entry for PointInPlane {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ACROSS]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.body_and_guided();
-        let (point, normal) = (given.point("point", 1), given.unit("normal"));
-        let normal = given.local_directions(0, [normal]);
-        (PointInPlane { a, b }, [given.local_points([0, 1], [point; 2]), normal].concat())
+        (PointInPlane(given.body_and_guided()), given.point_and_direction("normal"))
     }
 }

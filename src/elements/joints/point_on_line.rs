@@ -7,26 +7,20 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
-pub struct PointOnLine {
-    /// What guides: a body.
-    pub a: NodeKind,
-    /// What slides.
-    pub b: NodeKind,
-}
+pub struct PointOnLine(pub [NodeKind; 2]);
 
 impl Constraint for PointOnLine {
     const EQUATIONS: usize = 2;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let ends = [self.a, self.b];
-        components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
+        components(&Frame::of(self.0[0], q), &p[6..], gap(self.0, q, p), g);
     }
 }
 
@@ -38,9 +32,9 @@ impl Entry for PointOnLine {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.body_and_guided();
+        let nodes = given.body_and_guided();
         let (point, axis) = (given.point("point", 1), given.unit("axis"));
         let normals = given.local_directions(0, axis.perpendiculars());
-        (PointOnLine { a, b }, [given.local_points([0, 1], [point; 2]), normals].concat())
+        (PointOnLine(nodes), [given.local_points([0, 1], [point; 2]), normals].concat())
     }
 }

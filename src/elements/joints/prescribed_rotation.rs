@@ -1,7 +1,5 @@
 use super::{angle, angle_between};
-use crate::elements::entries::{
-    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, TWO_BODIES, Type, need,
-};
+use crate::elements::entries::{ALONG, AXIS, BETWEEN, DRIVE, Entry, Example, FUNCTION, Given, Key, TWO_BODIES, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -14,10 +12,8 @@ use crate::scalar::Scalar;
 /// * `reference b`  unit vector in the frame of b
 /// * parameters of f(t) \[rad\]
 pub struct PrescribedRotation {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
+    /// What guides, a body, and what is driven.
+    pub nodes: [NodeKind; 2],
     /// Angle over time.
     pub angle: TimeFunction,
 }
@@ -26,14 +22,14 @@ impl Constraint for PrescribedRotation {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.nodes.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         angle().into_iter().chain(self.angle.parameters("rad")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
-        g[0] = angle_between([self.a, self.b], q, p, self.angle.value(t, &p[9..]));
+        g[0] = angle_between(self.nodes, q, p, self.angle.value(t, &p[9..]));
     }
     fn is_driver(&self) -> bool {
         true
@@ -45,12 +41,12 @@ impl Entry for PrescribedRotation {
     const NAME: &'static str = "rotation";
     const DOC: &'static str = "the angle of b against a about an axis, zero as they stand";
     const KEYS: &'static [Key] = &[BETWEEN, AXIS, need("angle", Type::Function("rad", &FUNCTION), "angle over time")];
-    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("angle", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]))]);
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("angle", DRIVE)]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (angle, numbers) = given.function("angle");
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let axis = given.unit("axis");
-        (PrescribedRotation { a, b, angle }, [given.angle_frame(axis), numbers].concat())
+        (PrescribedRotation { nodes, angle }, [given.angle_frame(axis), numbers].concat())
     }
 }

@@ -1,6 +1,6 @@
 use super::{gap, points, vectors};
 use crate::elements::entries::{
-    ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
+    ALONG, AT, AXIS, BETWEEN, DRIVE, Entry, Example, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
 };
 use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
@@ -13,10 +13,8 @@ use crate::scalar::Scalar;
 /// * `axis`  n_a, unit vector in the frame of a
 /// * parameters of f(t) \[m\]
 pub struct PrescribedTranslation {
-    /// What guides: a body.
-    pub a: NodeKind,
-    /// What is driven.
-    pub b: NodeKind,
+    /// What guides, a body, and what is driven.
+    pub nodes: [NodeKind; 2],
     /// Displacement over time.
     pub displacement: TimeFunction,
 }
@@ -25,15 +23,15 @@ impl Constraint for PrescribedTranslation {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.nodes.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["axis"])).chain(self.displacement.parameters("m")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
-        let axis = Frame::of(self.a, q).direction(&p[6..]);
-        g[0] = axis.dot(&gap([self.a, self.b], q, p)) - self.displacement.value(t, &p[9..]);
+        let axis = Frame::of(self.nodes[0], q).direction(&p[6..]);
+        g[0] = axis.dot(&gap(self.nodes, q, p)) - self.displacement.value(t, &p[9..]);
     }
     fn is_driver(&self) -> bool {
         true
@@ -51,22 +49,14 @@ impl Entry for PrescribedTranslation {
         POINT,
         need("displacement", Type::Function("m", &FUNCTION), "displacement over time"),
     ];
-    const EXAMPLE: Example = (
-        TWO_BODIES,
-        &[
-            ALONG,
-            ("origin", ExampleValue::Point([0.3, -0.2, 0.5])),
-            AT,
-            ("displacement", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0])),
-        ],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("origin", AT.1), AT, ("displacement", DRIVE)]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (displacement, numbers) = given.function("displacement");
-        let [a, b] = given.body_and_guided();
+        let nodes = given.body_and_guided();
         let places = [given.point("origin", 0), given.point("point", 1)];
         let axis = given.unit("axis");
         let axis = given.local_directions(0, [axis]);
-        (PrescribedTranslation { a, b, displacement }, [given.local_points([0, 1], places), axis, numbers].concat())
+        (PrescribedTranslation { nodes, displacement }, [given.local_points([0, 1], places), axis, numbers].concat())
     }
 }

@@ -11,27 +11,22 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
-pub struct PrismaticJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct PrismaticJoint(pub [NodeKind; 2]);
 
 impl Constraint for PrismaticJoint {
     const EQUATIONS: usize = 5;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w"])).chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
-        g[2..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[12..]).components());
+        g[2..].copy_from_slice(&remaining_rotation(self.0, q, &p[12..]).components());
     }
 }
 
@@ -43,9 +38,9 @@ impl Entry for PrismaticJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let (point, axis) = (given.point("point", 1), given.unit("axis"));
         let (points, normals) = (given.local_points([0, 1], [point; 2]), given.local_directions(0, axis.perpendiculars()));
-        (PrismaticJoint { a, b }, [&points[..], &normals, &given.relative_rotation().0].concat())
+        (PrismaticJoint(nodes), [&points[..], &normals, &given.relative_rotation().0].concat())
     }
 }

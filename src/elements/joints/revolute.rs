@@ -10,25 +10,20 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
-pub struct RevoluteJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct RevoluteJoint(pub [NodeKind; 2]);
 
 impl Constraint for RevoluteJoint {
     const EQUATIONS: usize = 5;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         let axis = b.direction(&p[12..]);
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         g[3] = a.direction(&p[6..]).dot(&axis);
@@ -44,7 +39,6 @@ impl Entry for RevoluteJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
-        (RevoluteJoint { a, b }, given.point_and_guide("axis"))
+        (RevoluteJoint(given.bodies()), given.point_and_guide("axis"))
     }
 }

@@ -10,34 +10,27 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 ///
 /// * `offset`  c, place of the node b in the frame of a \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
-pub struct RigidLink {
-    /// What guides: a body.
-    pub a: NodeKind,
-    /// What is carried along.
-    pub b: NodeKind,
-}
+pub struct RigidLink(pub [NodeKind; 2]);
 
 impl Constraint for RigidLink {
     const EQUATIONS: usize = 6;
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("offset x", "m"), Parameter::new("offset y", "m"), Parameter::new("offset z", "m")];
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn equations(&self) -> usize {
-        if self.b.has_axes() { 6 } else { 3 }
+        if self.0[1].has_axes() { 6 } else { 3 }
     }
     fn parameters(&self) -> Vec<Parameter> {
-        let rotation = if self.b.has_axes() { &RELATIVE_ROTATION[..] } else { &[] };
-        [Self::PARAMETERS, rotation].concat()
+        let rotation = if self.0[1].has_axes() { &RELATIVE_ROTATION[..] } else { &[] };
+        [&Parameter::vectors(&["offset"], "m")[..], rotation].concat()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let carried = Frame::of(self.a, q).point(p);
-        g[..3].copy_from_slice(&(Vector3::first_three(&q[self.a.dofs()..]) - carried).components());
-        if self.b.has_axes() {
-            g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).components());
+        let carried = Frame::of(self.0[0], q).point(p);
+        g[..3].copy_from_slice(&(Vector3::first_three(&q[self.0[0].dofs()..]) - carried).components());
+        if self.0[1].has_axes() {
+            g[3..].copy_from_slice(&remaining_rotation(self.0, q, &p[3..]).components());
         }
     }
 }
@@ -50,11 +43,11 @@ impl Entry for RigidLink {
     const EXAMPLE: Example = (TWO_BODIES, &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.body_and_guided();
+        let nodes = given.body_and_guided();
         let mut p = given.node(0).local_point(given.node(1).position()).components().to_vec();
-        if b.has_axes() {
+        if nodes[1].has_axes() {
             p.extend(given.relative_rotation().0);
         }
-        (RigidLink { a, b }, p)
+        (RigidLink(nodes), p)
     }
 }

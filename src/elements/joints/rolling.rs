@@ -30,27 +30,22 @@ fn sliding<S: Scalar>([a, b]: [NodeKind; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2]
 /// * `radius`  r \[m\], greater than 0
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
-pub struct RollingSphere {
-    /// The body with the plane.
-    pub a: NodeKind,
-    /// What rolls.
-    pub b: NodeKind,
-}
+pub struct RollingSphere(pub [NodeKind; 2]);
 
 impl NonholonomicConstraint for RollingSphere {
     const EQUATIONS: usize = 2;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let (centre, vectors) = (Parameter::vectors(&["centre"], "m"), vectors(&["u", "w", "normal"]));
         [centre, vectors, vec![Parameter::positive("radius", "m")]].concat()
     }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         let contact = b.point(p) - a.direction(&p[9..]) * p[12];
-        sliding([self.a, self.b], v, q, [&p[3..], &p[6..]], contact, h);
+        sliding(self.0, v, q, [&p[3..], &p[6..]], contact, h);
     }
 }
 
@@ -75,24 +70,19 @@ fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vector3<S>, Vector3<S>) {
 /// * `normal`  n, unit vector in the frame of a
 /// * `radius`  r \[m\], greater than 0
 /// * `point`  x_a, of the plane, in the frame of a \[m\]
-pub struct DiscOnPlane {
-    /// The body with the plane.
-    pub a: NodeKind,
-    /// What rolls.
-    pub b: NodeKind,
-}
+pub struct DiscOnPlane(pub [NodeKind; 2]);
 
 impl Constraint for DiscOnPlane {
     const EQUATIONS: usize = 1;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         [disc_parameters(), Parameter::vectors(&["point"], "m")].concat()
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         let (centre, lowest) = disc([a, b], p);
         g[0] = a.direction(&p[6..]).dot(&(centre + lowest - a.point(&p[10..])));
     }
@@ -107,25 +97,20 @@ impl Constraint for DiscOnPlane {
 /// * `u`, `w`  unit vectors of the plane in the frame of a, at right angles
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
-pub struct RollingDisc {
-    /// The body with the plane.
-    pub a: NodeKind,
-    /// What rolls.
-    pub b: NodeKind,
-}
+pub struct RollingDisc(pub [NodeKind; 2]);
 
 impl NonholonomicConstraint for RollingDisc {
     const EQUATIONS: usize = 2;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         [disc_parameters(), vectors(&["u", "w"])].concat()
     }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
-        let (centre, lowest) = disc(Frame::pair([self.a, self.b], q), p);
-        sliding([self.a, self.b], v, q, [&p[10..], &p[13..]], centre + lowest, h);
+        let (centre, lowest) = disc(Frame::pair(self.0, q), p);
+        sliding(self.0, v, q, [&p[10..], &p[13..]], centre + lowest, h);
     }
 }
 
@@ -151,18 +136,18 @@ type WithParameters<S> = (Box<dyn AnyConstraint>, Vec<S>);
 
 /// The contact and the rolling of a form of [`ROLLING`].
 pub(crate) fn contact_and_rolling<S: Scalar>(form: &str, given: &mut Given<S>) -> [WithParameters<S>; 2] {
-    let [a, b] = given.bodies();
+    let nodes = given.bodies();
     let (centre, normal) = (given.point("centre", 1), given.unit("normal"));
     let of_centre = given.node(1).local_point(centre).components().to_vec();
     let ([u, w], radius) = (normal.perpendiculars(), vec![given.number("radius")]);
     if form == "rolling_sphere" {
         let plane = [given.local_points([0, 1], [centre; 2]), given.local_directions(0, [normal.unit()])].concat();
         let rolling = [of_centre, given.local_directions(0, [u, w, normal]), radius].concat();
-        return [(PointInPlane { a, b }.into(), plane), (Nonholonomic(RollingSphere { a, b }).into(), rolling)];
+        return [(PointInPlane(nodes).into(), plane), (Nonholonomic(RollingSphere(nodes)).into(), rolling)];
     }
     let (axis, point) = (given.unit("axis"), given.point("point", 0));
     let disc = [of_centre, given.local_directions(1, [axis]), given.local_directions(0, [normal]), radius].concat();
     let plane = [&disc[..], &given.node(0).local_point(point).components()].concat();
     let rolling = [disc, given.local_directions(0, [u, w])].concat();
-    [(DiscOnPlane { a, b }.into(), plane), (Nonholonomic(RollingDisc { a, b }).into(), rolling)]
+    [(DiscOnPlane(nodes).into(), plane), (Nonholonomic(RollingDisc(nodes)).into(), rolling)]
 }

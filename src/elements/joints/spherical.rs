@@ -6,25 +6,20 @@ use crate::scalar::{Scalar, SpatialVector};
 /// Two points held together: g = x_b - x_a \[m\]. The multipliers are the force of b on a, in world components \[N\].
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
-pub struct SphericalJoint {
-    /// First end.
-    pub a: NodeKind,
-    /// Second end.
-    pub b: NodeKind,
-}
+pub struct SphericalJoint(pub [NodeKind; 2]);
 
 impl Constraint for SphericalJoint {
     const EQUATIONS: usize = 3;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g.copy_from_slice(&gap([self.a, self.b], q, p).components());
+        g.copy_from_slice(&gap(self.0, q, p).components());
     }
 }
 
@@ -36,8 +31,8 @@ impl Entry for SphericalJoint {
     const EXAMPLE: Example = (TWO_BODIES, &[AT]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let nodes = [given.in_space(0), given.in_space(1)];
         let point = given.point("point", 1);
-        (SphericalJoint { a, b }, given.local_points([0, 1], [point; 2]))
+        (SphericalJoint(nodes), given.local_points([0, 1], [point; 2]))
     }
 }

@@ -33,7 +33,7 @@ impl Constraint for TiedNode {
     }
     fn parameters(&self) -> Vec<Parameter> {
         let weights = (1..=self.carriers).map(|number| Parameter::named(format!("weight {number}"), "-"));
-        let offset = ["offset x", "offset y", "offset z"].map(|name| Parameter::new(name, "m"));
+        let offset = Parameter::vectors(&["offset"], "m");
         let rotation = if self.b.has_axes() { &RELATIVE_ROTATION[..] } else { &[] };
         weights.chain(offset).chain(rotation.iter().cloned()).collect()
     }

@@ -10,25 +10,20 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `pin a`  n_a, unit vector in the frame of a
 /// * `pin b`  n_b, unit vector in the frame of b
-pub struct UniversalJoint {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct UniversalJoint(pub [NodeKind; 2]);
 
 impl Constraint for UniversalJoint {
     const EQUATIONS: usize = 4;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        vec![self.a, self.b]
+        self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["pin a", "pin b"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([self.a, self.b], q);
+        let [a, b] = Frame::pair(self.0, q);
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         components(&a, &p[6..9], b.direction(&p[9..]), &mut g[3..]);
     }
@@ -50,7 +45,7 @@ impl Entry for UniversalJoint {
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = given.bodies();
+        let nodes = given.bodies();
         let point = given.point("point", 1);
         let [pin_a, pin_b] = ["pin_a", "pin_b"].map(|pin| given.unit(pin));
         if let Some(angle) = Given::angle_if_not_right(pin_a, pin_b) {
@@ -61,6 +56,6 @@ impl Entry for UniversalJoint {
             ));
         }
         let pins = [given.local_directions(0, [pin_a]), given.local_directions(1, [pin_b])].concat();
-        (UniversalJoint { a, b }, [given.local_points([0, 1], [point; 2]), pins].concat())
+        (UniversalJoint(nodes), [given.local_points([0, 1], [point; 2]), pins].concat())
     }
 }

@@ -24,18 +24,15 @@ impl AnyPointQuantity for CableVonMises {
         let own = [Parameter::positive("yield stress", "N/m2"), Parameter::positive("Young's modulus", "N/m2")];
         own.into_iter().chain([Parameter::positive("distance", "m")]).collect()
     }
-    fn is_on(&self, element: &ElementPhysics) -> bool {
-        strain_of(element).is_some()
-    }
-    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
-        let Some(strain) = strain_of(element) else { return Err(format!("{} is no cable", element.type_name())) };
-        record_points(element, self.parameter_list().len(), |s, PointParameters { element: p, own }, _| {
+    fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
+        let strain = strain_of(element)?;
+        Some(record_points(element, self.parameter_list().len(), |s, PointParameters { element: p, own }, _| {
             let (length, [yield_stress, young, distance]) = (p[0], [own[0], own[1], own[2]]);
             let ends = [0.0, 1.0].map(|xi| strains(strain, s.q, xi, length));
             let fibres = ends.into_iter().flat_map(|[strain, curvature]| {
                 [-1.0, 1.0].map(|side| young * (strain + distance * curvature * side) / yield_stress)
             });
             fibres.map(|stress| PointValue { value: stress.abs(), weight: length * 0.25 }).collect()
-        })
+        }))
     }
 }

@@ -1,22 +1,17 @@
 use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
 use crate::elements::joints::{gap, points};
-use crate::elements::{NodeKind, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector};
 
 /// Distance of two points: |x_b - x_a| \[m\]; where they meet its derivative is taken as zero.
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]; ignored for nodes without axes
-pub struct Distance {
-    /// First end.
-    pub a: NodeKind,
-    /// Second end.
-    pub b: NodeKind,
-}
+pub struct Distance(pub [NodeKind; 2]);
 
 impl Quantity for Distance {
     fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+        dofs_of(&self.0)
     }
     fn unit(&self) -> &'static str {
         "m"
@@ -25,7 +20,7 @@ impl Quantity for Distance {
         points()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        gap([self.a, self.b], s.q, p).length()
+        gap(self.0, s.q, p).length()
     }
 }
 
@@ -37,8 +32,8 @@ impl Entry for Distance {
     const EXAMPLE: Example = (TWO_BODIES, &[FROM_TO]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let nodes = [given.in_space(0), given.in_space(1)];
         let ends = given.points("points");
-        (Distance { a, b }, given.local_points([0, 1], ends))
+        (Distance(nodes), given.local_points([0, 1], ends))
     }
 }

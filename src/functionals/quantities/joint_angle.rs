@@ -1,6 +1,6 @@
 use crate::elements::entries::{ALONG, AXIS, BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
 use crate::elements::joints::{angle, angle_between};
-use crate::elements::{NodeKind, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -10,16 +10,11 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-pub struct JointAngle {
-    /// First body.
-    pub a: NodeKind,
-    /// Second body.
-    pub b: NodeKind,
-}
+pub struct JointAngle(pub [NodeKind; 2]);
 
 impl Quantity for JointAngle {
     fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+        dofs_of(&self.0)
     }
     fn unit(&self) -> &'static str {
         "rad"
@@ -28,7 +23,7 @@ impl Quantity for JointAngle {
         angle()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        angle_between([self.a, self.b], s.q, p, S::zero())
+        angle_between(self.0, s.q, p, S::zero())
     }
 }
 
@@ -40,7 +35,7 @@ impl Entry for JointAngle {
     const EXAMPLE: Example = (TWO_BODIES, &[ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let ([a, b], axis) = (given.bodies(), given.unit("axis"));
-        (JointAngle { a, b }, given.angle_frame(axis))
+        let (nodes, axis) = (given.bodies(), given.unit("axis"));
+        (JointAngle(nodes), given.angle_frame(axis))
     }
 }

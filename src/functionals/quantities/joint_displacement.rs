@@ -1,6 +1,6 @@
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::joints::{components, gap, points, vectors};
-use crate::elements::{Frame, NodeKind, Parameter, State};
+use crate::elements::{Frame, NodeKind, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -8,16 +8,11 @@ use crate::scalar::Scalar;
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]: s = 0 where they meet
 /// * `axis`  n_a, unit vector in the frame of a
-pub struct JointDisplacement {
-    /// The body with the axis.
-    pub a: NodeKind,
-    /// What slides.
-    pub b: NodeKind,
-}
+pub struct JointDisplacement(pub [NodeKind; 2]);
 
 impl Quantity for JointDisplacement {
     fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+        dofs_of(&self.0)
     }
     fn unit(&self) -> &'static str {
         "m"
@@ -27,34 +22,29 @@ impl Quantity for JointDisplacement {
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let mut displacement = [S::zero()];
-        components(&Frame::of(self.a, s.q), &p[6..], gap([self.a, self.b], s.q, p), &mut displacement);
+        components(&Frame::of(self.0[0], s.q), &p[6..], gap(self.0, s.q, p), &mut displacement);
         displacement[0]
     }
 }
 
 /// Its rate ds/dt [m/s], with the same parameters.
-pub struct JointSpeed {
-    /// The body with the axis.
-    pub a: NodeKind,
-    /// What slides.
-    pub b: NodeKind,
-}
+pub struct JointSpeed(pub [NodeKind; 2]);
 
 impl Quantity for JointSpeed {
     fn dofs(&self) -> usize {
-        JointDisplacement { a: self.a, b: self.b }.dofs()
+        dofs_of(&self.0)
     }
     fn unit(&self) -> &'static str {
         "m/s"
     }
     fn parameters(&self) -> Vec<Parameter> {
-        JointDisplacement { a: self.a, b: self.b }.parameters()
+        JointDisplacement(self.0).parameters()
     }
     fn rated_count(&self) -> usize {
         1
     }
     fn rated<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        components(&Frame::of(self.a, q), &p[6..], gap([self.a, self.b], q, p), e);
+        components(&Frame::of(self.0[0], q), &p[6..], gap(self.0, q, p), e);
     }
     fn value_with_rates<S: Scalar>(&self, _e: &[S], rate: &[S], _p: &[S]) -> S {
         rate[0]
@@ -69,8 +59,7 @@ impl Entry for JointDisplacement {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let ([a, b], p) = slide(given);
-        (JointDisplacement { a, b }, p)
+        (JointDisplacement(given.body_and_guided()), given.point_and_direction("axis"))
     }
 }
 
@@ -82,13 +71,6 @@ impl Entry for JointSpeed {
     const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let ([a, b], p) = slide(given);
-        (JointSpeed { a, b }, p)
+        (JointSpeed(given.body_and_guided()), given.point_and_direction("axis"))
     }
-}
-
-/// Kinds of the nodes, and the parameters.
-fn slide<S: Scalar>(given: &mut Given<S>) -> ([NodeKind; 2], Vec<S>) {
-    let (kinds, point, axis) = (given.body_and_guided(), given.point("point", 1), given.unit("axis"));
-    (kinds, [given.local_points([0, 1], [point; 2]), given.local_directions(0, [axis])].concat())
 }

@@ -1,6 +1,6 @@
 use crate::elements::flexible::shape::{AT_TYING_POINTS, NODES, TWO};
 use crate::elements::flexible::{BeamField, STRAINS, TYING_POINTS};
-use crate::elements::{Field, Interpolation, Parameter};
+use crate::elements::{Field, Parameter, interpolate};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -69,12 +69,7 @@ impl Quantity for SectionQuantity {
         let (dofs, own) = (NODES * BeamField::NODE.dofs(), self.parameters_of_an_element());
         for (place, e) in e.chunks_exact_mut(STRAINS).enumerate() {
             let (element, point) = (place / TYING_POINTS, place % TYING_POINTS);
-            let q = &q[element * dofs..];
-            let number = |row: &Interpolation| {
-                let terms = row.weights.iter().enumerate();
-                terms.fold(S::zero(), |sum, (node, &weight)| sum + q[node * BeamField::NODE.dofs() + row.component] * weight)
-            };
-            let h: Vec<S> = AT_TYING_POINTS[point].iter().map(number).collect();
+            let h = interpolate::<BeamField, S>(&AT_TYING_POINTS[point], &q[element * dofs..]);
             e.copy_from_slice(&BeamField::strains(&h, &p[element * own + point * own / TYING_POINTS..]));
         }
     }

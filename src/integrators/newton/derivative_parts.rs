@@ -143,6 +143,7 @@ mod tests {
     use crate::integrators::{ConstraintLevel, Method, NewtonTolerance, table_by_name};
     use crate::linalg::Backend;
     use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
+    use std::sync::Arc;
 
     struct PushedMass;
 
@@ -160,7 +161,7 @@ mod tests {
     fn derivative(factored_for: f64, force_part: f64) -> Result<f64, String> {
         let mut model = Model::default();
         let node = model.add_node("mass", NodeKind::Coordinates(1), false);
-        model.add_element("push", &[node], Box::new(PushedMass));
+        model.add_element("push", &[node], Arc::new(PushedMass));
         let method = Method::new(table_by_name("bdf2").ok_or("not listed")?, ConstraintLevel::default());
         let system = method.system(&model, &[]);
         let mut newton = Newton::<Complex64>::new(system, NewtonTolerance::default(), Backend::default())

@@ -48,7 +48,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let elements: Vec<ElementId> = group.elements.iter().copied().filter(is_there).collect();
         let mut all = elements.iter().filter_map(|&element| self.model.find_element(element));
         let complete = elements.len() == group.elements.len();
-        if complete && !all.any(|element| quantity.is_on(&element.physics)) {
+        if complete && !all.any(|element| quantity.record(&element.physics).is_some()) {
             let (group, what) = (&group.name, quantity.name());
             self.mistakes.push(format!(
                 "\"{name}\": none of the {} elements of the group \"{group}\" has {what}; take a group with elements that have it",

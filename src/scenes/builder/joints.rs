@@ -176,7 +176,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let (bodies, axis) = (given.bodies(), given.unit_of(axis));
             (bodies, axis, given.angle_frame(axis))
         });
-        self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate { a, b }.into(), &p);
+        self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate([a, b]).into(), &p);
         self.angles.push((angle, nodes, axis));
         self.set_angle_rates();
         angle

@@ -3,7 +3,7 @@
 use super::{LineField, MechanismBuilder};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::ElementPhysics;
-use crate::elements::flexible::{Beam, OutlineStress, STRAINS, Section};
+use crate::elements::flexible::{Beam, Cable, OutlineStress, STRAINS, Section, SmallStrainCable};
 use crate::functionals::quantities::{BeamSectionForce, BeamVonMises, CableVonMises, VonMises};
 use crate::functionals::{AnyPointQuantity, ElementGroup, GroupPart, OfBeams, OfShells, Over, PointWeights};
 use crate::program::Recorded;
@@ -99,7 +99,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let has_shells = others.iter().any(|&element| {
-            self.model.find_element(element).is_some_and(|element| OfShells(VonMises).is_on(&element.physics))
+            self.model.find_element(element).is_some_and(|element| OfShells(VonMises).record(&element.physics).is_some())
         });
         if has_shells && over.points() == PointWeights::Own {
             self.mistakes.push(format!(
@@ -140,7 +140,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Whether an element is one of a beam or cable.
     fn is_line(&self, element: ElementId) -> bool {
-        let is_line = |own: &ElementPhysics| CableVonMises.is_on(own) || own.downcast::<Beam>().is_some();
+        let is_cable =
+            |own: &ElementPhysics| own.downcast::<Cable>().is_some() || own.downcast::<SmallStrainCable>().is_some();
+        let is_line = |own: &ElementPhysics| is_cable(own) || own.downcast::<Beam>().is_some();
         self.model.find_element(element).is_some_and(|element| is_line(&element.physics))
     }
 

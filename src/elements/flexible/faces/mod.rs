@@ -11,6 +11,7 @@ pub use triangle6::Triangle6;
 
 use super::shape::TWO;
 use crate::elements::Interpolation;
+use crate::elements::field::rows;
 use smallvec::SmallVec;
 
 /// Numbers that are interpolated of each node: position x, director d, and two more axes.
@@ -263,25 +264,6 @@ impl FaceShape {
     }
 }
 
-/// The three components of a vector that starts at `component`.
-const fn vector(component: usize, weights: &'static [f64]) -> [Interpolation; 3] {
-    [
-        Interpolation { component, weights },
-        Interpolation { component: component + 1, weights },
-        Interpolation { component: component + 2, weights },
-    ]
-}
-
-const fn rows<const N: usize, const V: usize>(vectors: [[Interpolation; 3]; V]) -> [Interpolation; N] {
-    let mut rows = [vectors[0][0]; N];
-    let mut place = 0;
-    while place < N {
-        rows[place] = vectors[place / 3][place % 3];
-        place += 1;
-    }
-    rows
-}
-
 /// Places of x, d and the two more axes in a node's numbers.
 const X: usize = 0;
 const D: usize = 3;
@@ -290,7 +272,7 @@ const SECOND: usize = 9;
 
 /// (dx/dt, d, dd/dt) at a point, with derivatives along the direction t that have these weights.
 const fn along(w: &Weights, by_t: &'static [f64]) -> [Interpolation; 9] {
-    rows([vector(X, by_t), vector(D, w.value), vector(D, by_t)])
+    rows(&[(X, 3, by_t), (D, 3, w.value), (D, 3, by_t)])
 }
 /// (dx/dr, d, dd/dr) at a point.
 const fn along_r(w: &Weights) -> [Interpolation; 9] {
@@ -306,34 +288,27 @@ const fn along_q(w: &Weights) -> [Interpolation; 9] {
 }
 /// (dx/dt, dd/dt).
 const fn stretch(by_t: &'static [f64]) -> [Interpolation; 6] {
-    rows([vector(X, by_t), vector(D, by_t)])
+    rows(&[(X, 3, by_t), (D, 3, by_t)])
 }
 /// (dx/dt, d).
 const fn shear(w: &Weights, by_t: &'static [f64]) -> [Interpolation; 6] {
-    rows([vector(X, by_t), vector(D, w.value)])
+    rows(&[(X, 3, by_t), (D, 3, w.value)])
 }
 /// (x, d).
 const fn inertial(w: &Weights) -> [Interpolation; 6] {
-    rows([vector(X, w.value), vector(D, w.value)])
+    rows(&[(X, 3, w.value), (D, 3, w.value)])
 }
 /// (x, d, dx/dr, dx/ds, dd/dr, dd/ds).
 const fn place(w: &Weights) -> [Interpolation; 18] {
-    rows([
-        vector(X, w.value),
-        vector(D, w.value),
-        vector(X, w.by_r),
-        vector(X, w.by_s),
-        vector(D, w.by_r),
-        vector(D, w.by_s),
-    ])
+    rows(&[(X, 3, w.value), (D, 3, w.value), (X, 3, w.by_r), (X, 3, w.by_s), (D, 3, w.by_r), (D, 3, w.by_s)])
 }
 /// (x, dx/dr, dx/ds).
 const fn on_surface(w: &Weights) -> [Interpolation; 9] {
-    rows([vector(X, w.value), vector(X, w.by_r), vector(X, w.by_s)])
+    rows(&[(X, 3, w.value), (X, 3, w.by_r), (X, 3, w.by_s)])
 }
 /// (dx/dr, dx/ds, first axis, second axis).
 const fn turn(w: &Weights) -> [Interpolation; 12] {
-    rows([vector(X, w.by_r), vector(X, w.by_s), vector(FIRST, w.value), vector(SECOND, w.value)])
+    rows(&[(X, 3, w.by_r), (X, 3, w.by_s), (FIRST, 3, w.value), (SECOND, 3, w.value)])
 }
 
 /// A table of rows at all points of a list.
