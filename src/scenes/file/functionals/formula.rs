@@ -1,6 +1,6 @@
 //! A functional by a formula of nodes.
 
-use super::Measurand;
+use super::{Measurand, measurand};
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
@@ -24,19 +24,17 @@ impl Quantity for FormulaQuantity {
     }
 }
 
-pub(super) const FORMULA: Measurand = Measurand {
-    form: Form {
-        name: "formula",
-        doc: "a formula of its nodes and of the time",
-        keys: &[
-            NODES,
-            DEFINITIONS,
-            OWN_TABLES,
-            need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
-            may("unit", Type::Text, "its unit, for tables and charts; -"),
-        ],
-    },
-    add: |e, over, m| {
+pub(super) const FORMULA: Measurand = measurand(
+    "formula",
+    "a formula of its nodes and of the time",
+    &[
+        NODES,
+        DEFINITIONS,
+        OWN_TABLES,
+        need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
+        may("unit", Type::Text, "its unit, for tables and charts; -"),
+    ],
+    |e, over, m| {
         let mut reading = Reading::new(e, m)?;
         reading.take_key(e, "value", [true, true])?;
         let Reading { nodes, formulas, p, .. } = reading;
@@ -44,4 +42,4 @@ pub(super) const FORMULA: Measurand = Measurand {
         m.functional(e.name(), over, (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
         Ok(())
     },
-};
+);
