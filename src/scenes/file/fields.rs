@@ -148,6 +148,25 @@ impl Fields {
     pub fn texts(&self, key: &str) -> impl Iterator<Item = &str> + use<'_> {
         self.list(key).filter_map(|(_, value)| if let Value::Text(own) = value { Some(own.as_str()) } else { None })
     }
+    /// Points of a table, which one of its keys has, and formulas of the values there.
+    ///
+    /// # Errors
+    /// Lists of different lengths.
+    pub fn points_and_values(&self, points: &str) -> Result<(Vec<f64>, Vec<Formula>), String> {
+        let formula = |(_, own): (usize, &Value)| if let Value::Formula(own, _) = own { Some(own.clone()) } else { None };
+        let (places, values): (_, Vec<Formula>) = match self.get("file") {
+            Some((_, Value::Columns(columns))) => {
+                self.has("columns");
+                (columns[0].clone(), columns[1].iter().copied().map(Formula::literal).collect())
+            }
+            _ => (self.fixed_list(points), self.list("values").filter_map(formula).collect()),
+        };
+        let counts = [places.len(), values.len()];
+        match counts[0] == counts[1] {
+            true => Ok((places, values)),
+            false => Err(format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1])),
+        }
+    }
     /// The way between the points of a table.
     pub fn way(&self) -> Interpolant {
         match self.text("interpolation") {
@@ -157,6 +176,12 @@ impl Fields {
             _ if self.form == "lines" => Interpolant::Lines,
             _ => Interpolant::Monotone,
         }
+    }
+    /// Entries that its values name.
+    pub fn items(&self) -> Vec<usize> {
+        let mut items = Vec::new();
+        self.values.iter().for_each(|own| own.2.collect_items(&mut items));
+        items
     }
     /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
     pub fn unread(&self) -> Vec<(&'static str, usize)> {
@@ -173,6 +198,19 @@ impl Fields {
             false => vec![(*key, *at)],
         };
         self.values.iter().flat_map(of_key).collect()
+    }
+}
+
+impl Value {
+    fn collect_items(&self, items: &mut Vec<usize>) {
+        match self {
+            Value::Item(item) | Value::Group(item, _) => items.push(*item),
+            Value::Node(place) => items.extend(place.item),
+            Value::Fields(fields) => items.extend(fields.items()),
+            Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|own| own.place.item)),
+            Value::List(list) => list.iter().for_each(|(_, own)| own.collect_items(items)),
+            _ => {}
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! An entry while it is built: the values of its keys as numbers, and what other entries became.
 
 use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
-use super::formula::{Quantity, SHARE_PLACE};
+use super::formula::{Formula, Quantity, SHARE_PLACE};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
@@ -488,24 +488,15 @@ impl<'k> Entry<'k> {
 
     /// Points of a table and the values there.
     fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, TableValues)> {
-        if let Some((_, Value::Columns(columns))) = self.fields.get("file") {
-            self.has("columns");
-            return Ok((columns[0].clone(), TableValues::Fixed(columns[1].clone())));
+        if !self.has("file") {
+            self.needed(points)?;
+            self.needed("values")?;
         }
-        let count = |key| self.needed(key).map(|_| self.list(key).count());
-        let counts = [count(points)?, count("values")?];
-        if counts[0] != counts[1] {
-            return self.wrong(format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1]));
-        }
-        let fixed = |(_, value): (usize, &Value)| match value {
-            Value::Formula(formula, _) => formula.constant_number(),
-            _ => None,
-        };
-        let values = match self.list("values").map(fixed).collect() {
-            Some(fixed) => TableValues::Fixed(fixed),
-            None => TableValues::OfDesign(self.series("values")?),
-        };
-        Ok((self.fixed_list(points), values))
+        let (points, values) = self.fields.points_and_values(points).or_else(|why| self.wrong(why))?;
+        Ok(match values.iter().map(Formula::constant_number).collect() {
+            Some(fixed) => (points, TableValues::Fixed(fixed)),
+            None => (points, TableValues::OfDesign(self.series("values")?)),
+        })
     }
 
     /// A law of s, its rate and the time.

@@ -1,12 +1,12 @@
 //! An order of what needs each other.
 
-/// An order in which each comes after what it needs, else by number, and a circle if there is one.
-pub(super) fn ordered(needs: &[Vec<usize>]) -> (Vec<usize>, Option<Vec<usize>>) {
+/// An order in which each of some comes after what it needs, else as they are given, and a circle if there is one.
+pub(super) fn ordered(all: impl IntoIterator<Item = usize>, needs: &[Vec<usize>]) -> (Vec<usize>, Option<Vec<usize>>) {
     let (mut order, mut done) = (Vec::new(), vec![false; needs.len()]);
     // a place and how many of its needs have been looked at
     let mut path: Vec<(usize, usize)> = Vec::new();
     let mut on_path = vec![false; needs.len()];
-    for first in 0..needs.len() {
+    for first in all {
         if done[first] {
             continue;
         }

@@ -384,17 +384,9 @@ impl Raw {
     /// In all their texts `{i}`, `{i+1}` and the like are filled with their values.
     pub fn repeated(&self, has_names: bool, wholes: &Wholes, mistakes: &mut Vec<Mistake>) -> Raw {
         let value = match &self.value {
-            RawValue::List(list) => RawValue::List(
-                list.iter()
-                    .flat_map(|own| match own.get("for") {
-                        Some(_) => told(repeated(own, &[], wholes), mistakes),
-                        None => {
-                            let own = own.repeated(false, wholes, mistakes);
-                            told(replaced(&own, &[], wholes).map(|own| vec![own]), mistakes)
-                        }
-                    })
-                    .collect(),
-            ),
+            RawValue::List(list) => {
+                RawValue::List(list.iter().flat_map(|own| told(repeated(own, &[], wholes), mistakes)).collect())
+            }
             RawValue::Table(entries) => RawValue::Table(
                 entries
                     .iter()
@@ -585,36 +577,4 @@ fn change_or_add(list: &mut Vec<Raw>, own: &Raw, path: &str) -> Result<(), Mista
 
 fn name_of(own: &Raw) -> &str {
     own.get("name").and_then(Raw::text).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Values in a tree: what a file says one by one.
-    fn values(raw: &Raw) -> usize {
-        match &raw.value {
-            RawValue::List(list) if list.iter().any(|own| own.entries().is_some()) => list.iter().map(values).sum(),
-            RawValue::Table(entries) => entries.iter().map(|own| values(&own.value)).sum(),
-            _ => 1,
-        }
-    }
-
-    #[test]
-    fn loops_shorten_scenes_of_like_parts() {
-        for (name, text, at_most) in [
-            ("delta-robot", include_str!("../../../examples/scenes/delta-robot.toml"), 0.5),
-            ("chain-separate", include_str!("../../../examples/scenes/chain-separate.toml"), 0.5),
-            ("rotor-hub", include_str!("../../../examples/scenes/rotor-hub.toml"), 0.7),
-            ("rotor", include_str!("../../../examples/scenes/rotor.toml"), 0.7),
-        ] {
-            let root = Raw::parse(text).unwrap();
-            let (wholes, mut mistakes) = (Wholes::of(&root), Vec::new());
-            let repeated = root.entries().unwrap().iter().map(|own| own.value.repeated(true, &wholes, &mut mistakes));
-            let (said, without) = (values(&root), repeated.map(|own| values(&own)).sum::<usize>());
-            assert!(mistakes.is_empty(), "{mistakes:?}");
-            println!("{name}: {said} values, {without} with loops written out");
-            assert!(said as f64 <= at_most * without as f64, "{name}: {said} of {without}");
-        }
-    }
 }

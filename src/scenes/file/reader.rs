@@ -17,21 +17,17 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A design variable: how formulas call it is its place.
+/// A design variable.
 #[derive(Clone, Debug)]
 pub(super) struct Variable {
-    pub fields: Fields,
+    /// Its entry.
+    pub item: usize,
+    /// What users call it.
     pub name: String,
-    pub extent: Extent,
-}
-
-/// How many numbers of the design a variable has.
-#[derive(Clone, Debug)]
-pub(super) enum Extent {
-    One,
-    Array(usize),
-    /// One for each face or node of a mesh.
-    OfMesh(Each),
+    /// Of one that has several numbers of the design: those behind its name, NAME\[0\] and so on.
+    pub numbers: Vec<usize>,
+    /// Of one that has a number for each face or node of a mesh.
+    pub each: Option<Each>,
 }
 
 /// A file that was read.
@@ -180,10 +176,6 @@ impl Reader {
             let mesh = self.meshes.get(&place).cloned();
             items.push(Item { place, section, name, fields, mesh });
         }
-        let variables = variables
-            .into_iter()
-            .map(|(index, name, extent)| Variable { fields: items[index].fields.clone(), name, extent })
-            .collect();
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order, own: self.own.clone() }
     }
@@ -228,9 +220,9 @@ impl Reader {
         }
     }
 
-    /// Design variables: their places among the entries, and their names for users.
-    fn variables(&mut self) -> Vec<(usize, String, Extent)> {
-        let mut list: Vec<(usize, String, Extent)> = Vec::new();
+    /// Design variables, which formulas know from here on.
+    fn variables(&mut self) -> Vec<Variable> {
+        let mut list: Vec<Variable> = Vec::new();
         for place in 0..self.declared.len() {
             let Declared { section, name, at, raw, .. } = &self.declared[place];
             if section.name != "variable" {
@@ -239,29 +231,24 @@ impl Reader {
             let (own, at, raw) = (name.clone(), *at, raw.clone());
             let shown = raw.get("name").and_then(|name| name.text()).unwrap_or(name).to_string();
             self.check_name(&own, at);
-            if list.iter().any(|(_, other, _)| *other == shown) {
+            if list.iter().any(|other| other.name == shown) {
                 self.wrong(at, format!("two design variables are named \"{shown}\""));
             }
+            let mut each = self.each(&raw);
             let count = raw.get("count");
-            let extent = match (self.each(&raw), count) {
-                (Some(_), Some(count)) => {
-                    self.wrong(count.at, "a design variable has count, or per_face, or per_node");
-                    Extent::One
-                }
-                (Some(each), _) => Extent::OfMesh(each),
-                // what is no such number is told where values are checked
-                (None, count) => count
-                    .and_then(|own| self.wholes.value(own))
-                    .and_then(|own| own.try_into().ok())
-                    .filter(|own| MANY.contains(own))
-                    .map_or(Extent::One, Extent::Array),
-            };
-            match &extent {
-                Extent::OfMesh(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
-                Extent::Array(count) => self.scope.add_array(&own, *count),
-                Extent::One => self.scope.add_known(&own, false),
+            if let (Some(_), Some(count)) = (&each, count) {
+                self.wrong(count.at, "a design variable has count, or per_face, or per_node");
+                each = None;
             }
-            list.push((place, shown, extent));
+            // what is no such number is told where values are checked
+            let count = count.and_then(|own| self.wholes.value(own)?.try_into().ok()).filter(|own| MANY.contains(own));
+            match (&each, count) {
+                (Some(each), _) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
+                (None, Some(count)) => self.scope.add_array(&own, count),
+                (None, None) => self.scope.add_known(&own, false),
+            }
+            let numbers = each.as_ref().map_or((0..count.unwrap_or(0)).collect(), |each| each.numbers.clone());
+            list.push(Variable { item: place, name: shown, numbers, each });
         }
         list
     }
@@ -298,13 +285,13 @@ impl Reader {
         let places: HashMap<&str, usize> = entries.iter().enumerate().map(|(place, own)| (&*own.key, place)).collect();
         let needs: Vec<Vec<usize>> = entries
             .iter()
-            .map(|entry| {
-                let mut names = Vec::new();
-                collect_names(entry.value.get("values").unwrap_or(&entry.value), &mut names);
-                names.iter().filter_map(|name| places.get(&**name).copied()).collect()
+            .map(|Entry { value, .. }| {
+                let texts = value.get("values").or(value.entries().is_none().then_some(value)).map(Raw::texts);
+                let names = texts.into_iter().flatten().flat_map(names_in);
+                names.filter_map(|name| places.get(&*name).copied()).collect()
             })
             .collect();
-        let (order, circle) = ordered(&needs);
+        let (order, circle) = ordered(0..needs.len(), &needs);
         if let Some(circle) = circle {
             let names: Vec<&str> = circle.iter().map(|&place| &*entries[place].key).collect();
             let at = entries[circle[0]].value.at;
@@ -372,13 +359,5 @@ impl Reader {
         let name = given.text().or_else(|| self.not(given, &format!("type of {owner}"), "a text"))?;
         let form = known.iter().find(|form| form.name == name).copied();
         form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown_or_elsewhere("type", name, &names()))))
-    }
-}
-
-fn collect_names(raw: &Raw, names: &mut Vec<String>) {
-    match &raw.value {
-        RawValue::Text(text, _) => names.extend(names_in(text)),
-        RawValue::List(list) => list.iter().for_each(|own| collect_names(own, names)),
-        _ => {}
     }
 }

@@ -135,41 +135,16 @@ fn divided(text: &str) -> (&str, Vec<usize>) {
 impl Reader {
     /// What others refer to comes before these, and otherwise the order of the file is kept.
     pub(super) fn order(&mut self, items: &[Item]) -> Vec<usize> {
-        let needs: Vec<Vec<usize>> = items
-            .iter()
-            .map(|item| {
-                let mut needs = Vec::new();
-                item.fields.values.iter().for_each(|(_, _, value)| collect_items(value, &mut needs));
-                needs
-            })
-            .collect();
+        let needs: Vec<Vec<usize>> = items.iter().map(|item| item.fields.items()).collect();
         let mut by_file: Vec<usize> = (0..items.len()).collect();
         // entries of a loop stand at one place
         by_file.sort_by_key(|&place| items[place].fields.at);
-        let renumbered: Vec<usize> = {
-            let mut places = vec![0; items.len()];
-            by_file.iter().enumerate().for_each(|(rank, &place)| places[place] = rank);
-            places
-        };
-        let ranked: Vec<Vec<usize>> =
-            by_file.iter().map(|&place| needs[place].iter().map(|&need| renumbered[need]).collect()).collect();
-        let (order, circle) = ordered(&ranked);
+        let (order, circle) = ordered(by_file, &needs);
         if let Some(circle) = circle {
-            let names: Vec<&str> = circle.iter().map(|&rank| &*items[by_file[rank]].name).collect();
-            let at = items[by_file[circle[0]]].fields.at;
+            let names: Vec<&str> = circle.iter().map(|&place| &*items[place].name).collect();
+            let at = items[circle[0]].fields.at;
             self.wrong(at, format!("\"{}\" needs itself to be there: {}", names[0], names.join(" -> ")));
         }
-        order.into_iter().map(|rank| by_file[rank]).collect()
-    }
-}
-
-fn collect_items(value: &Value, items: &mut Vec<usize>) {
-    match value {
-        Value::Item(item) | Value::Group(item, _) => items.push(*item),
-        Value::Node(NodePlace { item: Some(item), .. }) => items.push(*item),
-        Value::Fields(fields) => fields.values.iter().for_each(|(_, _, own)| collect_items(own, items)),
-        Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|own| own.place.item)),
-        Value::List(list) => list.iter().for_each(|(_, own)| collect_items(own, items)),
-        _ => {}
+        order
     }
 }

@@ -4,7 +4,7 @@ use super::known::{Builder, Known, Made, kept};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
-use super::reader::{Contents, Extent, Variable, read};
+use super::reader::{Contents, Variable, read};
 use super::scenarios::{take_scenarios, without_problem};
 use crate::design::DesignVariable;
 use crate::integrators::{
@@ -180,18 +180,7 @@ impl FileScene {
         let variables = variables(&contents, &mut mistakes);
         let settings = settings(&contents, &mut mistakes);
         let problem = problem(&contents, (&variables, functionals), &mut mistakes);
-        let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
-            let histories = fields.texts("histories").map(String::from).collect();
-            Output { step: fields.fixed("step"), histories, meshes: fields.flag("vtk") }
-        });
-        if let Some(step) = output.step
-            && settings.end / step > MOST_STEPS as f64
-            && let Some(fields) = single(&contents, "output")
-        {
-            let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
-            mistakes.push(Mistake::new(fields.place("step"), text));
-        }
-        check_output(&contents, &mut mistakes);
+        let output = output(&contents, settings.end, &mut mistakes);
         check_spans(&contents, settings.end, &mut mistakes);
         if mistakes.is_empty() {
             for (section, fields) in &contents.single {
@@ -222,20 +211,15 @@ fn other_format(text: &str) -> Option<&'static str> {
 }
 
 impl Variable {
-    /// Its numbers of the design: one, or one for each face or node.
+    /// How many numbers of the design it has.
     fn count(&self) -> usize {
-        match &self.extent {
-            Extent::One => 1,
-            Extent::Array(count) => *count,
-            Extent::OfMesh(each) => each.numbers.len(),
-        }
+        self.numbers.len().max(1)
     }
     /// What they are called.
     fn names(&self) -> Vec<String> {
-        match &self.extent {
-            Extent::One => vec![self.name.clone()],
-            Extent::Array(count) => (0..*count).map(|number| format!("{}[{number}]", self.name)).collect(),
-            Extent::OfMesh(each) => each.numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
+        match &self.numbers[..] {
+            [] => vec![self.name.clone()],
+            numbers => numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
         }
     }
 }
@@ -262,9 +246,14 @@ fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
     }
 }
 
-/// What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.
-fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
-    let Some(fields) = single(contents, "output") else { return };
+/// What a run writes. What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.
+fn output(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) -> Output {
+    let Some(fields) = single(contents, "output") else { return Output::default() };
+    let step = fields.fixed("step");
+    if let Some(step) = step.filter(|step| end / step > MOST_STEPS as f64) {
+        let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {end} s");
+        mistakes.push(Mistake::new(fields.place("step"), text));
+    }
     let told = contents.items.iter().filter(|item| item.section.has_columns);
     let mut known: Vec<String> = told.map(|item| item.name.clone()).collect();
     known.push("energy".into());
@@ -277,15 +266,17 @@ fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
             mistakes.push(Mistake::new(at, format!("histories of [output]: {}", unknown("part", text, &known))));
         }
     }
+    Output { step, histories: fields.texts("histories").map(String::from).collect(), meshes: fields.flag("vtk") }
 }
 
 fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVariable> {
     let mut variables = Vec::new();
     for own in &contents.variables {
-        let mut initial = own.fields.fixed_list("initial");
-        let bounds = own.fields.fixed_list("bounds");
+        let fields = &contents.items[own.item].fields;
+        let mut initial = fields.fixed_list("initial");
+        let bounds = fields.fixed_list("bounds");
         let &[lower, upper] = bounds.as_slice() else { continue };
-        let at = |key: &str| own.fields.place(key);
+        let at = |key: &str| fields.place(key);
         if lower > upper {
             let text = format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name);
             mistakes.push(Mistake::new(at("bounds"), text));
@@ -301,7 +292,7 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
             let text = format!("\"{}\" has {} values, and these are {}", own.name, own.count(), initial.len());
             mistakes.push(Mistake::new(at("initial"), text));
         }
-        let unit = kept(own.fields.text("unit").unwrap_or("-"));
+        let unit = kept(fields.text("unit").unwrap_or("-"));
         let numbered = own.names().into_iter().zip(initial);
         variables.extend(numbered.map(|(name, initial)| DesignVariable::new(name, initial, (lower, upper), unit)));
     }
@@ -524,10 +515,10 @@ impl FileScene {
         for own in &self.contents.variables {
             let (values, others) = rest.split_at(own.count());
             rest = others;
-            if let Extent::OfMesh(of) = &own.extent {
+            if let Some(of) = &own.each {
                 each.push((numbers.len(), of, values.to_vec()));
             }
-            numbers.extend_from_slice(if let Extent::Array(_) = own.extent { values } else { &values[..1] });
+            numbers.extend_from_slice(if own.each.is_none() { values } else { &values[..1] });
         }
         for (at, name, formula) in &self.contents.definitions {
             let value = formula.value(|place| numbers[place]).components();
@@ -602,7 +593,7 @@ impl FileScene {
             m.ground();
         }
         let mut mistakes = Vec::new();
-        let last = order.iter().rposition(|&place| items[place].section.has_mass);
+        let last = order.iter().rposition(|&place| items[place].section.has_mass());
         for (rank, &place) in order.iter().enumerate() {
             let first = m.model.elements.len();
             let built = (items[place].section.build)(known.entry(place), m);
@@ -643,28 +634,18 @@ impl FileScene {
 
 /// Keys that no part has asked for when all were made.
 fn without_effect(items: &[Item]) -> Vec<Mistake> {
-    fn names(value: &Value, item: usize) -> bool {
-        match value {
-            Value::Item(own) | Value::Group(own, _) => *own == item,
-            Value::List(list) => list.iter().any(|(_, own)| names(own, item)),
-            Value::Fields(own) => own.values.iter().any(|(_, _, own)| names(own, item)),
-            _ => false,
-        }
-    }
-    let is_used = |place: usize| {
+    let named: HashSet<usize> = items.iter().flat_map(|item| item.fields.items()).collect();
+    let checked = items.iter().filter(|item| match item.section.name {
+        "variable" | "mode" => false,
         // what others are made of may stand in a file that does not use it
-        let of_others = matches!(items[place].section.name, "section" | "laminate");
-        !of_others || items.iter().any(|other| other.fields.values.iter().any(|(_, _, own)| names(own, place)))
-    };
-    let checked = items
-        .iter()
-        .enumerate()
-        .filter(|(place, item)| !matches!(item.section.name, "variable" | "mode") && is_used(*place));
+        "section" | "laminate" => named.contains(&item.place),
+        _ => true,
+    });
     let told = |item: &Item, (key, at): (&str, usize)| {
         let (section, name) = (item.section.name, &item.name);
         Mistake::new(at, format!("{key} of the {section} \"{name}\" has no effect beside its other keys: leave it out"))
     };
-    checked.flat_map(|(_, item)| item.fields.unread().into_iter().map(|key| told(item, key))).collect()
+    checked.flat_map(|item| item.fields.unread().into_iter().map(|key| told(item, key))).collect()
 }
 
 fn names_ground(value: &Value) -> bool {

@@ -16,21 +16,13 @@ use Type::{Choice, Count, Fixed, Flag, Tables, Text, Texts, Vector, Weights};
 pub(super) const VERSION: usize = 1;
 
 /// Keys at the top of a file.
-pub(super) const TOP: Forms = Forms {
-    common: &[],
-    forms: &[Form {
-        name: "",
-        doc: "",
-        keys: &[
-            need("version", Count(VERSION, VERSION), "version of the format: 1"),
-            may(EXTENDS, Text, "scene file in the same folder that this one adds to and changes"),
-            may("name", Text, "name of the scene; the name of the file"),
-            may("summary", Text, "what the scene is, in a line"),
-            may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
-        ],
-    }],
-    own: None,
-};
+pub(super) const TOP: Forms = one_form![
+    need("version", Count(VERSION, VERSION), "version of the format: 1"),
+    may(EXTENDS, Text, "scene file in the same folder that this one adds to and changes"),
+    may("name", Text, "name of the scene; the name of the file"),
+    may("summary", Text, "what the scene is, in a line"),
+    may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
+];
 
 const LINEAR: Forms = one_form![
     need("name", Text, "what it is for"),

@@ -1,6 +1,6 @@
 //! Tables by names, which formulas call like functions: `[table.road]` makes `road(x)`.
 
-use super::fields::{Fields, Value};
+use super::fields::Fields;
 use super::formula::{Formula, Meaning};
 use super::keys::one_form;
 use super::mistake::Mistake;
@@ -63,21 +63,7 @@ impl NamedTable {
 
     /// What its keys say, and the formulas of its values where they change with the design.
     fn of(fields: &Fields) -> Result<(Self, Vec<Formula>), String> {
-        let (points, values) = match fields.get("file") {
-            Some((_, Value::Columns(columns))) => {
-                (columns[0].clone(), columns[1].iter().map(|&value| Formula::literal(value)).collect())
-            }
-            _ => {
-                let formula = |(_, value): (usize, &Value)| match value {
-                    Value::Formula(formula, _) => Some(formula.clone()),
-                    _ => None,
-                };
-                (fields.fixed_list("points"), fields.list("values").filter_map(formula).collect::<Vec<_>>())
-            }
-        };
-        if points.len() != values.len() {
-            return Err(format!("there are {} points, but {} values; give one for each", points.len(), values.len()));
-        }
+        let (points, values) = fields.points_and_values("points")?;
         let (is_linear, mut interpolant) = (fields.text("extrapolation").map(|word| word == "linear"), fields.way());
         if interpolant == Interpolant::Lines && is_linear == Some(true) {
             interpolant = Interpolant::LinesOn;

@@ -33,11 +33,12 @@ pub(super) const SECTION: Section = Section {
         LINE[6],
         LINE[7],
     ],
-    nodes: Some(Nodes { known: OF_BODY, ..LINE_NODES }),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed("beam", "A beam, geometrically exact, with shear and torsion, of three-node elements.")
+    ..Section::with_nodes(
+        "beam",
+        "A beam, geometrically exact, with shear and torsion, of three-node elements.",
+        Nodes { known: OF_BODY, ..LINE_NODES },
+    )
 };
 
 fn beam_section(e: Entry) -> Found<flexible::Section<Recorded>> {

@@ -58,13 +58,11 @@ pub(super) const SECTION: Section = Section {
         ),
         may("draw", Points, "corners of a line of the picture, in the world at the start; none"),
     ],
-    nodes: Some(Nodes::one(OF_BODY)),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "body",
         "A rigid body: a frame in space, with or without mass. The body named ground is there already; it never moves.",
+        Nodes::one(OF_BODY),
     )
 };
 

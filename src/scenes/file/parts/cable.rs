@@ -20,11 +20,12 @@ pub(super) const SECTION: Section = Section {
         LINE[6],
         LINE[7],
     ],
-    nodes: Some(LINE_NODES),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed("cable", "A cable in absolute nodal coordinates: straight at the start, without torsion.")
+    ..Section::with_nodes(
+        "cable",
+        "A cable in absolute nodal coordinates: straight at the start, without torsion.",
+        LINE_NODES,
+    )
 };
 
 fn cable_section(e: Entry) -> Found<CableSection<Recorded>> {

@@ -8,12 +8,11 @@ pub(super) const SECTION: Section = Section {
         may("initial", Number("", Any), "value at the start; 0"),
         may("rate", Number("1/s", Any), "its rate there; 0"),
     ],
-    nodes: Some(Nodes::one(OF_COORDINATE)),
-    has_columns: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "coordinate",
         "A number that moves, with the meaning that springs and parts of one's own on it give it; one of them must have inertia.",
+        Nodes::one(OF_COORDINATE),
     )
 };
 

@@ -5,13 +5,12 @@ use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![NAME, BETWEEN, AXIS],
-    nodes: Some(Nodes::one(OF_COORDINATE)),
-    has_columns: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "joint_angle",
         "A coordinate that counts the angle of b against a over any number of turns, for gears, springs and functionals; a joint must \
           hold the axis.",
+        Nodes::one(OF_COORDINATE),
     )
 };
 

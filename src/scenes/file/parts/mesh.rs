@@ -53,15 +53,13 @@ pub(super) const SECTION: Section = Section {
         need("faces", Lists, "points of each face: corners counterclockwise as seen from where the normal points to, then the middles of the edges \
              from the first corner on, then the middle"),
     ]),
-    nodes: Some(Nodes::one(OF_BODY)),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "mesh",
         "A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the \
           file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group \
           of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.",
+        Nodes::one(OF_BODY),
     )
 };
 

@@ -9,11 +9,8 @@ pub(super) const SECTION: Section = Section {
         may("velocity", Vector("m/s"), "velocity; 0"),
         may("mass", Number("kg", Positive), "mass; none"),
     ],
-    nodes: Some(Nodes::one(OF_POINT)),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed("point", "A point without rotation.")
+    ..Section::with_nodes("point", "A point without rotation.", Nodes::one(OF_POINT))
 };
 
 pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {

@@ -54,14 +54,12 @@ pub(super) const SECTION: Section = Section {
         need("first", Vector("-"), "unit vector along an edge of the face"),
         need("second", Vector("-"), "unit vector along the other, at right angles"),
     ]),
-    nodes: Some(Nodes { edges: &Edge::NAMES, own: 2, of_edge: 1, known: OF_BODY }),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "shell",
         "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
           the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
+        Nodes { edges: &Edge::NAMES, own: 2, of_edge: 1, known: OF_BODY },
     )
 };
 

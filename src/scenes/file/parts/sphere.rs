@@ -12,11 +12,12 @@ pub(super) const SECTION: Section = Section {
         MATERIAL,
         need("thickness", Number("m", Positive), "thickness"),
     ],
-    nodes: Some(Nodes { edges: &[], own: 3, of_edge: 0, known: OF_BODY }),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed("sphere", "A closed sphere of shells, of six faces.")
+    ..Section::with_nodes(
+        "sphere",
+        "A closed sphere of shells, of six faces.",
+        Nodes { edges: &[], own: 3, of_edge: 0, known: OF_BODY },
+    )
 };
 
 pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {

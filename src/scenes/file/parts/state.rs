@@ -15,13 +15,12 @@ const STATE_KEYS: [Key; 5] = [
 
 pub(super) const SECTION: Section = Section {
     forms: Forms { common: &STATE_KEYS, forms: &STATE_FORMS, own: None },
-    nodes: Some(Nodes::one(&[])),
-    has_columns: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "state",
         "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
           [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
+        Nodes::one(&[]),
     )
 };
 

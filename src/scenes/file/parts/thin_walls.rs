@@ -35,13 +35,11 @@ pub(super) const SECTION: Section = Section {
         need("corners", Pairs("m"), "places along axes 1 and 2"),
         need("walls", Tables(&WALL), "walls between corners"),
     ]),
-    nodes: Some(Nodes { edges: &["start", "end"], own: 0, of_edge: 1, known: OF_BODY }),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "thin_walls",
         "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
+        Nodes { edges: &["start", "end"], own: 0, of_edge: 1, known: OF_BODY },
     )
 };
 
