@@ -58,8 +58,3 @@ pub(super) fn located(made: Result<Made, Vec<Wrong>>, e: Entry, m: &mut Builder)
         first.map_or(Ok(Made::Nothing), Err)
     })
 }
-
-/// An entry of a type that nobody makes.
-pub(super) fn nothing_builds(e: Entry) -> Found<Made> {
-    e.wrong(format!("nothing builds a {} of type {}", e.item.section.name, e.form))
-}

@@ -40,9 +40,8 @@ pub(super) enum Value {
     Flag(bool),
     Text(String),
     Node(NodePlace),
-    Item(usize),
-    /// A group of the faces of a mesh.
-    Group(usize, String),
+    /// An entry, or a group of the faces of one that is a mesh.
+    Item(usize, Option<String>),
     /// Numbers of a file.
     Columns(Columns),
     Surface(Arc<TriangleSurface>),
@@ -204,7 +203,7 @@ impl Fields {
 impl Value {
     fn collect_items(&self, items: &mut Vec<usize>) {
         match self {
-            Value::Item(item) | Value::Group(item, _) => items.push(*item),
+            Value::Item(item, _) => items.push(*item),
             Value::Node(place) => items.extend(place.item),
             Value::Fields(fields) => items.extend(fields.items()),
             Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|own| own.place.item)),

@@ -4,6 +4,7 @@ use super::tables::NamedTable;
 use crate::elements::{ForceLaw, Parameter, TimeFormula};
 use crate::program::{Recorded, Replay};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use std::convert::Infallible;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
@@ -101,17 +102,17 @@ impl Formula {
 
     /// A known number.
     pub fn number(place: usize) -> Self {
-        let number = Formula::record(|taken| Ok::<_, ()>(Number(taken.number(place))));
-        number.unwrap_or_else(|()| unreachable!("nothing is wrong with a number"))
+        let Ok(number) = Formula::record(|taken| Ok::<_, Infallible>(Number(taken.number(place))));
+        number
     }
 
     /// A vector of three formulas for its components.
     pub fn vector(components: &[Formula; 3]) -> Self {
-        let vector = Formula::record(|taken| {
+        let Ok(vector) = Formula::record(|taken| {
             let numbers = components.each_ref().map(|own| own.value(|place| taken.number(place)).number());
-            Ok::<_, ()>(Quantity::of(&numbers))
+            Ok::<_, Infallible>(Quantity::of(&numbers))
         });
-        vector.unwrap_or_else(|()| unreachable!("nothing is wrong with three numbers"))
+        vector
     }
 
     /// Its value, if it is always the same.

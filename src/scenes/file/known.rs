@@ -329,12 +329,12 @@ impl<'k> Entry<'k> {
                     |(i, node)| (if count == 1 { name.into() } else { format!("{name}, node {}", i + 1) }, vec![node]);
                 return Ok(nodes.into_iter().enumerate().map(named).collect());
             }
-            Value::Item(item) | Value::Group(item, _) => *item,
+            Value::Item(item, group) => (&self.known.made[*item], group),
             _ => return Ok(vec![(name.into(), self.different_nodes_of_part(m)?)]),
         };
-        match (&self.known.made[item], value) {
+        match item {
             (Made::Beam(beam), _) => Ok(beam.carriers(name)),
-            (Made::Mesh(shell), Value::Group(_, group)) => {
+            (Made::Mesh(shell), Some(group)) => {
                 Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
             }
             (made, _) => Ok(made.shells().into_iter().flat_map(|own| own.carriers(name, &own.group())).collect()),
@@ -378,7 +378,7 @@ impl<'k> Entry<'k> {
     /// What another entry became.
     pub fn made(&self, key: &str) -> Found<&'k Made> {
         match self.fields.get(key) {
-            Some((_, Value::Item(item) | Value::Group(item, _))) => Ok(&self.known.made[*item]),
+            Some((_, Value::Item(item, _))) => Ok(&self.known.made[*item]),
             _ => self.missing(key),
         }
     }
@@ -413,7 +413,7 @@ impl<'k> Entry<'k> {
     pub fn shells(&self, key: &str) -> Vec<Vec<&'k MeshedShell>> {
         let made = &self.known.made;
         let shells = |(_, value): (usize, &Value)| match value {
-            Value::Item(item) | Value::Group(item, _) => Some(made[*item].shells()),
+            Value::Item(item, _) => Some(made[*item].shells()),
             _ => None,
         };
         self.list(key).filter_map(shells).collect()
@@ -423,17 +423,13 @@ impl<'k> Entry<'k> {
     pub fn group(&self, key: &str) -> Found<ElementGroup> {
         let mut groups = Vec::new();
         for (at, value) in self.list(key) {
-            if let Value::Group(item, name) = value
-                && let Made::Mesh(shell) = &self.known.made[*item]
-            {
-                groups.push(shell.group_named(name).map_err(|why| Mistake::new(at, why))?);
-            }
-            let Value::Item(item) = value else { continue };
-            groups.extend(match &self.known.made[*item] {
-                Made::Beam(beam) => vec![beam.group()],
-                Made::Cable(cable) => vec![cable.group()],
-                Made::Group(group) => vec![group.clone()],
-                shells => shells.shells().into_iter().map(MeshedShell::group).collect(),
+            let Value::Item(item, name) = value else { continue };
+            groups.extend(match (&self.known.made[*item], name) {
+                (Made::Mesh(shell), Some(name)) => vec![shell.group_named(name).map_err(|why| Mistake::new(at, why))?],
+                (Made::Beam(beam), _) => vec![beam.group()],
+                (Made::Cable(cable), _) => vec![cable.group()],
+                (Made::Group(group), _) => vec![group.clone()],
+                (shells, _) => shells.shells().into_iter().map(MeshedShell::group).collect(),
             });
         }
         match groups.len() {
@@ -445,7 +441,7 @@ impl<'k> Entry<'k> {
     /// The elements of entries of any kind, and of groups.
     pub fn parts(&self, key: &str) -> Found<ElementGroup> {
         let own = self.list(key).flat_map(|(_, value)| match value {
-            Value::Item(item) => &self.known.elements[*item][..],
+            Value::Item(item, None) => &self.known.elements[*item][..],
             _ => &[],
         });
         let elements = self.group(key)?.elements.into_iter().chain(own.copied());

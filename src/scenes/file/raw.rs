@@ -336,24 +336,24 @@ fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
 
 /// The values of a name of a loop.
 fn steps_of(own: &Entry, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
-    let wrong = |what: String| Err(Mistake::new(own.value.at, what));
-    let is = || format!("for: {} is {}; {FOR_WANTED}", own.key, own.value.words());
-    if let Some(entries) = own.value.entries() {
-        let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own));
-        return match (entries.len(), number("from"), number("to"), own.value.get("values")) {
-            (2, Some(from), Some(to), _) if from > to => wrong(format!(
-                "for: {} goes from {from} to {to}, which makes nothing: the smaller number comes first",
-                own.key
-            )),
-            (2, Some(from), Some(to), _) if (from..=to).nth(MOST_ENTRIES).is_some() => {
-                wrong(format!("for: {} takes more than {MOST_ENTRIES} values", own.key))
+    let wrong = |what: String| Mistake::new(own.value.at, what);
+    let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own));
+    let steps = match own.value.entries() {
+        None => listed(&own.value),
+        Some([only]) if only.key == "values" => listed(&only.value),
+        Some(entries) => match (entries.len(), number("from"), number("to")) {
+            (2, Some(from), Some(to)) if from > to => {
+                let text = "which makes nothing: the smaller number comes first";
+                return Err(wrong(format!("for: {} goes from {from} to {to}, {text}", own.key)));
             }
-            (2, Some(from), Some(to), _) => Ok((from..=to).map(Step::Whole).collect()),
-            (1, _, _, Some(values)) => listed(values).map_or_else(|| wrong(is()), Ok),
-            _ => wrong(is()),
-        };
-    }
-    listed(&own.value).map_or_else(|| wrong(is()), Ok)
+            (2, Some(from), Some(to)) if (from..=to).nth(MOST_ENTRIES).is_some() => {
+                return Err(wrong(format!("for: {} takes more than {MOST_ENTRIES} values", own.key)));
+            }
+            (2, Some(from), Some(to)) => Some((from..=to).map(Step::Whole).collect()),
+            _ => None,
+        },
+    };
+    steps.ok_or_else(|| wrong(format!("for: {} is {}; {FOR_WANTED}", own.key, own.value.words())))
 }
 
 /// Whole numbers or texts of a list that is not empty.

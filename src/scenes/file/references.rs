@@ -34,19 +34,14 @@ impl Reader {
             if sections.contains(&"mesh") {
                 names.extend(self.group_names());
             }
-            let known = unknown(sections[0], name, &names);
-            let other = self.declared.iter().find(|own| own.name == name);
-            let text = match other {
+            let text = match self.declared.iter().find(|own| own.name == name) {
                 Some(other) => {
+                    let (is, wanted) = (other.section.name, sections.join(" or "));
                     let there =
                         if names.is_empty() { "there is none".into() } else { format!("there are: {}", names.join(", ")) };
-                    format!(
-                        "\"{name}\" is a {}, and a {} is wanted here; {there}",
-                        other.section.name,
-                        sections.join(" or ")
-                    )
+                    format!("\"{name}\" is a {is}, and a {wanted} is wanted here; {there}")
                 }
-                None => known,
+                None => unknown(sections[0], name, &names),
             };
             self.wrong(raw.at, format!("{what}: {text}"));
         }
@@ -62,10 +57,10 @@ impl Reader {
             // a mesh that could not be read has been reported
             let known = self.meshes.get(&item).is_none_or(|data| data.group(group).is_some());
             if known {
-                return Some(Value::Group(item, group.into()));
+                return Some(Value::Item(item, Some(group.into())));
             }
         }
-        self.item(raw, what, sections).map(Value::Item)
+        self.item(raw, what, sections).map(|item| Value::Item(item, None))
     }
 
     pub(super) fn node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<NodePlace> {

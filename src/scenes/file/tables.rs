@@ -3,7 +3,6 @@
 use super::fields::Fields;
 use super::formula::{Formula, Meaning};
 use super::keys::one_form;
-use super::mistake::Mistake;
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
 use super::section::Section;
@@ -95,17 +94,14 @@ impl Reader {
         let before = self.mistakes.len();
         let fields = self.fields(&own.value, &TABLE, &format!("the table \"{}\"", own.key));
         let fields = self.with_columns(fields);
-        let made =
-            NamedTable::of(&fields).map_err(|why| Mistake::new(own.value.at, format!("the table \"{}\": {why}", own.key)));
-        // what is wrong is told once, not by all that call it
-        let (table, values) = made
-            .or_else(|mistake| {
-                if self.mistakes.len() == before {
-                    self.mistakes.push(mistake);
-                }
-                NamedTable::spline(2).map(|table| (table, vec![Formula::literal(1.0); 2]))
-            })
-            .unwrap_or_else(|_: String| unreachable!("two points make a spline"));
+        let made = NamedTable::of(&fields).or_else(|why| {
+            if self.mistakes.len() == before {
+                self.wrong(own.value.at, format!("the table \"{}\": {why}", own.key));
+            }
+            // what is wrong is told once, not by all that call it
+            NamedTable::spline(2).map(|table| (table, vec![Formula::literal(1.0); 2]))
+        });
+        let (table, values) = made.unwrap_or_else(|why| unreachable!("two points make a spline: {why}"));
         self.scope.add(&own.key, Meaning::Table(Arc::new(table), values.into()));
     }
 

@@ -6,7 +6,7 @@ mod of_joints;
 mod of_sections;
 mod over;
 
-use super::build_parts::{located, nothing_builds, values};
+use super::build_parts::{located, values};
 use super::keys::{NAME, WITH_ELEMENTS};
 use super::known::{Builder, Entry, Found, Made};
 use super::section::Section;
@@ -68,8 +68,6 @@ fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         let made = m.quantity_part(part, e.name(), over(&e), &nodes, values).map(|()| Made::Nothing);
         return located(made, e, m);
     }
-    match MEASURANDS.iter().find(|own| own.form.name == e.form) {
-        Some(own) => (own.add)(e, over(&e), m).map(|()| Made::Nothing),
-        None => nothing_builds(e),
-    }
+    let own = MEASURANDS.iter().find(|own| own.form.name == e.form);
+    own.map_or(Ok(()), |own| (own.add)(e, over(&e), m)).map(|()| Made::Nothing)
 }

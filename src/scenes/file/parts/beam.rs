@@ -15,24 +15,19 @@ const ARC: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    forms: one_form![
-        LINE[0],
-        LINE[1],
-        LINE[2],
-        LINE[3],
-        need("section", Type::Item(&["section"]), "name of a section"),
-        may(
-            "second_axis",
-            Vector("-"),
-            "direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken"
-        ),
-        may("arc", Table(&ARC), "part of a circle instead of a straight line"),
-        may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
-        LINE[4],
-        LINE[5],
-        LINE[6],
-        LINE[7],
-    ],
+    forms: Forms {
+        common: &LINE,
+        ..one_form![
+            need("section", Type::Item(&["section"]), "name of a section"),
+            may(
+                "second_axis",
+                Vector("-"),
+                "direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken"
+            ),
+            may("arc", Table(&ARC), "part of a circle instead of a straight line"),
+            may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
+        ]
+    },
     build,
     ..Section::with_nodes(
         "beam",

@@ -8,18 +8,13 @@ use crate::scenes::file::build_parts::{given, made_of};
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    forms: one_form![
-        LINE[0],
-        LINE[1],
-        LINE[2],
-        LINE[3],
-        need("section", Type::Item(&["section"]), "name of a section that is not of type beam"),
-        may("strains", Choice(&["exact", "small"]), "strains of its energy; exact"),
-        LINE[4],
-        LINE[5],
-        LINE[6],
-        LINE[7],
-    ],
+    forms: Forms {
+        common: &LINE,
+        ..one_form![
+            need("section", Type::Item(&["section"]), "name of a section that is not of type beam"),
+            may("strains", Choice(&["exact", "small"]), "strains of its energy; exact"),
+        ]
+    },
     build,
     ..Section::with_nodes(
         "cable",

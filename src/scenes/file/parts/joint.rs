@@ -4,7 +4,7 @@ use crate::elements::entries::{JointPart, Kind};
 use crate::elements::forces::Soft;
 use crate::elements::joints::{DRIVERS, JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
-use crate::scenes::file::build_parts::{located, nothing_builds, values};
+use crate::scenes::file::build_parts::{located, values};
 use crate::scenes::file::describing::*;
 use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
@@ -48,7 +48,7 @@ pub(super) const DRIVER: Section = Section {
     forms: Forms { common: &[NAME], forms: &forms_of::<{ DRIVERS.len() }, _>(DRIVERS), own: None },
     space: "joint",
     has_columns: true,
-    build: |e, m| named(DRIVERS, e.form).map_or_else(|| nothing_builds(e), |part| by_entry(part, e, m)),
+    build: |e, m| named(DRIVERS, e.form).map_or(Ok(Made::Nothing), |part| by_entry(part, e, m)),
     ..Section::listed("driver", "A prescribed motion.")
 };
 

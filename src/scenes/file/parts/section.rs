@@ -32,7 +32,7 @@ pub(super) fn shape_of(e: Entry) -> Found<OfShape<Recorded>> {
 /// What a key `section` names, and where it does.
 pub(super) fn section_of(e: Entry) -> Found<(usize, Entry)> {
     match e.get("section") {
-        Some((at, Value::Item(item))) => Ok((at, e.known.entry(*item))),
+        Some((at, Value::Item(item, _))) => Ok((at, e.known.entry(*item))),
         _ => e.wrong("the key section is needed here"),
     }
 }

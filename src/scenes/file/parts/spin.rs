@@ -29,7 +29,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
 
 /// All nodes of a part.
 fn nodes_of(known: &Known, part: &Value) -> Vec<NodeId> {
-    let (Value::Item(item) | Value::Group(item, _)) = part else { return Vec::new() };
+    let Value::Item(item, _) = part else { return Vec::new() };
     match &known.made[*item] {
         Made::Node(node) => vec![*node],
         Made::Beam(beam) => beam.nodes.clone(),
