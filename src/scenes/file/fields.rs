@@ -73,7 +73,6 @@ pub(super) struct NodePlace {
     pub points: Vec<usize>,
 }
 
-/// The values of a table.
 #[derive(Clone, Debug)]
 pub(super) struct Fields {
     pub at: usize,
@@ -95,7 +94,6 @@ impl Fields {
         self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
         Some((*at, value))
     }
-    /// Whether a key is given.
     pub fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
     }
@@ -105,31 +103,21 @@ impl Fields {
     }
     /// Entries of a list.
     pub fn list(&self, key: &str) -> impl Iterator<Item = (usize, &Value)> + use<'_> {
-        let list = match self.get(key) {
-            Some((_, Value::List(list))) => list.as_slice(),
-            _ => &[],
-        };
+        let list: &[_] = if let Some((_, Value::List(list))) = self.get(key) { list } else { &[] };
         list.iter().map(|(at, value)| (*at, value))
     }
-    /// The tables of a list.
     pub fn tables(&self, key: &str) -> impl Iterator<Item = &Fields> + use<'_> {
         self.list(key).filter_map(|(_, own)| if let Value::Fields(own) = own { Some(own) } else { None })
     }
     pub fn fixed(&self, key: &str) -> Option<f64> {
-        match self.get(key) {
-            Some((_, Value::Fixed(value))) => Some(*value),
-            _ => None,
-        }
+        if let (_, Value::Fixed(value)) = self.get(key)? { Some(*value) } else { None }
     }
     pub fn fixed_list(&self, key: &str) -> Vec<f64> {
         self.list(key).filter_map(|(_, value)| if let Value::Fixed(own) = value { Some(*own) } else { None }).collect()
     }
     /// A whole number, 0 where it is not given.
     pub fn count(&self, key: &str) -> usize {
-        match self.get(key) {
-            Some((_, Value::Count(count))) => *count,
-            _ => 0,
-        }
+        if let Some((_, Value::Count(count))) = self.get(key) { *count } else { 0 }
     }
     pub fn counts(&self, key: &str) -> Option<[usize; 2]> {
         let number = |(_, value): (usize, &Value)| if let Value::Count(own) = value { Some(*own) } else { None };
@@ -139,18 +127,12 @@ impl Fields {
         matches!(self.get(key), Some((_, Value::Flag(true))))
     }
     pub fn text(&self, key: &str) -> Option<&str> {
-        match self.get(key) {
-            Some((_, Value::Text(text))) => Some(text),
-            _ => None,
-        }
+        if let (_, Value::Text(text)) = self.get(key)? { Some(text) } else { None }
     }
     pub fn texts(&self, key: &str) -> impl Iterator<Item = &str> + use<'_> {
         self.list(key).filter_map(|(_, value)| if let Value::Text(own) = value { Some(own.as_str()) } else { None })
     }
     /// Points of a table, which one of its keys has, and formulas of the values there.
-    ///
-    /// # Errors
-    /// Lists of different lengths.
     pub fn points_and_values(&self, points: &str) -> Result<(Vec<f64>, Vec<Formula>), String> {
         let formula = |(_, own): (usize, &Value)| if let Value::Formula(own, _) = own { Some(own.clone()) } else { None };
         let (places, values): (_, Vec<Formula>) = match self.get("file") {
@@ -213,7 +195,6 @@ impl Value {
     }
 }
 
-/// An entry of a section.
 #[derive(Clone, Debug)]
 pub(super) struct Item {
     /// Its place among all entries.
@@ -221,6 +202,6 @@ pub(super) struct Item {
     pub section: &'static Section,
     pub name: String,
     pub fields: Fields,
-    /// Of an entry that is a mesh.
+    /// Of an entry that is a mesh, if it could be read.
     pub mesh: Option<Arc<MeshData>>,
 }

@@ -28,7 +28,6 @@ struct FormulaText<'r> {
 }
 
 impl Formula {
-    /// Reads a formula.
     pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
         Self::record(|taken| {
             let mut own = FormulaText { text, at: 0, scope, taken, depth: 0 };
@@ -212,7 +211,6 @@ impl<'r> FormulaText<'r> {
         }
     }
 
-    /// The value of another formula.
     fn value_of(&mut self, own: &Formula) -> Quantity<Recorded> {
         own.value(|place| self.taken.number(place))
     }

@@ -50,18 +50,10 @@ impl Made {
     }
 }
 
-/// Values at the points of a table.
-enum TableValues {
-    /// No design variable changes them.
-    Fixed(Vec<f64>),
-    OfDesign(Vec<Recorded>),
-}
-
 /// What is known of a scene while it is built at a design.
 pub(super) struct Known<'f> {
     /// Parts beside those of the library.
     pub own: &'f OwnParts,
-    /// All entries.
     pub items: &'f [Item],
     /// Numbers that formulas take.
     pub numbers: Vec<Recorded>,
@@ -76,7 +68,6 @@ pub(super) struct Known<'f> {
 }
 
 impl Known<'_> {
-    /// An entry by its place.
     pub fn entry(&self, place: usize) -> Entry<'_> {
         let item = &self.items[place];
         Entry { known: self, item, fields: &item.fields }
@@ -108,12 +99,10 @@ impl<'k> Entry<'k> {
         &self.item.name
     }
 
-    /// Something is wrong with it.
     pub fn wrong<T>(&self, what: impl Into<String>) -> Found<T> {
         Err(Mistake::new(self.at, what))
     }
 
-    /// Something is wrong with a key of it.
     pub fn wrong_key<T>(&self, key: &str, what: impl Into<String>) -> Found<T> {
         Err(Mistake::new(self.place(key), what))
     }
@@ -122,7 +111,6 @@ impl<'k> Entry<'k> {
         self.wrong(format!("the key {key} is needed here"))
     }
 
-    /// What a key is given.
     fn needed(&self, key: &str) -> Found<(usize, &'k Value)> {
         self.fields.get(key).map_or_else(|| self.missing(key), Ok)
     }
@@ -137,7 +125,6 @@ impl<'k> Entry<'k> {
         self.fields.get(key)
     }
 
-    /// A table that is a value.
     pub fn table(&self, key: &str) -> Option<Entry<'k>> {
         match self.fields.get(key) {
             Some((_, Value::Fields(fields))) => Some(Entry { fields, ..*self }),
@@ -145,7 +132,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// The tables of a list.
     pub fn tables(&self, key: &str) -> impl Iterator<Item = Entry<'k>> + use<'k> {
         let own = *self;
         own.fields.tables(key).map(move |fields| Entry { fields, ..own })
@@ -245,7 +231,6 @@ impl<'k> Entry<'k> {
         self.series(key)?.try_into().or_else(|_| self.missing(key))
     }
 
-    /// Pairs of numbers.
     pub fn pairs(&self, key: &str) -> Found<Vec<[Recorded; 2]>> {
         let number = |(at, own): &(usize, Value)| Ok(self.quantity("a number of a pair", (*at, own))?.number());
         let pair = |(_, own): (usize, &Value)| {
@@ -301,7 +286,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// All nodes that a list names.
     pub fn node_sets(&self, key: &str, m: &mut Builder) -> Found<Vec<NodeId>> {
         let mut nodes = Vec::new();
         for (at, value) in self.list(key) {
@@ -370,7 +354,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// Two nodes that are different.
     pub fn different_nodes(&self, m: &mut Builder) -> Found<[NodeId; 2]> {
         self.different_nodes_of_part(m)?.try_into().or_else(|_| self.missing("between"))
     }
@@ -448,7 +431,6 @@ impl<'k> Entry<'k> {
         Ok(ElementGroup::new("of all that are named", elements))
     }
 
-    /// Axes of a frame.
     pub fn orientation(&self) -> Found<Quaternion<Recorded>> {
         let Some(own) = self.table("orientation") else { return Ok(Quaternion::identity()) };
         let direction = |key: &str| -> Found<Vector3<Recorded>> {
@@ -472,7 +454,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// A formula of time.
     fn formula_of_time(&self) -> Found<Signal<Recorded>> {
         let (at, Value::Formula(formula, _)) = self.needed("value")? else { return self.missing("value") };
         let (function, parameters) = formula.law(&self.known.numbers);
@@ -482,27 +463,22 @@ impl<'k> Entry<'k> {
         Signal::own(function, &parameters).or_else(|why| self.wrong(why))
     }
 
-    /// Points of a table and the values there.
-    fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, TableValues)> {
+    /// Points of a table, and the values there if no design variable changes them.
+    fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, Option<Vec<f64>>)> {
         if !self.has("file") {
             self.needed(points)?;
             self.needed("values")?;
         }
         let (points, values) = self.fields.points_and_values(points).or_else(|why| self.wrong(why))?;
-        Ok(match values.iter().map(Formula::constant_number).collect() {
-            Some(fixed) => (points, TableValues::Fixed(fixed)),
-            None => (points, TableValues::OfDesign(self.series("values")?)),
-        })
+        Ok((points, values.iter().map(Formula::constant_number).collect()))
     }
 
     /// A law of s, its rate and the time.
     pub fn law(&self, key: &str) -> Found<(Characteristic, Vec<Recorded>)> {
         if let Some(own) = self.table(key) {
             let law = match own.points_and_values("points")? {
-                (points, TableValues::Fixed(fixed)) => {
-                    Characteristic::curve(&points, &fixed, own.way()).map(|law| (law, Vec::new()))
-                }
-                (points, TableValues::OfDesign(values)) => Characteristic::table(&points, &values, own.way()),
+                (points, Some(fixed)) => Characteristic::curve(&points, &fixed, own.way()).map(|law| (law, Vec::new())),
+                (points, None) => Characteristic::table(&points, &own.series("values")?, own.way()),
             };
             return law.or_else(|why| own.wrong(why));
         }
@@ -525,10 +501,10 @@ impl<'k> Entry<'k> {
                 own.formula_of_time()?
             }
             _ => match own.points_and_values("times")? {
-                (times, TableValues::Fixed(fixed)) => {
+                (times, Some(fixed)) => {
                     Signal::of(TimeFunction::curve(&times, &fixed, own.way()).or_else(|why| own.wrong(why))?, &[])
                 }
-                (times, TableValues::OfDesign(values)) => Signal::Table { times, values, interpolant: own.way() },
+                (times, None) => Signal::Table { times, values: own.series("values")?, interpolant: own.way() },
             },
         };
         Ok(match own.given("smooth_start", Entry::number)? {

@@ -48,9 +48,6 @@ impl Origin {
     }
 
     /// What a text of this origin says as a formula.
-    ///
-    /// # Errors
-    /// Braces that make no formula.
     pub fn formula<'t>(&'t self, text: &'t str) -> Result<&'t str, SyntaxError> {
         match self {
             Origin::Filled(filled) => filled.as_deref().map_err(|why| (0, why.clone())),
@@ -59,7 +56,6 @@ impl Origin {
     }
 }
 
-/// A key with its value.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     pub key: String,
@@ -68,7 +64,6 @@ pub(super) struct Entry {
 }
 
 impl Raw {
-    /// The tree of a text.
     pub fn parse(text: &str) -> Result<Raw, Mistake> {
         let table = DeTable::parse(text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
@@ -138,19 +133,18 @@ impl Raw {
         }
     }
 
-    /// The same of a text that stands behind another one.
-    pub fn moved(mut self, by: usize) -> Raw {
+    /// Moves its places to those of a text that stands behind another one.
+    pub fn move_by(&mut self, by: usize) {
         self.at += by;
         match &mut self.value {
             RawValue::Text(_, Origin::Written(place)) => *place += by,
-            RawValue::List(list) => *list = std::mem::take(list).into_iter().map(|own| own.moved(by)).collect(),
-            RawValue::Table(entries) => {
-                let own = std::mem::take(entries).into_iter();
-                *entries = own.map(|own| Entry { at: own.at + by, value: own.value.moved(by), ..own }).collect();
-            }
+            RawValue::List(list) => list.iter_mut().for_each(|own| own.move_by(by)),
+            RawValue::Table(entries) => entries.iter_mut().for_each(|own| {
+                own.at += by;
+                own.value.move_by(by);
+            }),
             _ => {}
         }
-        self
     }
 
     /// What it is, for messages.
@@ -165,7 +159,6 @@ impl Raw {
         }
     }
 
-    /// Entries of a table.
     pub fn entries(&self) -> Option<&[Entry]> {
         match &self.value {
             RawValue::Table(entries) => Some(entries),
@@ -173,12 +166,10 @@ impl Raw {
         }
     }
 
-    /// The value of a key of a table.
     pub fn get(&self, key: &str) -> Option<&Raw> {
         Some(&self.entries()?.iter().find(|entry| entry.key == key)?.value)
     }
 
-    /// What stands in a list.
     pub fn list(&self) -> Option<&[Raw]> {
         match &self.value {
             RawValue::List(list) => Some(list),
@@ -191,7 +182,6 @@ impl Raw {
         self.list().unwrap_or(std::slice::from_ref(self))
     }
 
-    /// A text.
     pub fn text(&self) -> Option<&str> {
         match &self.value {
             RawValue::Text(text, _) => Some(text),
@@ -199,7 +189,6 @@ impl Raw {
         }
     }
 
-    /// All texts in it.
     pub fn texts(&self) -> Vec<&str> {
         match &self.value {
             RawValue::Text(text, _) => vec![text],
@@ -209,7 +198,6 @@ impl Raw {
         }
     }
 
-    /// A text that is a formula.
     pub fn formula(&self) -> Option<&str> {
         match &self.value {
             RawValue::Text(text, origin) => origin.formula(text).ok(),
@@ -326,7 +314,6 @@ impl Wholes {
     }
 }
 
-/// The value of a formula of whole numbers.
 fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
     match Formula::parse(text, scope).map_err(|(_, what)| what)?.constant_number() {
         Some(value) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(value as i64),
@@ -334,7 +321,6 @@ fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
     }
 }
 
-/// The values of a name of a loop.
 fn steps_of(own: &Entry, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
     let wrong = |what: String| Mistake::new(own.value.at, what);
     let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own));
@@ -438,7 +424,6 @@ fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, M
     turns.iter().map(|turn| replaced(&once, turn, wholes)).collect()
 }
 
-/// What is repeated.
 fn without_for(entry: &Raw) -> Raw {
     let kept = entry.entries().unwrap_or_default().iter().filter(|own| own.key != "for").cloned();
     Raw { at: entry.at, value: RawValue::Table(kept.collect()) }
@@ -551,7 +536,6 @@ pub(super) fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mista
     }
 }
 
-/// Changes the entry of a list that has this name.
 fn change_named(list: &mut [Raw], change: &Entry, path: &str) -> Result<(), Mistake> {
     let Some(place) = list.iter().position(|own| name_of(own) == change.key) else {
         let known: Vec<String> = list.iter().map(|own| name_of(own).into()).collect();

@@ -12,12 +12,10 @@ use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
 use super::tables::TABLES;
 use crate::elements::entries::{Form, Forms};
-use crate::scenes::MeshData;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A design variable.
 #[derive(Clone, Debug)]
 pub(super) struct Variable {
     /// Its entry.
@@ -30,7 +28,6 @@ pub(super) struct Variable {
     pub each: Option<Each>,
 }
 
-/// A file that was read.
 #[derive(Clone, Debug)]
 pub(super) struct Contents {
     pub top: Fields,
@@ -46,21 +43,11 @@ pub(super) struct Contents {
     pub own: Arc<OwnParts>,
 }
 
-/// A name that an entry has.
-pub(super) struct Declared {
-    pub section: &'static Section,
-    pub name: String,
-    pub at: usize,
-    pub raw: Raw,
-}
-
 /// A file while it is read.
 #[derive(Default)]
 pub(super) struct Reader {
     /// Where files stand whose paths are not absolute.
     pub folder: PathBuf,
-    /// Meshes by their entries.
-    pub meshes: HashMap<usize, Arc<MeshData>>,
     /// The entry that is read.
     pub current: Option<usize>,
     /// Whole numbers that counts may use.
@@ -68,7 +55,9 @@ pub(super) struct Reader {
     /// Nodes of its formulas that outputs of its nodes bring with them.
     pub brought: Vec<Entry>,
     pub scope: Scope,
-    pub declared: Vec<Declared>,
+    /// Entries, whose values are read when all their names are known.
+    pub declared: Vec<Item>,
+    pub raws: Vec<Raw>,
     /// Entries by their names, one of each space.
     pub by_name: HashMap<String, Vec<usize>>,
     /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
@@ -87,7 +76,6 @@ pub(super) fn read(root: &Raw, folder: &Path, own: &OwnParts) -> Result<Contents
 }
 
 impl Contents {
-    /// Names of the functionals.
     pub fn functionals(&self) -> impl Iterator<Item = &str> {
         self.items.iter().filter(|item| item.section.name == "functional").map(|item| item.name.as_str())
     }
@@ -116,31 +104,27 @@ impl Reader {
             .map(|own| own.with(own.value.repeated(has_names(&own.key), &self.wholes, &mut self.mistakes)));
         let entries: &[Entry] = &repeated.collect::<Vec<_>>();
         self.names_are_missing = !self.mistakes.is_empty();
-        let top_keys = TOP.forms[0].keys;
-        let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
-        known.push(DEFINE.0.into());
-        known.extend(SECTIONS.iter().map(|section| section.name.into()));
-        let mut top = Vec::new();
-        let mut definitions: &[Entry] = &[];
-        let mut tables: &[Entry] = &[];
-        let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
+        let (mut top, mut singles): (Vec<Entry>, Vec<(&'static Section, &Raw)>) = (Vec::new(), Vec::new());
+        let (mut definitions, mut tables): (&[Entry], &[Entry]) = (&[], &[]);
         for entry in entries {
-            if top_keys.iter().any(|key| key.name == entry.key) {
-                top.push(entry.clone());
-            } else if entry.key == DEFINE.0 {
-                let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
-                definitions = own.unwrap_or_default();
-            } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
-                if section.name == TABLES.name {
+            match SECTIONS.iter().find(|section| section.name == entry.key) {
+                None if TOP.keys("").any(|key| key.name == entry.key) => top.push(entry.clone()),
+                None if entry.key == DEFINE.0 => {
+                    let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
+                    definitions = own.unwrap_or_default();
+                }
+                None => {
+                    let known =
+                        TOP.keys("").map(|key| key.name).chain([DEFINE.0]).chain(SECTIONS.iter().map(|own| own.name));
+                    let known: Vec<String> = known.map(String::from).collect();
+                    self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
+                }
+                Some(section) if section.name == TABLES.name => {
                     let own = entry.value.entries().or_else(|| self.not(&entry.value, "[table.NAME]", "tables with names"));
                     tables = own.unwrap_or_default();
-                } else if section.shape == Shape::Once {
-                    singles.push((section, &entry.value));
-                } else {
-                    self.declare(section, entry);
                 }
-            } else {
-                self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
+                Some(section) if section.shape == Shape::Once => singles.push((section, &entry.value)),
+                Some(section) => self.declare(section, entry),
             }
         }
         self.meshes();
@@ -157,14 +141,13 @@ impl Reader {
                 "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves",
             );
         }
-        let mut items = Vec::new();
         for place in 0..self.declared.len() {
-            let Declared { section, name, raw, .. } = &self.declared[place];
-            let (section, name, raw) = (*section, name.clone(), raw.clone());
+            let (raw, Item { section, name, .. }) = (self.raws[place].clone(), &self.declared[place]);
             let owner = match section.shape {
                 Shape::Listed => format!("[[{}]] \"{name}\"", section.name),
                 _ => format!("[{}.{name}]", section.name),
             };
+            let section = *section;
             self.current = Some(place);
             self.scope.of_section = section.name == "section";
             let scope = self.scope_with_nodes(place, &raw);
@@ -173,9 +156,9 @@ impl Reader {
                 self.take_law(&raw, &mut fields);
             }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
-            let mesh = self.meshes.get(&place).cloned();
-            items.push(Item { place, section, name, fields, mesh });
+            self.declared[place].fields = fields;
         }
+        let items = std::mem::take(&mut self.declared);
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order, own: self.own.clone() }
     }
@@ -216,7 +199,9 @@ impl Reader {
                 }
                 self.by_name.entry(name.clone()).or_default().push(self.declared.len());
             }
-            self.declared.push(Declared { section, name, at, raw });
+            let (place, fields) = (self.declared.len(), Fields::none(at));
+            self.declared.push(Item { place, section, name, fields, mesh: None });
+            self.raws.push(raw);
         }
     }
 
@@ -224,11 +209,11 @@ impl Reader {
     fn variables(&mut self) -> Vec<Variable> {
         let mut list: Vec<Variable> = Vec::new();
         for place in 0..self.declared.len() {
-            let Declared { section, name, at, raw, .. } = &self.declared[place];
+            let Item { section, name, fields, .. } = &self.declared[place];
             if section.name != "variable" {
                 continue;
             }
-            let (own, at, raw) = (name.clone(), *at, raw.clone());
+            let (own, at, raw) = (name.clone(), fields.at, self.raws[place].clone());
             let shown = raw.get("name").and_then(|name| name.text()).unwrap_or(name).to_string();
             self.check_name(&own, at);
             if list.iter().any(|other| other.name == shown) {
@@ -321,7 +306,6 @@ impl Reader {
         definitions
     }
 
-    /// The values of a table.
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
         let mut fields = Fields::none(raw.at);
         let Some(entries) = raw.entries().or_else(|| self.not(raw, owner, "a table")) else { return fields };

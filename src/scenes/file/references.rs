@@ -55,7 +55,7 @@ impl Reader {
             && let Some(group) = rest.strip_prefix('.')
         {
             // a mesh that could not be read has been reported
-            let known = self.meshes.get(&item).is_none_or(|data| data.group(group).is_some());
+            let known = self.declared[item].mesh.as_ref().is_none_or(|data| data.group(group).is_some());
             if known {
                 return Some(Value::Item(item, Some(group.into())));
             }
@@ -68,8 +68,8 @@ impl Reader {
         if text == "ground" {
             return Some(NodePlace::default());
         }
-        if let Some(found) = self.mesh_node(raw, what, sets) {
-            return found;
+        if let Some(of_mesh) = self.of_mesh(text) {
+            return self.mesh_node(raw, what, sets, of_mesh);
         }
         let (name, edge, index) = self.node_parts(text);
         let Some(place) = self.find_where(name, |own| own.nodes.is_some()) else {

@@ -215,7 +215,6 @@ impl Variable {
     fn count(&self) -> usize {
         self.numbers.len().max(1)
     }
-    /// What they are called.
     fn names(&self) -> Vec<String> {
         match &self.numbers[..] {
             [] => vec![self.name.clone()],
@@ -235,7 +234,6 @@ impl<'c> RunEntries<'c> {
         self.mistakes.push(Mistake::new(at, what));
     }
 
-    /// A section that occurs once.
     fn single(&self, name: &str) -> Option<&'c Fields> {
         self.contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
     }
@@ -484,7 +482,6 @@ fn weights(fields: &Fields, key: &str) -> Weights {
     }
 }
 
-/// Numbers of modes.
 fn modes(contents: &Contents) -> impl Iterator<Item = ModeMeasure> {
     contents.items.iter().filter(|item| item.section.name == "mode").map(|Item { name, fields, .. }| ModeMeasure {
         name: name.clone(),

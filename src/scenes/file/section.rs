@@ -3,7 +3,6 @@
 use super::known::{Builder, Entry, Found, Made};
 use crate::elements::entries::Forms;
 
-/// How often a section occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// `[settings]`
@@ -14,7 +13,6 @@ pub(super) enum Shape {
     Listed,
 }
 
-/// A section of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
     pub name: &'static str,

@@ -7,10 +7,10 @@ use super::parts::PARTS;
 use super::section::Section;
 use super::tables::TABLES;
 use crate::design::repeated;
-use crate::elements::entries::{Form, Forms, Key, Range, Type, joined, may, need};
+use crate::elements::entries::{Form, Forms, Key, Range, Type, at_least, joined, may, need};
 use crate::integrators::{MOST_STEPS, NewtonTolerance};
 use Range::{Any, Positive};
-use Type::{Choice, Count, Fixed, Flag, Tables, Text, Texts, Vector, Weights};
+use Type::{Choice, Count, Fixed, Flag, Table, Text, Vector, Weights};
 
 /// The version of the format that this program reads.
 pub(super) const VERSION: usize = 1;
@@ -101,7 +101,7 @@ const OF_ALL: &[Section] = &[
             may("step", Fixed("s", Positive), "histories at multiples of this time; at the steps"),
             may(
                 "histories",
-                Texts,
+                at_least(0, &Text),
                 "what has columns in them, by names: nodes (\"crank\", \"beam[4]\", \"beam.end\", \"plate[2,0]\"), members with all their \
                  nodes, joints, springs, dampers, elements, states, functionals, and \"energy\"; everything"
             ),
@@ -115,15 +115,15 @@ const OF_ALL: &[Section] = &[
             may("maximize", Text, "name of one that is to become large"),
             may("sense", Choice(&["minimize", "maximize"]), "of a sum; minimize"),
             may("weights", Weights, "weights of functionals in a sum, by name"),
-            may("varying", Texts, "names of the design variables that may change, as they are listed; all"),
+            may("varying", at_least(0, &Text), "names of the design variables that may change, as they are listed; all"),
             may("scale", Fixed("unit", Positive), "size of the objective that is of the order of 1; its size at the start"),
             may(
                 "screening",
                 Fixed("-", Positive),
                 "limits kept by more than this share need no gradient; every limit has one"
             ),
-            may("constraint", Tables(&LIMIT), "limits of functionals and modes"),
-            may("linear", Tables(&LINEAR), "limits of sums of design variables"),
+            may("constraint", at_least(0, &Table(&LIMIT)), "limits of functionals and modes"),
+            may("linear", at_least(0, &Table(&LINEAR)), "limits of sums of design variables"),
         ],
         ..Section::once(
             "optimization",

@@ -7,13 +7,17 @@ use super::raw::{Entry, Raw};
 use super::reader::Reader;
 use super::section::Section;
 use crate::elements::Table;
-use crate::elements::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Type, VALUES, may};
+use crate::elements::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Range, Type, VALUES, at_least, may};
 use crate::scalar::{Curve, Interpolant, Scalar};
 use std::sync::Arc;
 
 /// The keys of a table.
 pub(super) const TABLE: Forms = one_form![
-    may("points", Type::Fixeds(0, ""), "numbers at which it has values, increasing; those of the file"),
+    may(
+        "points",
+        at_least(0, &Type::Fixed("", Range::Any)),
+        "numbers at which it has values, increasing; those of the file"
+    ),
     VALUES,
     FILE,
     COLUMNS,

@@ -4,7 +4,6 @@ use super::{Measurand, measurand};
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 /// What is measured by a formula, with its unit.
 struct FormulaQuantity(Formulas, &'static str);

@@ -6,11 +6,8 @@ mod of_joints;
 mod of_sections;
 mod over;
 
-use super::build_parts::{located, values};
-use super::keys::{NAME, WITH_ELEMENTS};
-use super::known::{Builder, Entry, Found, Made};
-use super::section::Section;
-use crate::elements::entries::{Form, Forms, Key, Kind, Type, forms_of, joined, need};
+use super::describing::*;
+use crate::elements::entries::Kind;
 use crate::functionals::Over;
 use crate::functionals::quantities::QUANTITIES;
 use of_elements::OF_ELEMENTS;
@@ -34,7 +31,7 @@ const fn measurand(name: &'static str, doc: &'static str, keys: &'static [Key], 
 /// Elements.
 const GROUP: Key = need(
     "of",
-    Type::Items(WITH_ELEMENTS),
+    Type::OneOrMore(&Type::Item(WITH_ELEMENTS)),
     "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
 );
 

@@ -5,7 +5,6 @@ use crate::elements::entries::AXIS;
 use crate::elements::entries::names_of;
 use crate::elements::forces::LOADS;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::WITH_ELEMENTS;
 
 /// Sections whose entries put energy in or take it out.
 const WITH_POWER: &[&str] = &joined::<&str, { LOADS.len() + WITH_ELEMENTS.len() + 6 }>(&[
@@ -17,7 +16,7 @@ const WITH_POWER: &[&str] = &joined::<&str, { LOADS.len() + WITH_ELEMENTS.len() 
 
 const OF_SOME: Key = may(
     "of",
-    Type::Items(WITH_ELEMENTS),
+    Type::OneOrMore(&Type::Item(WITH_ELEMENTS)),
     "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything",
 );
 
@@ -31,7 +30,7 @@ pub(super) const OF_ELEMENTS: &[Measurand] = &[
         "power of loads, dampers, actuators and losses, of all that is in no energy [W]; an integral is a work [J]",
         &[may(
             "of",
-            Type::Items(WITH_POWER),
+            Type::OneOrMore(&Type::Item(WITH_POWER)),
             "names of loads, springs, dampers, parts of one's own, members or groups; everything",
         )],
         |e, over, m| {

@@ -4,9 +4,7 @@ use super::{Measurand, measurand};
 use crate::elements::entries::{Given, ON, PLACE};
 use crate::elements::forces::load_frame::{FRAME, LoadFrame};
 use crate::functionals::LoadKind;
-use crate::scenes::file::build_parts::{made_of, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::WITH_MULTIPLIERS;
 
 /// The joint whose reactions are measured.
 const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");
@@ -47,7 +45,7 @@ pub(super) const OF_JOINTS: &[Measurand] = &[
     measurand(
         "reaction",
         "weighted sum of a joint's multipliers",
-        &[OF_JOINT, need("weights", Type::Series("-"), "a weight for each of its equations")],
+        &[OF_JOINT, need("weights", at_least(1, &Number("-", Any)), "a weight for each of its equations")],
         |e, over, m| {
             let joint = e.joint()?;
             m.reaction_functional(e.name(), over, joint, &e.series("weights")?);

@@ -4,7 +4,6 @@ use super::line::{LINE, LINE_NODES, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
 use crate::elements::flexible::{self, CableSection};
 use crate::scenes::CableLine;
-use crate::scenes::file::build_parts::{given, made_of};
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {

@@ -2,7 +2,6 @@
 
 use crate::elements::entries::{GivenValue, Kind, SpringPart};
 use crate::elements::forces::{DAMPERS, LOADS, SPRINGS};
-use crate::scenes::file::build_parts::{located, values};
 use crate::scenes::file::describing::*;
 
 pub(super) const SPRING: Section = Section {

@@ -2,8 +2,7 @@
 
 use crate::elements::{Element, NodeKind, Output, Parameter, State};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
-use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
+use crate::scenes::file::state_entries::{MADE, STATE_FORMS};
 
 const STATE_KEYS: [Key; 5] = [
     NAME,
@@ -64,7 +63,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         _ => &[],
     };
     let [initial, rates, outputs] = if e.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
-    for key in keys_of(e.form) {
+    for key in SECTION.forms.keys(e.form) {
         if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, e.get(key.name)) {
             if formula.uses_from(e.known.numbers.len()) {
                 return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
