@@ -156,7 +156,7 @@ pub(super) struct Reading<'f> {
 
 impl<'f> Reading<'f> {
     pub fn new(e: Entry<'f>, m: &mut Builder) -> Found<Self> {
-        let given: &[_] = match e.value("nodes") {
+        let given: &[_] = match e.fields.get("nodes") {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };

@@ -84,7 +84,7 @@ pub(super) type Found<T> = Result<T, Mistake>;
 pub(super) struct Entry<'k> {
     pub known: &'k Known<'k>,
     pub item: &'k Item,
-    fields: &'k Fields,
+    pub fields: &'k Fields,
 }
 
 impl Deref for Entry<'_> {
@@ -118,11 +118,6 @@ impl<'k> Entry<'k> {
     /// What is read of a key where it is given.
     pub fn given<T>(&self, key: &str, read: impl FnOnce(&Self, &str) -> Found<T>) -> Found<Option<T>> {
         self.has(key).then(|| read(self, key)).transpose()
-    }
-
-    /// A value and its place.
-    pub fn value(&self, key: &str) -> Option<(usize, &'k Value)> {
-        self.fields.get(key)
     }
 
     pub fn table(&self, key: &str) -> Option<Entry<'k>> {
@@ -209,15 +204,10 @@ impl<'k> Entry<'k> {
         let uses_share =
             |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.taken().contains(&SHARE_PLACE));
         let given: Vec<_> = self.list(key).collect();
+        let Some((at, _)) = given.iter().copied().find(|own| uses_share(*own)) else { return self.series(key) };
         let [one] = given[..] else {
-            return match given.iter().copied().find(|own| uses_share(*own)) {
-                Some((at, _)) => Err(Mistake::new(at, "share is the place along all strips: give one formula of it")),
-                None => self.series(key),
-            };
+            return Err(Mistake::new(at, "share is the place along all strips: give one formula of it"));
         };
-        if !uses_share(one) {
-            return self.series(key);
-        }
         let at_middle = |strip: usize| {
             self.known.share.set(Recorded::from((strip as f64 + 0.5) / count as f64));
             Ok(self.quantity(key, one)?.number())
@@ -519,10 +509,7 @@ pub(super) fn kept(text: &str) -> &'static str {
     static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
     let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
     let texts = texts.get_or_insert_default();
-    if let Some(own) = texts.get(text) {
-        return own;
-    }
-    let own: &'static str = Box::leak(text.into());
+    let own: &'static str = texts.get(text).copied().unwrap_or_else(|| Box::leak(Box::<str>::from(text)));
     texts.insert(own);
     own
 }

@@ -135,11 +135,8 @@ impl Reader {
         let (places, all): (Vec<usize>, &[usize]) = match per {
             Per::Face => (faces, &data.face_numbers),
             Per::Node => {
-                let mut points: Vec<usize> =
-                    faces.iter().filter_map(|&face| data.faces.get(face)).flatten().copied().collect();
-                points.sort_unstable();
-                points.dedup();
-                (points, &data.point_numbers)
+                let points = faces.iter().filter_map(|&face| data.faces.get(face)).flatten();
+                (points.copied().collect(), &data.point_numbers)
             }
         };
         // faces that a file gives with mistakes in them are told where these are checked

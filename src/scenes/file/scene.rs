@@ -491,35 +491,6 @@ fn modes(contents: &Contents) -> impl Iterator<Item = ModeMeasure> {
     })
 }
 
-/// The numbers that formulas take, and those of the variables of each face or node of a mesh with their places among them.
-type Numbers<'c> = (Vec<Recorded>, Vec<(usize, &'c Each, Vec<Recorded>)>);
-
-impl FileScene {
-    /// The numbers that formulas take at a design: the place along a section, the design variables, the definitions.
-    fn numbers(&self, x: &[Recorded]) -> Result<Numbers<'_>, String> {
-        let (mut numbers, mut each, mut rest) = (vec![Recorded::default()], Vec::new(), x);
-        for own in &self.contents.variables {
-            let (values, others) = rest.split_at(own.count());
-            rest = others;
-            if let Some(of) = &own.each {
-                each.push((numbers.len(), of, values.to_vec()));
-            }
-            numbers.extend_from_slice(if own.each.is_none() { values } else { &values[..1] });
-        }
-        for (at, name, formula) in &self.contents.definitions {
-            let value = formula.value(|place| numbers[place]).components();
-            if let Some(own) = value.iter().map(|own| own.value()).find(|own| !own.is_finite()) {
-                let text = format!("{name} of [define] is {own} at this design; it must be finite");
-                return Err(self.source.told(&Mistake::new(*at, text)));
-            }
-            if formula.constant().is_none() {
-                numbers.extend(value);
-            }
-        }
-        Ok((numbers, each))
-    }
-}
-
 // not as a `Scene`, which would be compiled anew in each program that has files
 impl AnyScene for FileScene {
     fn name(&self) -> String {
@@ -564,7 +535,34 @@ impl AnyScene for FileScene {
     }
 }
 
+/// The numbers that formulas take, and those of the variables of each face or node of a mesh with their places among them.
+type Numbers<'c> = (Vec<Recorded>, Vec<(usize, &'c Each, Vec<Recorded>)>);
+
 impl FileScene {
+    /// The numbers that formulas take at a design: the place along a section, the design variables, the definitions.
+    fn numbers(&self, x: &[Recorded]) -> Result<Numbers<'_>, String> {
+        let (mut numbers, mut each, mut rest) = (vec![Recorded::default()], Vec::new(), x);
+        for own in &self.contents.variables {
+            let (values, others) = rest.split_at(own.count());
+            rest = others;
+            if let Some(of) = &own.each {
+                each.push((numbers.len(), of, values.to_vec()));
+            }
+            numbers.extend_from_slice(if own.each.is_none() { values } else { &values[..1] });
+        }
+        for (at, name, formula) in &self.contents.definitions {
+            let value = formula.value(|place| numbers[place]).components();
+            if let Some(own) = value.iter().map(|own| own.value()).find(|own| !own.is_finite()) {
+                let text = format!("{name} of [define] is {own} at this design; it must be finite");
+                return Err(self.source.told(&Mistake::new(*at, text)));
+            }
+            if formula.constant().is_none() {
+                numbers.extend(value);
+            }
+        }
+        Ok((numbers, each))
+    }
+
     fn build(&self, x: &[Recorded], m: &mut Builder) -> Result<(), String> {
         let Contents { top, items, order, own, .. } = &self.contents;
         if x.len() != self.variables.len() {
