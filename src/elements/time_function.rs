@@ -1,12 +1,12 @@
 use super::entries::Range::{Any, Positive};
-use super::entries::Type::{Count, Fixed, Fixeds, Number, OfTime};
-use super::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Key, VALUES, forms, may, need};
+use super::entries::Type::{Count, Fixed, Number, OfTime};
+use super::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Key, VALUES, at_least, forms, may, need};
 use super::{Parameter, RecordedFunction, Table, TimeFormula};
 use crate::program::{ArgumentKind, Formula, Reads};
 use crate::scalar::{Curve, Interpolant, Scalar};
 use std::sync::Arc;
 
-const TIMES: Key = may("times", Fixeds(0, "s"), "times of the points, increasing; those of the file");
+const TIMES: Key = may("times", at_least(0, &Fixed("s", Any)), "times of the points, increasing; those of the file");
 
 /// The forms of a [`TimeFunction`].
 pub const FUNCTION: Forms = forms!([
@@ -49,7 +49,7 @@ pub const FUNCTION: Forms = forms!([
 ]
 "formula" "a formula of the time t, exact at all times with all its derivatives" [
     need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
-    may("breakpoints", Fixeds(0, "s"), "from the times when these were not found from the formula: not needed, any"),
+    may("breakpoints", at_least(0, &Fixed("s", Any)), "from the times when these were not found from the formula: not needed, any"),
     may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
     may("end", Fixed("s", Any), "likewise, at least the end of the run"),
     may("intervals", Count(1, 10_000), "likewise, any"),

@@ -430,13 +430,13 @@ impl Growing {
             }
             let value = match key.takes {
                 _ if is_number && !key.is_needed && self.lots.happens(0.3) => continue,
-                Type::Nodes(_) => list(nodes.map(|place| format!("\"{}\"", place.name))),
+                Type::List(Type::Node, ..) => list(nodes.map(|place| format!("\"{}\"", place.name))),
                 Type::Node => format!("\"{}\"", nodes[1].name),
                 // what has no axes is held where it stands
                 Type::Vector("m") if key.name == "point" && !nodes[1].has_axes => continue,
                 Type::Vector("m") => self.vector(geometry.point),
                 Type::Vector(_) => format!("{:?}", directions.next().unwrap_or(geometry.axes[0])),
-                Type::Points => list(nodes.map(|place| {
+                Type::List(Type::Vector(_), ..) => list(nodes.map(|place| {
                     let beside = sum(place.at, self.lots.place(), 0.1);
                     self.vector(if place.has_axes { beside } else { place.at })
                 })),

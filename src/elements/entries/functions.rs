@@ -1,9 +1,9 @@
 //! How tables of s and orientations are written.
 
-use super::keys::{Forms, Key, Range::Any, Type, forms, may, need};
-use Type::{Choice, Columns, Fixeds, Number, Numbers, Series, Text, Vector};
+use super::keys::{Forms, Key, Range::Any, Type, at_least, forms, may, need};
+use Type::{Choice, Columns, Fixed, Number, Numbers, Text, Vector};
 
-pub(crate) const VALUES: Key = may("values", Series(""), "values there; those of the file");
+pub(crate) const VALUES: Key = may("values", at_least(1, &Number("", Any)), "values there; those of the file");
 pub(crate) const FILE: Key = may("file", Text, "a text file with a line for each point (CSV), beside the scene file; none");
 pub(crate) const COLUMNS: Key = may(
     "columns",
@@ -19,7 +19,7 @@ pub(crate) const INTERPOLATION: Key = may(
 
 /// The forms of a table of s.
 pub const CHARACTERISTIC: Forms = forms!([
-    may("points", Fixeds(0, "m, rad"), "values of s, increasing; those of the file"),
+    may("points", at_least(0, &Fixed("m, rad", Any)), "values of s, increasing; those of the file"),
     VALUES,
     FILE,
     COLUMNS,

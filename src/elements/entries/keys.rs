@@ -45,47 +45,29 @@ pub enum Type {
     Vector(&'static str),
     /// As many numbers or formulas as one of these; unit and range.
     Numbers(&'static [usize], &'static str, Range),
-    /// As many numbers without design variables, or any number of them where it is 0.
-    Fixeds(usize, &'static str),
-    /// Any number of numbers or formulas; unit.
-    Series(&'static str),
-    /// A number, or a list of them; unit and range.
-    OneOrMore(&'static str, Range),
-    /// Two vectors or more, in metres.
-    Points,
-    /// Two pairs of numbers or formulas or more; unit.
-    Pairs(&'static str),
+    /// A list of values that are alike; the least and the largest number of them.
+    List(&'static Type, usize, usize),
+    /// One, or a list of them.
+    OneOrMore(&'static Type),
     /// A whole number, from and to.
     Count(usize, usize),
-    /// As many whole numbers, each from and to.
-    Counts(usize, usize, usize),
     /// True or false.
     Flag,
     /// A text.
     Text,
     /// A file in STL: a surface of triangles.
     Stl,
-    /// Names of anything.
-    Texts,
     /// Two columns of a file, by their names or numbers.
     Columns,
     /// Numbers without design variables by name.
     Weights,
     Choice(&'static [&'static str]),
-    /// Any of these, each once.
-    Choices(&'static [&'static str]),
     /// One node.
     Node,
-    /// As many nodes.
-    Nodes(usize),
-    /// Nodes, edges and ends.
-    NodeSets,
-    /// One of them.
+    /// A node, or those of an edge or end.
     NodeSet,
     /// Something of one of these sections.
     Item(&'static [&'static str]),
-    /// Any number of them.
-    Items(&'static [&'static str]),
     /// A number or a formula, which may use variables of the faces and nodes of this mesh; unit and range.
     OfMesh(&'static str, Range),
     /// Lists of whole numbers from 0 on.
@@ -94,14 +76,10 @@ pub enum Type {
     Selections,
     /// A table.
     Table(&'static Forms),
-    /// A list of tables.
-    Tables(&'static Forms),
     /// A number or formula, which stands for a constant, or a table; unit.
     Function(&'static str, &'static Forms),
-    /// A number of the file, or several; unit.
-    FixedOrMore(&'static str),
-    /// One or more numbers or formulas, those of strips: one may use the place `share`; unit and range.
-    Strips(&'static str, Range),
+    /// One or more numbers or formulas, those of strips: one may use the place `share`.
+    Strips(&'static Type),
     /// Nodes by the names that formulas give them, or tables that say which point of a node.
     NamedNodes(&'static Forms),
     /// Names for formulas of what is known of nodes, which the other formulas of the entry may use.
@@ -110,8 +88,6 @@ pub enum Type {
     NamedTables(&'static Forms),
     /// A formula of what is known of these nodes, a number; unit.
     OfNodes(&'static str),
-    /// Several of them; unit.
-    SeriesOfNodes(&'static str),
     /// Formulas of what is known of nodes, by names; unit.
     NamedFormulas(&'static str),
     /// A formula of time.
@@ -127,8 +103,18 @@ pub enum Type {
 impl Type {
     /// Whether it says on which nodes a part is: these, or those of the elements of a member.
     pub(crate) fn is_nodes(&self) -> bool {
-        matches!(self, Type::Node | Type::Nodes(_) | Type::NodeSet | Type::Item(_))
+        matches!(self, Type::Node | Type::List(Type::Node, ..) | Type::NodeSet | Type::Item(_))
     }
+}
+
+/// A list of as many values.
+pub(crate) const fn exactly(count: usize, each: &'static Type) -> Type {
+    Type::List(each, count, count)
+}
+
+/// A list of as many values or more.
+pub(crate) const fn at_least(count: usize, each: &'static Type) -> Type {
+    Type::List(each, count, usize::MAX)
 }
 
 /// A key of a table.
@@ -201,7 +187,7 @@ impl Forms {
 }
 
 /// Both nodes of a joint or spring.
-pub const BETWEEN: Key = need("between", Type::Nodes(2), "both nodes, a and b");
+pub const BETWEEN: Key = need("between", exactly(2, &Type::Node), "both nodes, a and b");
 /// The node of what has one.
 pub const ON: Key = need("on", Type::Node, "node");
 /// Which coordinate of a node.
@@ -217,7 +203,7 @@ pub const AXIS: Key = need("axis", Type::Vector("-"), "axis in the world at the 
 /// Across what it moves.
 pub const NORMAL: Key = need("normal", Type::Vector("-"), "normal in the world at the start, of any length");
 /// Where a link or spring takes hold.
-pub const ENDS: Key = may("points", Type::Points, "where it takes hold of a and b; both nodes");
+pub const ENDS: Key = may("points", at_least(2, &Type::Vector("m")), "where it takes hold of a and b; both nodes");
 
 /// A table whose key `type` chooses a form.
 macro_rules! forms {

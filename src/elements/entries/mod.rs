@@ -18,10 +18,10 @@ pub(crate) use example::{DAMPED, DRIVE, REST_ANGLE, STIFF};
 pub use functions::{CHARACTERISTIC, ORIENTATION};
 pub(crate) use functions::{COLUMNS, FILE, INTERPOLATION, VALUES};
 pub use given::{Given, GivenValue, Values};
-pub(crate) use keys::forms;
 pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
 };
+pub(crate) use keys::{at_least, exactly, forms};
 pub use part::{Entry, JointPart, JointVisitor, Law, Made, MadeEntry, Part, SpringPart, SpringVisitor, forms_of};
 pub(crate) use part::{Erase, entries, joined, named, names_of};
 pub use placed::Placed;

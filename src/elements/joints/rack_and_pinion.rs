@@ -1,5 +1,5 @@
 use super::{angle, angle_between, points, vectors};
-use crate::elements::entries::{ALONG, AXIS, Entry, Example, ExampleValue, Given, Key, Type, need};
+use crate::elements::entries::{ALONG, AXIS, Entry, Example, ExampleValue, Given, Key, Type, exactly, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -47,7 +47,7 @@ impl Entry for RackAndPinion {
     const NAME: &'static str = "rack_and_pinion";
     const DOC: &'static str = "a rack on a pinion";
     const KEYS: &'static [Key] = &[
-        need("between", Type::Nodes(3), "carrier, pinion, rack"),
+        need("between", exactly(3, &Type::Node), "carrier, pinion, rack"),
         need("centre", Type::Vector("m"), "a point of the pinion's axis"),
         need("contact", Type::Vector("m"), "where the pitch circle touches the rack"),
         AXIS,

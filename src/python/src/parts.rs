@@ -132,7 +132,7 @@ impl Description {
         let formulas = self.recorded(kinds.iter().map(|kind| kind.dofs()).sum())?;
         let nodes = match kinds.len() {
             1 => need("on", Type::Node, "node"),
-            count => need("between", Type::Nodes(count), "its nodes"),
+            count => need("between", Type::List(&Type::Node, count, count), "its nodes"),
         };
         let keys: Vec<Key> = [nodes].into_iter().chain(self.parameters.iter().map(Number::key)).collect();
         let form = Form { name: kept(&self.name), doc: kept(&self.doc), keys: Box::leak(keys.into()) };

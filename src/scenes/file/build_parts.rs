@@ -6,13 +6,12 @@ use crate::elements::entries::{Forms, Given, GivenValue, Key, Type, Values};
 use crate::program::Recorded;
 use crate::scenes::builder::Wrong;
 
-/// The value of a key of an entry.
 fn value(e: Entry, key: &Key) -> Found<GivenValue<Recorded>> {
     Ok(match key.takes {
         Type::Number(..) => GivenValue::Number(e.number(key.name)?),
         Type::Numbers(..) => GivenValue::Numbers(e.series(key.name)?),
         Type::Vector(_) => GivenValue::Vector(e.vector(key.name)?),
-        Type::Points => GivenValue::Vectors(e.points(key.name)?),
+        Type::List(Type::Vector(_), ..) => GivenValue::Vectors(e.points(key.name)?),
         Type::Choice(_) => GivenValue::Word(e.text(key.name).unwrap_or_default().into()),
         Type::Function(..) => {
             let (function, numbers) = e.function(key.name)?.parts().or_else(|why| e.wrong_key(key.name, why))?;
@@ -57,9 +56,4 @@ pub(super) fn located(made: Result<Made, Vec<Wrong>>, e: Entry, m: &mut Builder)
         let first = keys.into_iter().find_map(|(key, what)| Some(Mistake::new(e.place(key?), what)));
         first.map_or(Ok(Made::Nothing), Err)
     })
-}
-
-/// An entry of a type that nobody makes.
-pub(super) fn nothing_builds(e: Entry) -> Found<Made> {
-    e.wrong(format!("nothing builds a {} of type {}", e.item.section.name, e.form))
 }

@@ -9,13 +9,6 @@ use std::sync::Arc;
 /// Largest file in bytes.
 const LARGEST: u64 = 100_000_000;
 
-/// A column, by the name that the first line gives it, or by its number from 1 on.
-#[derive(Clone, Debug)]
-pub(super) enum Column {
-    Named(String),
-    Number(usize),
-}
-
 impl Reader {
     /// Puts the numbers of a file in its place, and says what is missing where there is none.
     pub(super) fn with_columns(&mut self, mut fields: Fields) -> Fields {
@@ -34,8 +27,8 @@ impl Reader {
             self.wrong(at, "a file gives the points and the values: leave either these or the file out");
             return fields;
         }
-        let columns: Vec<Column> = fields.list("columns").filter_map(|own| column(own.1)).collect();
-        let columns = columns.try_into().unwrap_or([Column::Number(1), Column::Number(2)]);
+        let columns: Vec<Value> = fields.list("columns").map(|own| own.1.clone()).collect();
+        let columns = columns.try_into().unwrap_or([Value::Count(1), Value::Count(2)]);
         if let Some((_, at, value)) = fields.values.iter_mut().find(|own| own.0 == "file")
             && let Value::Text(file) = value
         {
@@ -51,15 +44,8 @@ impl Reader {
     }
 }
 
-fn column(value: &Value) -> Option<Column> {
-    match value {
-        Value::Text(name) => Some(Column::Named(name.clone())),
-        Value::Count(number) => Some(Column::Number(*number)),
-        _ => None,
-    }
-}
-
-fn read(path: &Path, columns: [Column; 2]) -> Result<[Vec<f64>; 2], String> {
+/// Numbers of columns, each by the name that the first line gives it, or by its number from 1 on.
+fn read(path: &Path, columns: [Value; 2]) -> Result<[Vec<f64>; 2], String> {
     let bytes = file_bytes(path, "a table", LARGEST)?;
     parse(std::str::from_utf8(&bytes).map_err(|error| format!("cannot be read: it is no text: {error}"))?, columns)
 }
@@ -77,7 +63,7 @@ fn cells(line: &str, separator: Option<char>) -> Vec<&str> {
     }
 }
 
-fn parse(text: &str, columns: [Column; 2]) -> Result<[Vec<f64>; 2], String> {
+fn parse(text: &str, columns: [Value; 2]) -> Result<[Vec<f64>; 2], String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let is_filled = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.starts_with('#');
     let mut lines = (1..).zip(text.lines()).filter(is_filled).peekable();
@@ -88,16 +74,17 @@ fn parse(text: &str, columns: [Column; 2]) -> Result<[Vec<f64>; 2], String> {
     if has_names {
         lines.next();
     }
-    let place = |column: &Column| match column {
-        Column::Number(number) if (1..=head.len()).contains(number) => Ok(number - 1),
-        Column::Number(number) => Err(format!("there is no column {number}: its first line has {}", head.len())),
-        Column::Named(name) if !has_names => Err(format!(
+    let place = |column: &Value| match column {
+        Value::Count(number) if (1..=head.len()).contains(number) => Ok(number - 1),
+        Value::Count(number) => Err(format!("there is no column {number}: its first line has {}", head.len())),
+        Value::Text(name) if !has_names => Err(format!(
             "its first line, \"{first}\", does not name columns, so that none is \"{name}\": give their numbers"
         )),
-        Column::Named(name) => head
+        Value::Text(name) => head
             .iter()
             .position(|own| own == name)
             .ok_or_else(|| format!("its first line names no column \"{name}\"; there are {}", head.join(", "))),
+        _ => unreachable!("a column has a name or a number"),
     };
     let places = [place(&columns[0])?, place(&columns[1])?];
     let called =

@@ -28,7 +28,6 @@ impl Condition {
         Ok(Condition { alternatives: split(text, "or").into_iter().map(all_of).collect::<Result<_, _>>()? })
     }
 
-    /// Whether it holds at a place.
     pub fn holds(&self, place: [f64; 3]) -> bool {
         self.alternatives.iter().any(|chains| chains.iter().all(|own| own.holds(place)))
     }

@@ -13,9 +13,6 @@ const OWN: [&str; 2] = ["name", "summary"];
 const LARGEST: u64 = 50_000_000;
 
 /// The text of a file.
-///
-/// # Errors
-/// A file that cannot be read, is too large or no text.
 pub(super) fn text_of(path: &Path) -> Result<String, String> {
     let name = path.display().to_string();
     let bytes = file_bytes(path, "a scene file", LARGEST).map_err(|why| format!("{name}: {why}"))?;
@@ -27,9 +24,6 @@ pub(super) fn text_of(path: &Path) -> Result<String, String> {
 }
 
 /// The tree of a file: what it says put into what that says which it extends, and so on.
-///
-/// # Errors
-/// What is no TOML, and a file that cannot be extended.
 pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
     let parse = |source: &Source| Raw::parse(&source.first().text).map_err(|mistake| source.told(&mistake));
     let mut whole = parse(source)?;
@@ -38,8 +32,8 @@ pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
         source.extend(name, text);
         changes.push(std::mem::replace(&mut whole, parse(source)?));
     }
-    for (own, from) in changes.into_iter().rev().zip(source.starts().skip(1)) {
-        let own = own.moved(from);
+    for (mut own, from) in changes.into_iter().rev().zip(source.starts().skip(1)) {
+        own.move_by(from);
         if let RawValue::Table(entries) = &mut whole.value {
             entries.retain(|entry| !OWN.contains(&entry.key.as_str()));
         }

@@ -40,9 +40,8 @@ pub(super) enum Value {
     Flag(bool),
     Text(String),
     Node(NodePlace),
-    Item(usize),
-    /// A group of the faces of a mesh.
-    Group(usize, String),
+    /// An entry, or a group of the faces of one that is a mesh.
+    Item(usize, Option<String>),
     /// Numbers of a file.
     Columns(Columns),
     Surface(Arc<TriangleSurface>),
@@ -74,7 +73,6 @@ pub(super) struct NodePlace {
     pub points: Vec<usize>,
 }
 
-/// The values of a table.
 #[derive(Clone, Debug)]
 pub(super) struct Fields {
     pub at: usize,
@@ -96,7 +94,6 @@ impl Fields {
         self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
         Some((*at, value))
     }
-    /// Whether a key is given.
     pub fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
     }
@@ -106,31 +103,21 @@ impl Fields {
     }
     /// Entries of a list.
     pub fn list(&self, key: &str) -> impl Iterator<Item = (usize, &Value)> + use<'_> {
-        let list = match self.get(key) {
-            Some((_, Value::List(list))) => list.as_slice(),
-            _ => &[],
-        };
+        let list: &[_] = if let Some((_, Value::List(list))) = self.get(key) { list } else { &[] };
         list.iter().map(|(at, value)| (*at, value))
     }
-    /// The tables of a list.
     pub fn tables(&self, key: &str) -> impl Iterator<Item = &Fields> + use<'_> {
         self.list(key).filter_map(|(_, own)| if let Value::Fields(own) = own { Some(own) } else { None })
     }
     pub fn fixed(&self, key: &str) -> Option<f64> {
-        match self.get(key) {
-            Some((_, Value::Fixed(value))) => Some(*value),
-            _ => None,
-        }
+        if let (_, Value::Fixed(value)) = self.get(key)? { Some(*value) } else { None }
     }
     pub fn fixed_list(&self, key: &str) -> Vec<f64> {
         self.list(key).filter_map(|(_, value)| if let Value::Fixed(own) = value { Some(*own) } else { None }).collect()
     }
     /// A whole number, 0 where it is not given.
     pub fn count(&self, key: &str) -> usize {
-        match self.get(key) {
-            Some((_, Value::Count(count))) => *count,
-            _ => 0,
-        }
+        if let Some((_, Value::Count(count))) = self.get(key) { *count } else { 0 }
     }
     pub fn counts(&self, key: &str) -> Option<[usize; 2]> {
         let number = |(_, value): (usize, &Value)| if let Value::Count(own) = value { Some(*own) } else { None };
@@ -140,13 +127,26 @@ impl Fields {
         matches!(self.get(key), Some((_, Value::Flag(true))))
     }
     pub fn text(&self, key: &str) -> Option<&str> {
-        match self.get(key) {
-            Some((_, Value::Text(text))) => Some(text),
-            _ => None,
-        }
+        if let (_, Value::Text(text)) = self.get(key)? { Some(text) } else { None }
     }
     pub fn texts(&self, key: &str) -> impl Iterator<Item = &str> + use<'_> {
         self.list(key).filter_map(|(_, value)| if let Value::Text(own) = value { Some(own.as_str()) } else { None })
+    }
+    /// Points of a table, which one of its keys has, and formulas of the values there.
+    pub fn points_and_values(&self, points: &str) -> Result<(Vec<f64>, Vec<Formula>), String> {
+        let formula = |(_, own): (usize, &Value)| if let Value::Formula(own, _) = own { Some(own.clone()) } else { None };
+        let (places, values): (_, Vec<Formula>) = match self.get("file") {
+            Some((_, Value::Columns(columns))) => {
+                self.has("columns");
+                (columns[0].clone(), columns[1].iter().copied().map(Formula::literal).collect())
+            }
+            _ => (self.fixed_list(points), self.list("values").filter_map(formula).collect()),
+        };
+        let counts = [places.len(), values.len()];
+        match counts[0] == counts[1] {
+            true => Ok((places, values)),
+            false => Err(format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1])),
+        }
     }
     /// The way between the points of a table.
     pub fn way(&self) -> Interpolant {
@@ -157,6 +157,12 @@ impl Fields {
             _ if self.form == "lines" => Interpolant::Lines,
             _ => Interpolant::Monotone,
         }
+    }
+    /// Entries that its values name.
+    pub fn items(&self) -> Vec<usize> {
+        let mut items = Vec::new();
+        self.values.iter().for_each(|own| own.2.collect_items(&mut items));
+        items
     }
     /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
     pub fn unread(&self) -> Vec<(&'static str, usize)> {
@@ -176,7 +182,19 @@ impl Fields {
     }
 }
 
-/// An entry of a section.
+impl Value {
+    fn collect_items(&self, items: &mut Vec<usize>) {
+        match self {
+            Value::Item(item, _) => items.push(*item),
+            Value::Node(place) => items.extend(place.item),
+            Value::Fields(fields) => items.extend(fields.items()),
+            Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|own| own.place.item)),
+            Value::List(list) => list.iter().for_each(|(_, own)| own.collect_items(items)),
+            _ => {}
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(super) struct Item {
     /// Its place among all entries.
@@ -184,6 +202,6 @@ pub(super) struct Item {
     pub section: &'static Section,
     pub name: String,
     pub fields: Fields,
-    /// Of an entry that is a mesh.
+    /// Of an entry that is a mesh, if it could be read.
     pub mesh: Option<Arc<MeshData>>,
 }

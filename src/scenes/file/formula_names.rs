@@ -66,7 +66,7 @@ impl Reader {
         let mut read = Vec::new();
         for node in nodes_of(raw) {
             let Some(state) = self.state_at(&node).filter(|own| !path.contains(own)) else { continue };
-            let (states, _, outputs) = names_of(&self.declared[state].raw);
+            let (states, _, outputs) = names_of(&self.raws[state]);
             // also where the name of an output is not spelled right: the message lists them
             let is_no_state = |word: &&str| {
                 let what = word
@@ -86,7 +86,7 @@ impl Reader {
         let mut all = nodes_of(raw);
         let given = all.len();
         for (name, state) in self.read_states(raw, path) {
-            let of = self.declared[state].raw.clone();
+            let of = self.raws[state].clone();
             path.push(state);
             let inner = self.formula_nodes(&of, path).all;
             path.pop();
@@ -106,9 +106,8 @@ impl Reader {
             for (what, is_vector, _) in section.and_then(|own| own.nodes).map_or(OF_BODY, |own| own.known) {
                 self.scope.add_known(&format!("{}.{what}", own.key), *is_vector);
             }
-            let states = item
-                .filter(|_| section.is_some_and(|own| own.name == "state"))
-                .map(|item| names_of(&self.declared[item].raw).0);
+            let states =
+                item.filter(|_| section.is_some_and(|own| own.name == "state")).map(|item| names_of(&self.raws[item]).0);
             for (state, _) in states.unwrap_or_default() {
                 self.scope.add_known(&format!("{}.{state}", own.key), false);
             }
@@ -153,7 +152,7 @@ impl Reader {
 
     /// Outputs of a state as formulas in the scope of its own, which is returned with them; what is wrong in it is told where it is read.
     fn outputs(&mut self, file: &Scope, state: usize, path: &mut Vec<usize>) -> (Formulas, Scope) {
-        let (raw, before) = (self.declared[state].raw.clone(), self.mistakes.len());
+        let (raw, before) = (self.raws[state].clone(), self.mistakes.len());
         let outer = std::mem::replace(&mut self.scope, file.clone());
         path.push(state);
         self.add_names(file, state, &raw, path);

@@ -8,8 +8,8 @@ use super::mistake::Mistake;
 use super::section::OfNode;
 use super::tables::TABLE;
 use crate::assembly::NodeId;
-use crate::elements::entries::Type::{Fixeds, Node, Vector};
-use crate::elements::entries::{Forms, Key, Type, may, need};
+use crate::elements::entries::Type::{Fixed, Node, Vector};
+use crate::elements::entries::{self, Forms, Key, Type, at_least, may, need};
 use crate::elements::{Frame, NodeKind, Output, Parameter};
 use crate::program::Recorded;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -31,7 +31,7 @@ pub(super) const OWN_TABLES: Key =
     may("table", Type::NamedTables(&TABLE), "tables that the formulas here call by their names, as those of [table]; none");
 pub(super) const BREAKPOINTS: Key = may(
     "breakpoints",
-    Fixeds(0, "s"),
+    at_least(0, &Fixed("s", entries::Range::Any)),
     "from the times when jumps and bends of formulas of t were not found from these: not needed, any",
 );
 
@@ -87,11 +87,9 @@ impl Formulas {
         let numbered = (1..).zip(&self.all);
         points.chain(numbered.flat_map(|(number, own)| own.numbers(&format!("formula {number}")))).collect()
     }
-    /// How many nodes have a point.
     fn points(&self) -> usize {
         self.nodes.iter().filter(|node| node.has_point).count()
     }
-    /// The point of a node in its frame.
     pub fn point<S: Scalar>(&self, node: usize, p: &[S]) -> Vector3<S> {
         match self.nodes[node].has_point {
             true => Vector3::first_three(&p[3 * self.nodes[..node].iter().filter(|node| node.has_point).count()..]),
@@ -158,7 +156,7 @@ pub(super) struct Reading<'f> {
 
 impl<'f> Reading<'f> {
     pub fn new(e: Entry<'f>, m: &mut Builder) -> Found<Self> {
-        let given: &[_] = match e.value("nodes") {
+        let given: &[_] = match e.fields.get("nodes") {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
@@ -185,7 +183,6 @@ impl<'f> Reading<'f> {
         self.formulas.nodes.push(KnownNode { kind, has_point: false });
     }
 
-    /// Takes a point of the last node.
     fn add_point(&mut self, at: usize, point: &Formula, m: &Builder) -> Found<()> {
         if point.uses_from(self.known.numbers.len()) {
             return Err(Mistake::new(at, "a point is one of the start, which depends on the design alone"));

@@ -28,7 +28,6 @@ struct FormulaText<'r> {
 }
 
 impl Formula {
-    /// Reads a formula.
     pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
         Self::record(|taken| {
             let mut own = FormulaText { text, at: 0, scope, taken, depth: 0 };
@@ -179,20 +178,8 @@ impl<'r> FormulaText<'r> {
                 Ok(value)
             }
             '[' => {
-                self.at += 1;
-                let mut components = Vec::new();
-                for place in 0..3 {
-                    if place > 0 {
-                        self.expect(',')?;
-                    }
-                    let at = self.at;
-                    let Number(own) = self.deeper(Self::sum)? else {
-                        return Err((at, "a component of a vector is a number, and this is a vector".into()));
-                    };
-                    components.push(own);
-                }
-                self.expect(']')?;
-                Ok(Quantity::of(&components))
+                let components = self.listed("component", "a vector", ['[', ']'], &[false; 3])?;
+                Ok(Vector(Vector3::from([0, 1, 2].map(|k| components[k].number()))))
             }
             _ if letter.is_ascii_digit() || letter == '.' => self.literal(),
             _ if starts_name(letter) => self.name(),
@@ -224,7 +211,6 @@ impl<'r> FormulaText<'r> {
         }
     }
 
-    /// The value of another formula.
     fn value_of(&mut self, own: &Formula) -> Quantity<Recorded> {
         own.value(|place| self.taken.number(place))
     }
@@ -298,9 +284,15 @@ impl<'r> FormulaText<'r> {
         Ok(Number(table.value(x, values)))
     }
 
-    /// What stands in the brackets behind the name of a function; whether each is to be a vector.
-    fn arguments(&mut self, name: &str, are_vectors: &[bool]) -> Result<Vec<Quantity<Recorded>>, SyntaxError> {
-        self.expect('(')?;
+    /// What stands in brackets, as the arguments of a function; whether each is to be a vector.
+    fn listed(
+        &mut self,
+        each: &str,
+        of: &str,
+        [opening, closing]: [char; 2],
+        are_vectors: &[bool],
+    ) -> Result<Vec<Quantity<Recorded>>, SyntaxError> {
+        self.expect(opening)?;
         let mut arguments = Vec::new();
         for (place, &wanted) in are_vectors.iter().enumerate() {
             if place > 0 {
@@ -311,11 +303,11 @@ impl<'r> FormulaText<'r> {
             let own = self.deeper(Self::sum)?;
             if own.is_vector() != wanted {
                 let [is, must] = if wanted { ["a number", "a vector"] } else { ["a vector", "a number"] };
-                return Err((at, format!("argument {} of {name} is {is}; it must be {must}", place + 1)));
+                return Err((at, format!("{each} {} of {of} is {is}; it must be {must}", place + 1)));
             }
             arguments.push(own);
         }
-        self.expect(')')?;
+        self.expect(closing)?;
         Ok(arguments)
     }
 
@@ -341,7 +333,7 @@ impl<'r> FormulaText<'r> {
             _ => {}
         }
         if let Some((_, arguments, function)) = FUNCTIONS.iter().find(|own| own.0 == name) {
-            return Ok(function(&self.arguments(name, arguments)?));
+            return Ok(function(&self.listed("argument", name, ['(', ')'], arguments)?));
         }
         let names = |is_table: bool| {
             let own = self.scope.names.iter().filter(move |own| matches!(own.1, Meaning::Table(..)) == is_table);

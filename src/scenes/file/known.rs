@@ -1,7 +1,7 @@
 //! An entry while it is built: the values of its keys as numbers, and what other entries became.
 
 use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
-use super::formula::{Quantity, SHARE_PLACE};
+use super::formula::{Formula, Quantity, SHARE_PLACE};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
@@ -50,18 +50,10 @@ impl Made {
     }
 }
 
-/// Values at the points of a table.
-enum TableValues {
-    /// No design variable changes them.
-    Fixed(Vec<f64>),
-    OfDesign(Vec<Recorded>),
-}
-
 /// What is known of a scene while it is built at a design.
 pub(super) struct Known<'f> {
     /// Parts beside those of the library.
     pub own: &'f OwnParts,
-    /// All entries.
     pub items: &'f [Item],
     /// Numbers that formulas take.
     pub numbers: Vec<Recorded>,
@@ -76,7 +68,6 @@ pub(super) struct Known<'f> {
 }
 
 impl Known<'_> {
-    /// An entry by its place.
     pub fn entry(&self, place: usize) -> Entry<'_> {
         let item = &self.items[place];
         Entry { known: self, item, fields: &item.fields }
@@ -93,7 +84,7 @@ pub(super) type Found<T> = Result<T, Mistake>;
 pub(super) struct Entry<'k> {
     pub known: &'k Known<'k>,
     pub item: &'k Item,
-    fields: &'k Fields,
+    pub fields: &'k Fields,
 }
 
 impl Deref for Entry<'_> {
@@ -108,12 +99,10 @@ impl<'k> Entry<'k> {
         &self.item.name
     }
 
-    /// Something is wrong with it.
     pub fn wrong<T>(&self, what: impl Into<String>) -> Found<T> {
         Err(Mistake::new(self.at, what))
     }
 
-    /// Something is wrong with a key of it.
     pub fn wrong_key<T>(&self, key: &str, what: impl Into<String>) -> Found<T> {
         Err(Mistake::new(self.place(key), what))
     }
@@ -122,7 +111,6 @@ impl<'k> Entry<'k> {
         self.wrong(format!("the key {key} is needed here"))
     }
 
-    /// What a key is given.
     fn needed(&self, key: &str) -> Found<(usize, &'k Value)> {
         self.fields.get(key).map_or_else(|| self.missing(key), Ok)
     }
@@ -132,12 +120,6 @@ impl<'k> Entry<'k> {
         self.has(key).then(|| read(self, key)).transpose()
     }
 
-    /// A value and its place.
-    pub fn value(&self, key: &str) -> Option<(usize, &'k Value)> {
-        self.fields.get(key)
-    }
-
-    /// A table that is a value.
     pub fn table(&self, key: &str) -> Option<Entry<'k>> {
         match self.fields.get(key) {
             Some((_, Value::Fields(fields))) => Some(Entry { fields, ..*self }),
@@ -145,7 +127,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// The tables of a list.
     pub fn tables(&self, key: &str) -> impl Iterator<Item = Entry<'k>> + use<'k> {
         let own = *self;
         own.fields.tables(key).map(move |fields| Entry { fields, ..own })
@@ -223,15 +204,10 @@ impl<'k> Entry<'k> {
         let uses_share =
             |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.taken().contains(&SHARE_PLACE));
         let given: Vec<_> = self.list(key).collect();
+        let Some((at, _)) = given.iter().copied().find(|own| uses_share(*own)) else { return self.series(key) };
         let [one] = given[..] else {
-            return match given.iter().copied().find(|own| uses_share(*own)) {
-                Some((at, _)) => Err(Mistake::new(at, "share is the place along all strips: give one formula of it")),
-                None => self.series(key),
-            };
+            return Err(Mistake::new(at, "share is the place along all strips: give one formula of it"));
         };
-        if !uses_share(one) {
-            return self.series(key);
-        }
         let at_middle = |strip: usize| {
             self.known.share.set(Recorded::from((strip as f64 + 0.5) / count as f64));
             Ok(self.quantity(key, one)?.number())
@@ -245,7 +221,6 @@ impl<'k> Entry<'k> {
         self.series(key)?.try_into().or_else(|_| self.missing(key))
     }
 
-    /// Pairs of numbers.
     pub fn pairs(&self, key: &str) -> Found<Vec<[Recorded; 2]>> {
         let number = |(at, own): &(usize, Value)| Ok(self.quantity("a number of a pair", (*at, own))?.number());
         let pair = |(_, own): (usize, &Value)| {
@@ -301,7 +276,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// All nodes that a list names.
     pub fn node_sets(&self, key: &str, m: &mut Builder) -> Found<Vec<NodeId>> {
         let mut nodes = Vec::new();
         for (at, value) in self.list(key) {
@@ -329,12 +303,12 @@ impl<'k> Entry<'k> {
                     |(i, node)| (if count == 1 { name.into() } else { format!("{name}, node {}", i + 1) }, vec![node]);
                 return Ok(nodes.into_iter().enumerate().map(named).collect());
             }
-            Value::Item(item) | Value::Group(item, _) => *item,
+            Value::Item(item, group) => (&self.known.made[*item], group),
             _ => return Ok(vec![(name.into(), self.different_nodes_of_part(m)?)]),
         };
-        match (&self.known.made[item], value) {
+        match item {
             (Made::Beam(beam), _) => Ok(beam.carriers(name)),
-            (Made::Mesh(shell), Value::Group(_, group)) => {
+            (Made::Mesh(shell), Some(group)) => {
                 Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
             }
             (made, _) => Ok(made.shells().into_iter().flat_map(|own| own.carriers(name, &own.group())).collect()),
@@ -370,7 +344,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// Two nodes that are different.
     pub fn different_nodes(&self, m: &mut Builder) -> Found<[NodeId; 2]> {
         self.different_nodes_of_part(m)?.try_into().or_else(|_| self.missing("between"))
     }
@@ -378,7 +351,7 @@ impl<'k> Entry<'k> {
     /// What another entry became.
     pub fn made(&self, key: &str) -> Found<&'k Made> {
         match self.fields.get(key) {
-            Some((_, Value::Item(item) | Value::Group(item, _))) => Ok(&self.known.made[*item]),
+            Some((_, Value::Item(item, _))) => Ok(&self.known.made[*item]),
             _ => self.missing(key),
         }
     }
@@ -413,7 +386,7 @@ impl<'k> Entry<'k> {
     pub fn shells(&self, key: &str) -> Vec<Vec<&'k MeshedShell>> {
         let made = &self.known.made;
         let shells = |(_, value): (usize, &Value)| match value {
-            Value::Item(item) | Value::Group(item, _) => Some(made[*item].shells()),
+            Value::Item(item, _) => Some(made[*item].shells()),
             _ => None,
         };
         self.list(key).filter_map(shells).collect()
@@ -423,17 +396,13 @@ impl<'k> Entry<'k> {
     pub fn group(&self, key: &str) -> Found<ElementGroup> {
         let mut groups = Vec::new();
         for (at, value) in self.list(key) {
-            if let Value::Group(item, name) = value
-                && let Made::Mesh(shell) = &self.known.made[*item]
-            {
-                groups.push(shell.group_named(name).map_err(|why| Mistake::new(at, why))?);
-            }
-            let Value::Item(item) = value else { continue };
-            groups.extend(match &self.known.made[*item] {
-                Made::Beam(beam) => vec![beam.group()],
-                Made::Cable(cable) => vec![cable.group()],
-                Made::Group(group) => vec![group.clone()],
-                shells => shells.shells().into_iter().map(MeshedShell::group).collect(),
+            let Value::Item(item, name) = value else { continue };
+            groups.extend(match (&self.known.made[*item], name) {
+                (Made::Mesh(shell), Some(name)) => vec![shell.group_named(name).map_err(|why| Mistake::new(at, why))?],
+                (Made::Beam(beam), _) => vec![beam.group()],
+                (Made::Cable(cable), _) => vec![cable.group()],
+                (Made::Group(group), _) => vec![group.clone()],
+                (shells, _) => shells.shells().into_iter().map(MeshedShell::group).collect(),
             });
         }
         match groups.len() {
@@ -445,14 +414,13 @@ impl<'k> Entry<'k> {
     /// The elements of entries of any kind, and of groups.
     pub fn parts(&self, key: &str) -> Found<ElementGroup> {
         let own = self.list(key).flat_map(|(_, value)| match value {
-            Value::Item(item) => &self.known.elements[*item][..],
+            Value::Item(item, None) => &self.known.elements[*item][..],
             _ => &[],
         });
         let elements = self.group(key)?.elements.into_iter().chain(own.copied());
         Ok(ElementGroup::new("of all that are named", elements))
     }
 
-    /// Axes of a frame.
     pub fn orientation(&self) -> Found<Quaternion<Recorded>> {
         let Some(own) = self.table("orientation") else { return Ok(Quaternion::identity()) };
         let direction = |key: &str| -> Found<Vector3<Recorded>> {
@@ -476,7 +444,6 @@ impl<'k> Entry<'k> {
         }
     }
 
-    /// A formula of time.
     fn formula_of_time(&self) -> Found<Signal<Recorded>> {
         let (at, Value::Formula(formula, _)) = self.needed("value")? else { return self.missing("value") };
         let (function, parameters) = formula.law(&self.known.numbers);
@@ -486,36 +453,22 @@ impl<'k> Entry<'k> {
         Signal::own(function, &parameters).or_else(|why| self.wrong(why))
     }
 
-    /// Points of a table and the values there.
-    fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, TableValues)> {
-        if let Some((_, Value::Columns(columns))) = self.fields.get("file") {
-            self.has("columns");
-            return Ok((columns[0].clone(), TableValues::Fixed(columns[1].clone())));
+    /// Points of a table, and the values there if no design variable changes them.
+    fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, Option<Vec<f64>>)> {
+        if !self.has("file") {
+            self.needed(points)?;
+            self.needed("values")?;
         }
-        let count = |key| self.needed(key).map(|_| self.list(key).count());
-        let counts = [count(points)?, count("values")?];
-        if counts[0] != counts[1] {
-            return self.wrong(format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1]));
-        }
-        let fixed = |(_, value): (usize, &Value)| match value {
-            Value::Formula(formula, _) => formula.constant_number(),
-            _ => None,
-        };
-        let values = match self.list("values").map(fixed).collect() {
-            Some(fixed) => TableValues::Fixed(fixed),
-            None => TableValues::OfDesign(self.series("values")?),
-        };
-        Ok((self.fixed_list(points), values))
+        let (points, values) = self.fields.points_and_values(points).or_else(|why| self.wrong(why))?;
+        Ok((points, values.iter().map(Formula::constant_number).collect()))
     }
 
     /// A law of s, its rate and the time.
     pub fn law(&self, key: &str) -> Found<(Characteristic, Vec<Recorded>)> {
         if let Some(own) = self.table(key) {
             let law = match own.points_and_values("points")? {
-                (points, TableValues::Fixed(fixed)) => {
-                    Characteristic::curve(&points, &fixed, own.way()).map(|law| (law, Vec::new()))
-                }
-                (points, TableValues::OfDesign(values)) => Characteristic::table(&points, &values, own.way()),
+                (points, Some(fixed)) => Characteristic::curve(&points, &fixed, own.way()).map(|law| (law, Vec::new())),
+                (points, None) => Characteristic::table(&points, &own.series("values")?, own.way()),
             };
             return law.or_else(|why| own.wrong(why));
         }
@@ -538,10 +491,10 @@ impl<'k> Entry<'k> {
                 own.formula_of_time()?
             }
             _ => match own.points_and_values("times")? {
-                (times, TableValues::Fixed(fixed)) => {
+                (times, Some(fixed)) => {
                     Signal::of(TimeFunction::curve(&times, &fixed, own.way()).or_else(|why| own.wrong(why))?, &[])
                 }
-                (times, TableValues::OfDesign(values)) => Signal::Table { times, values, interpolant: own.way() },
+                (times, None) => Signal::Table { times, values: own.series("values")?, interpolant: own.way() },
             },
         };
         Ok(match own.given("smooth_start", Entry::number)? {
@@ -556,10 +509,7 @@ pub(super) fn kept(text: &str) -> &'static str {
     static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
     let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
     let texts = texts.get_or_insert_default();
-    if let Some(own) = texts.get(text) {
-        return own;
-    }
-    let own: &'static str = Box::leak(text.into());
+    let own: &'static str = texts.get(text).copied().unwrap_or_else(|| Box::leak(Box::<str>::from(text)));
     texts.insert(own);
     own
 }

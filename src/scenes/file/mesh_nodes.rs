@@ -2,7 +2,6 @@
 
 use crate::scenes::{MeshData, unknown};
 
-/// Names of groups or node sets.
 pub(super) fn names(all: &[(String, Vec<usize>)]) -> Vec<String> {
     all.iter().map(|own| own.0.clone()).collect()
 }

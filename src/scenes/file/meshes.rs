@@ -1,6 +1,6 @@
 //! Meshes of a file: read before the entries that name their nodes and groups.
 
-use super::fields::{Each, NodePlace, Per};
+use super::fields::{Each, Item, NodePlace, Per};
 use super::mesh_groups::fixed_point;
 use super::mesh_nodes::{names, nodes_of};
 use super::raw::{Raw, RawValue};
@@ -12,23 +12,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Reader {
-    /// Reads the meshes that are declared.
     pub(super) fn meshes(&mut self) {
         let mut read: HashMap<PathBuf, Arc<MeshData>> = HashMap::new();
         for place in 0..self.declared.len() {
             if self.declared[place].section.name != "mesh" {
                 continue;
             }
-            let raw = self.declared[place].raw.clone();
+            let raw = self.raws[place].clone();
             let data = match raw.get("type").and_then(|own| own.text()) {
                 Some("gmsh") => self.gmsh_file(&raw, &mut read),
                 Some("faces") => Some(Arc::new(given_here(&raw))),
                 _ => None,
             };
             let grouped = data.and_then(|data| self.with_groups(&raw, data));
-            if let Some(data) = grouped.and_then(|data| self.turned_round(&raw, data)) {
-                self.meshes.insert(place, data);
-            }
+            self.declared[place].mesh = grouped.and_then(|data| self.turned_round(&raw, data));
         }
     }
 
@@ -40,15 +37,13 @@ impl Reader {
             return None;
         }
         let path = self.folder.join(file);
-        let data = match read.get(&path) {
-            Some(data) => data.clone(),
-            None => match read_gmsh(&path) {
-                Ok(data) => Arc::new(data),
-                Err(why) => return self.refuse(key.at, format!("file, \"{file}\": {why}")),
-            },
-        };
-        read.insert(path, data.clone());
-        Some(data)
+        if let Some(data) = read.get(&path) {
+            return Some(data.clone());
+        }
+        match read_gmsh(&path).map(Arc::new) {
+            Ok(data) => Some(read.entry(path).or_insert(data).clone()),
+            Err(why) => self.refuse(key.at, format!("file, \"{file}\": {why}")),
+        }
     }
 
     /// The mesh with the groups of the key `reverse` turned round, and with what hangs together on their side: faces that are given one by one
@@ -81,37 +76,28 @@ impl Reader {
 
     /// Names of the groups of all meshes as they are written.
     pub(super) fn group_names(&self) -> Vec<String> {
-        let mut meshes: Vec<(&usize, &Arc<MeshData>)> = self.meshes.iter().collect();
-        meshes.sort_by_key(|own| *own.0);
-        let of_mesh = |(place, data): (&usize, &Arc<MeshData>)| {
-            let mesh = &self.declared[*place].name;
-            names(&data.groups).into_iter().map(|group| format!("{mesh}.{group}")).collect::<Vec<_>>()
-        };
-        meshes.into_iter().flat_map(of_mesh).collect()
+        let meshes = self.declared.iter().filter_map(|own| Some((&own.name, own.mesh.as_ref()?)));
+        meshes.flat_map(|(mesh, data)| data.groups.iter().map(move |group| format!("{mesh}.{}", group.0))).collect()
     }
 
-    /// A node or a node set of a mesh: `plate[12]`, `plate.rim`, `plate.rim[0]`.
-    pub(super) fn mesh_node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<Option<NodePlace>> {
-        let text = raw.text()?;
-        let (item, rest) = self.of_mesh(text)?;
-        let name = self.declared[item].name.clone();
+    /// A node or a node set by what stands behind the name of a mesh: `plate[12]`, `plate.rim`, `plate.rim[0]`.
+    pub(super) fn mesh_node(&mut self, raw: &Raw, what: &str, sets: bool, (item, rest): (usize, &str)) -> Option<NodePlace> {
+        let Item { name, mesh, .. } = &self.declared[item];
         let place = |points: Vec<usize>| NodePlace { item: Some(item), points, ..NodePlace::default() };
         // a mesh that could not be read has been reported
-        let Some(data) = self.meshes.get(&item).cloned() else { return Some(Some(place(Vec::new()))) };
-        let found = nodes_of(&data, rest).map_err(|why| format!("{what}: \"{text}\": {why}"));
-        let found = found.and_then(|points| match points.len() {
-            0 => Err(format!("{what}: \"{text}\" has no nodes")),
-            1 => Ok(points),
-            _ if sets => Ok(points),
-            count => Err(format!(
-                "{what}: \"{text}\" has {count} nodes, and one is wanted: \"{name}.SET[0]\" is the first of a set, and a [[rigid_interface]] \
-                 holds all of them on a body"
+        let Some(data) = mesh else { return Some(place(Vec::new())) };
+        let found = nodes_of(data, rest).map_err(|why| format!(": {why}")).and_then(|points| match points.len() {
+            0 => Err(" has no nodes".into()),
+            count if count > 1 && !sets => Err(format!(
+                " has {count} nodes, and one is wanted: \"{name}.SET[0]\" is the first of a set, and a [[rigid_interface]] holds all of them \
+                 on a body"
             )),
+            _ => Ok(place(points)),
         });
-        Some(match found {
-            Ok(points) => Some(place(points)),
-            Err(why) => self.refuse(raw.at, why),
-        })
+        match found {
+            Ok(place) => Some(place),
+            Err(why) => self.refuse(raw.at, format!("{what}: \"{}\"{why}", raw.text().unwrap_or_default())),
+        }
     }
 
     /// The faces or points for which a design variable has values.
@@ -131,7 +117,7 @@ impl Reader {
             known.extend(self.group_names());
             return self.refuse(own.at, format!("{key}: {}", unknown("mesh", text, &known)));
         };
-        let data = self.meshes.get(&mesh)?.clone();
+        let data = self.declared[mesh].mesh.clone()?;
         let faces: Vec<usize> = match rest.strip_prefix('.') {
             Some(group) => match data.group(group) {
                 Some(faces) => faces.to_vec(),
@@ -149,11 +135,8 @@ impl Reader {
         let (places, all): (Vec<usize>, &[usize]) = match per {
             Per::Face => (faces, &data.face_numbers),
             Per::Node => {
-                let mut points: Vec<usize> =
-                    faces.iter().filter_map(|&face| data.faces.get(face)).flatten().copied().collect();
-                points.sort_unstable();
-                points.dedup();
-                (points, &data.point_numbers)
+                let points = faces.iter().filter_map(|&face| data.faces.get(face)).flatten();
+                (points.copied().collect(), &data.point_numbers)
             }
         };
         // faces that a file gives with mistakes in them are told where these are checked

@@ -21,7 +21,6 @@ impl Mistake {
 /// Most mistakes of one file that are told.
 const MOST_TOLD: usize = 20;
 
-/// The text of a file with its name.
 #[derive(Clone, Debug)]
 pub(super) struct Text {
     pub name: String,
@@ -42,7 +41,6 @@ impl Source {
         Source { texts: vec![Text { name, text }], places: Vec::new() }
     }
 
-    /// Of entries of a program.
     pub fn of_program(name: String, places: Vec<String>) -> Self {
         Source { places, ..Source::new(name, String::new()) }
     }
@@ -62,7 +60,6 @@ impl Source {
         self.texts.last().map_or("", |own| &own.name)
     }
 
-    /// Whether a file of this name is among them.
     pub fn has(&self, name: &str) -> bool {
         self.texts.iter().any(|own| own.name == name)
     }
@@ -86,7 +83,6 @@ impl Source {
         format!("{name}:{line}:{column}")
     }
 
-    /// One line for a mistake.
     pub fn told(&self, mistake: &Mistake) -> String {
         format!("{}: {}", self.place(mistake.at), mistake.what)
     }

@@ -1,36 +1,22 @@
 //! An order of what needs each other.
 
-/// An order in which each comes after what it needs, else by number, and a circle if there is one.
-pub(super) fn ordered(needs: &[Vec<usize>]) -> (Vec<usize>, Option<Vec<usize>>) {
-    let (mut order, mut done) = (Vec::new(), vec![false; needs.len()]);
-    // a place and how many of its needs have been looked at
-    let mut path: Vec<(usize, usize)> = Vec::new();
-    let mut on_path = vec![false; needs.len()];
-    for first in 0..needs.len() {
-        if done[first] {
-            continue;
-        }
-        path.push((first, 0));
-        on_path[first] = true;
-        while let Some((place, looked)) = path.last_mut() {
-            let place = *place;
-            match needs[place].get(*looked) {
-                Some(&need) => {
-                    *looked += 1;
-                    if on_path[need] {
-                        let from = path.iter().position(|own| own.0 == need).unwrap_or(0);
-                        let mut circle: Vec<usize> = path[from..].iter().map(|own| own.0).collect();
-                        circle.push(need);
-                        return (order, Some(circle));
-                    }
-                    if !done[need] {
-                        on_path[need] = true;
-                        path.push((need, 0));
-                    }
+/// An order in which each of some comes after what it needs, else as they are given, and a circle if there is one.
+pub(super) fn ordered(all: impl IntoIterator<Item = usize>, needs: &[Vec<usize>]) -> (Vec<usize>, Option<Vec<usize>>) {
+    // how many of the needs of each have been looked at, and one more of what is in the order
+    let (mut order, mut looked) = (Vec::new(), vec![0; needs.len()]);
+    for first in all {
+        let mut path = if looked[first] == 0 { vec![first] } else { Vec::new() };
+        while let Some(&place) = path.last() {
+            looked[place] += 1;
+            match needs[place].get(looked[place] - 1) {
+                Some(&need) if looked[need] == 0 => path.push(need),
+                // it is on the path
+                Some(&need) if looked[need] <= needs[need].len() => {
+                    let from = path.iter().position(|own| *own == need).unwrap_or(0);
+                    return (order, Some([&path[from..], &[need]].concat()));
                 }
+                Some(_) => {}
                 None => {
-                    done[place] = true;
-                    on_path[place] = false;
                     order.push(place);
                     path.pop();
                 }

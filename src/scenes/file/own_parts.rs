@@ -57,7 +57,6 @@ impl OwnParts {
         self
     }
 
-    /// Their forms, of one kind.
     pub(crate) fn forms(&self, kind: Kind) -> Vec<Form> {
         match kind {
             Kind::Joint => forms(&self.joints),
@@ -81,7 +80,6 @@ fn forms<L: ?Sized>(parts: &[Part<L>]) -> Vec<Form> {
     parts.iter().map(|part| part.form).collect()
 }
 
-/// All forms of a table.
 pub(super) fn all_forms(forms: &Forms, own: &OwnParts) -> Vec<Form> {
     [forms.forms.to_vec(), forms.own.map(|kind| own.forms(kind)).unwrap_or_default()].concat()
 }

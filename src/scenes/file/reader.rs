@@ -12,29 +12,22 @@ use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
 use super::tables::TABLES;
 use crate::elements::entries::{Form, Forms};
-use crate::scenes::MeshData;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A design variable: how formulas call it is its place.
 #[derive(Clone, Debug)]
 pub(super) struct Variable {
-    pub fields: Fields,
+    /// Its entry.
+    pub item: usize,
+    /// What users call it.
     pub name: String,
-    pub extent: Extent,
+    /// Of one that has several numbers of the design: those behind its name, NAME\[0\] and so on.
+    pub numbers: Vec<usize>,
+    /// Of one that has a number for each face or node of a mesh.
+    pub each: Option<Each>,
 }
 
-/// How many numbers of the design a variable has.
-#[derive(Clone, Debug)]
-pub(super) enum Extent {
-    One,
-    Array(usize),
-    /// One for each face or node of a mesh.
-    OfMesh(Each),
-}
-
-/// A file that was read.
 #[derive(Clone, Debug)]
 pub(super) struct Contents {
     pub top: Fields,
@@ -50,21 +43,11 @@ pub(super) struct Contents {
     pub own: Arc<OwnParts>,
 }
 
-/// A name that an entry has.
-pub(super) struct Declared {
-    pub section: &'static Section,
-    pub name: String,
-    pub at: usize,
-    pub raw: Raw,
-}
-
 /// A file while it is read.
 #[derive(Default)]
 pub(super) struct Reader {
     /// Where files stand whose paths are not absolute.
     pub folder: PathBuf,
-    /// Meshes by their entries.
-    pub meshes: HashMap<usize, Arc<MeshData>>,
     /// The entry that is read.
     pub current: Option<usize>,
     /// Whole numbers that counts may use.
@@ -72,7 +55,9 @@ pub(super) struct Reader {
     /// Nodes of its formulas that outputs of its nodes bring with them.
     pub brought: Vec<Entry>,
     pub scope: Scope,
-    pub declared: Vec<Declared>,
+    /// Entries, whose values are read when all their names are known.
+    pub declared: Vec<Item>,
+    pub raws: Vec<Raw>,
     /// Entries by their names, one of each space.
     pub by_name: HashMap<String, Vec<usize>>,
     /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
@@ -91,7 +76,6 @@ pub(super) fn read(root: &Raw, folder: &Path, own: &OwnParts) -> Result<Contents
 }
 
 impl Contents {
-    /// Names of the functionals.
     pub fn functionals(&self) -> impl Iterator<Item = &str> {
         self.items.iter().filter(|item| item.section.name == "functional").map(|item| item.name.as_str())
     }
@@ -120,31 +104,27 @@ impl Reader {
             .map(|own| own.with(own.value.repeated(has_names(&own.key), &self.wholes, &mut self.mistakes)));
         let entries: &[Entry] = &repeated.collect::<Vec<_>>();
         self.names_are_missing = !self.mistakes.is_empty();
-        let top_keys = TOP.forms[0].keys;
-        let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
-        known.push(DEFINE.0.into());
-        known.extend(SECTIONS.iter().map(|section| section.name.into()));
-        let mut top = Vec::new();
-        let mut definitions: &[Entry] = &[];
-        let mut tables: &[Entry] = &[];
-        let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
+        let (mut top, mut singles): (Vec<Entry>, Vec<(&'static Section, &Raw)>) = (Vec::new(), Vec::new());
+        let (mut definitions, mut tables): (&[Entry], &[Entry]) = (&[], &[]);
         for entry in entries {
-            if top_keys.iter().any(|key| key.name == entry.key) {
-                top.push(entry.clone());
-            } else if entry.key == DEFINE.0 {
-                let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
-                definitions = own.unwrap_or_default();
-            } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
-                if section.name == TABLES.name {
+            match SECTIONS.iter().find(|section| section.name == entry.key) {
+                None if TOP.keys("").any(|key| key.name == entry.key) => top.push(entry.clone()),
+                None if entry.key == DEFINE.0 => {
+                    let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
+                    definitions = own.unwrap_or_default();
+                }
+                None => {
+                    let known =
+                        TOP.keys("").map(|key| key.name).chain([DEFINE.0]).chain(SECTIONS.iter().map(|own| own.name));
+                    let known: Vec<String> = known.map(String::from).collect();
+                    self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
+                }
+                Some(section) if section.name == TABLES.name => {
                     let own = entry.value.entries().or_else(|| self.not(&entry.value, "[table.NAME]", "tables with names"));
                     tables = own.unwrap_or_default();
-                } else if section.shape == Shape::Once {
-                    singles.push((section, &entry.value));
-                } else {
-                    self.declare(section, entry);
                 }
-            } else {
-                self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
+                Some(section) if section.shape == Shape::Once => singles.push((section, &entry.value)),
+                Some(section) => self.declare(section, entry),
             }
         }
         self.meshes();
@@ -161,14 +141,13 @@ impl Reader {
                 "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves",
             );
         }
-        let mut items = Vec::new();
         for place in 0..self.declared.len() {
-            let Declared { section, name, raw, .. } = &self.declared[place];
-            let (section, name, raw) = (*section, name.clone(), raw.clone());
+            let (raw, Item { section, name, .. }) = (self.raws[place].clone(), &self.declared[place]);
             let owner = match section.shape {
                 Shape::Listed => format!("[[{}]] \"{name}\"", section.name),
                 _ => format!("[{}.{name}]", section.name),
             };
+            let section = *section;
             self.current = Some(place);
             self.scope.of_section = section.name == "section";
             let scope = self.scope_with_nodes(place, &raw);
@@ -177,13 +156,9 @@ impl Reader {
                 self.take_law(&raw, &mut fields);
             }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
-            let mesh = self.meshes.get(&place).cloned();
-            items.push(Item { place, section, name, fields, mesh });
+            self.declared[place].fields = fields;
         }
-        let variables = variables
-            .into_iter()
-            .map(|(index, name, extent)| Variable { fields: items[index].fields.clone(), name, extent })
-            .collect();
+        let items = std::mem::take(&mut self.declared);
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order, own: self.own.clone() }
     }
@@ -224,44 +199,41 @@ impl Reader {
                 }
                 self.by_name.entry(name.clone()).or_default().push(self.declared.len());
             }
-            self.declared.push(Declared { section, name, at, raw });
+            let (place, fields) = (self.declared.len(), Fields::none(at));
+            self.declared.push(Item { place, section, name, fields, mesh: None });
+            self.raws.push(raw);
         }
     }
 
-    /// Design variables: their places among the entries, and their names for users.
-    fn variables(&mut self) -> Vec<(usize, String, Extent)> {
-        let mut list: Vec<(usize, String, Extent)> = Vec::new();
+    /// Design variables, which formulas know from here on.
+    fn variables(&mut self) -> Vec<Variable> {
+        let mut list: Vec<Variable> = Vec::new();
         for place in 0..self.declared.len() {
-            let Declared { section, name, at, raw, .. } = &self.declared[place];
+            let Item { section, name, fields, .. } = &self.declared[place];
             if section.name != "variable" {
                 continue;
             }
-            let (own, at, raw) = (name.clone(), *at, raw.clone());
+            let (own, at, raw) = (name.clone(), fields.at, self.raws[place].clone());
             let shown = raw.get("name").and_then(|name| name.text()).unwrap_or(name).to_string();
             self.check_name(&own, at);
-            if list.iter().any(|(_, other, _)| *other == shown) {
+            if list.iter().any(|other| other.name == shown) {
                 self.wrong(at, format!("two design variables are named \"{shown}\""));
             }
+            let mut each = self.each(&raw);
             let count = raw.get("count");
-            let extent = match (self.each(&raw), count) {
-                (Some(_), Some(count)) => {
-                    self.wrong(count.at, "a design variable has count, or per_face, or per_node");
-                    Extent::One
-                }
-                (Some(each), _) => Extent::OfMesh(each),
-                // what is no such number is told where values are checked
-                (None, count) => count
-                    .and_then(|own| self.wholes.value(own))
-                    .and_then(|own| own.try_into().ok())
-                    .filter(|own| MANY.contains(own))
-                    .map_or(Extent::One, Extent::Array),
-            };
-            match &extent {
-                Extent::OfMesh(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
-                Extent::Array(count) => self.scope.add_array(&own, *count),
-                Extent::One => self.scope.add_known(&own, false),
+            if let (Some(_), Some(count)) = (&each, count) {
+                self.wrong(count.at, "a design variable has count, or per_face, or per_node");
+                each = None;
             }
-            list.push((place, shown, extent));
+            // what is no such number is told where values are checked
+            let count = count.and_then(|own| self.wholes.value(own)?.try_into().ok()).filter(|own| MANY.contains(own));
+            match (&each, count) {
+                (Some(each), _) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
+                (None, Some(count)) => self.scope.add_array(&own, count),
+                (None, None) => self.scope.add_known(&own, false),
+            }
+            let numbers = each.as_ref().map_or((0..count.unwrap_or(0)).collect(), |each| each.numbers.clone());
+            list.push(Variable { item: place, name: shown, numbers, each });
         }
         list
     }
@@ -298,13 +270,13 @@ impl Reader {
         let places: HashMap<&str, usize> = entries.iter().enumerate().map(|(place, own)| (&*own.key, place)).collect();
         let needs: Vec<Vec<usize>> = entries
             .iter()
-            .map(|entry| {
-                let mut names = Vec::new();
-                collect_names(entry.value.get("values").unwrap_or(&entry.value), &mut names);
-                names.iter().filter_map(|name| places.get(&**name).copied()).collect()
+            .map(|Entry { value, .. }| {
+                let texts = value.get("values").or(value.entries().is_none().then_some(value)).map(Raw::texts);
+                let names = texts.into_iter().flatten().flat_map(names_in);
+                names.filter_map(|name| places.get(&*name).copied()).collect()
             })
             .collect();
-        let (order, circle) = ordered(&needs);
+        let (order, circle) = ordered(0..needs.len(), &needs);
         if let Some(circle) = circle {
             let names: Vec<&str> = circle.iter().map(|&place| &*entries[place].key).collect();
             let at = entries[circle[0]].value.at;
@@ -334,7 +306,6 @@ impl Reader {
         definitions
     }
 
-    /// The values of a table.
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
         let mut fields = Fields::none(raw.at);
         let Some(entries) = raw.entries().or_else(|| self.not(raw, owner, "a table")) else { return fields };
@@ -372,13 +343,5 @@ impl Reader {
         let name = given.text().or_else(|| self.not(given, &format!("type of {owner}"), "a text"))?;
         let form = known.iter().find(|form| form.name == name).copied();
         form.or_else(|| self.refuse(given.at, format!("{owner}: {}", unknown_or_elsewhere("type", name, &names()))))
-    }
-}
-
-fn collect_names(raw: &Raw, names: &mut Vec<String>) {
-    match &raw.value {
-        RawValue::Text(text, _) => names.extend(names_in(text)),
-        RawValue::List(list) => list.iter().for_each(|own| collect_names(own, names)),
-        _ => {}
     }
 }

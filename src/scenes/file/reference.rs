@@ -1,3 +1,4 @@
+use super::schema::unit;
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
 use crate::elements::entries::{Forms, Key, Range, Type};
 use std::fmt::Write;
@@ -42,7 +43,8 @@ pub(super) fn tables() -> Vec<(String, &'static Forms)> {
 /// Whether a table is one of a list, where one may stand for many.
 pub(super) fn is_listed(forms: &'static Forms) -> bool {
     let all = SECTIONS.iter().flat_map(|section| all_keys(&section.forms));
-    all.filter_map(|key| if let Type::Tables(own) = key.takes { Some(own) } else { None }).any(|own| same(own, forms))
+    all.filter_map(|key| if let Type::List(Type::Table(own), ..) = key.takes { Some(*own) } else { None })
+        .any(|own| same(own, forms))
 }
 
 /// Whether two tables are one.
@@ -65,7 +67,7 @@ fn table_name(key: &Key) -> String {
 fn table_of(takes: &Type) -> Option<&'static Forms> {
     match takes {
         Type::Table(forms)
-        | Type::Tables(forms)
+        | Type::List(Type::Table(forms), ..)
         | Type::Function(_, forms)
         | Type::Law(_, forms)
         | Type::Energy(_, forms)
@@ -106,61 +108,89 @@ fn escaped(text: &str) -> String {
     text.replace('[', "\\[").replace('<', "\\<")
 }
 
+/// What each value of a list is, whether so many are right, and what they are called, with how many there are to be.
+pub(super) fn many(takes: &Type, count: usize) -> (Type, bool, String) {
+    let (each, is_right, how_many) = match *takes {
+        Type::Numbers(counts, unit, range) => {
+            let words = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+            (Type::Number(unit, range), counts.contains(&count), words + " ")
+        }
+        Type::List(each, least, most) => {
+            let words = match least {
+                _ if least == most => format!("{least} "),
+                0 | 1 => String::new(),
+                _ => format!("{least} or more "),
+            };
+            (*each, (least..=most).contains(&count), words)
+        }
+        _ => unreachable!("{takes:?} is no list"),
+    };
+    let called = match each {
+        Type::Number(..) => "numbers or formulas",
+        Type::Numbers(..) => "pairs of numbers or formulas",
+        Type::Fixed(..) => "numbers",
+        Type::Vector(_) => "vectors",
+        Type::Count(..) => "whole numbers or formulas of constants",
+        Type::OfNodes(_) => "formulas of the nodes",
+        Type::Text => "texts",
+        Type::Node => "nodes",
+        Type::NodeSet => "nodes, edges and ends",
+        _ => "tables",
+    };
+    (each, is_right, how_many + called)
+}
+
 /// What a key takes, with unit and range.
 fn words(key: &Key) -> String {
-    let with = |what: &str, unit: &str, range: Range| {
-        let unit = if unit.is_empty() { String::new() } else { format!(" \\[{unit}\\]") };
+    let with = |what: &str, range: Range| {
+        let unit = match unit(&key.takes) {
+            "" => String::new(),
+            unit => format!(" \\[{unit}\\]"),
+        };
         let range = if range == Range::Any { String::new() } else { format!(", {}", range.words()) };
         format!("{what}{unit}{range}")
     };
     let one_of = |words: &[&str]| words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" ");
     match key.takes {
-        Type::Number(unit, range) => with("number or formula", unit, range),
-        Type::Fixed(unit, range) => with("number", unit, range),
-        Type::Vector(unit) => with("vector", unit, Range::Any),
-        Type::Numbers(counts, unit, range) => {
-            let counts = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
-            with(&format!("{counts} numbers or formulas"), unit, range)
+        Type::Number(_, range) => with("number or formula", range),
+        Type::Fixed(_, range) => with("number", range),
+        Type::Vector(_) => with("vector", Range::Any),
+        Type::List(Type::Table(_), ..) => format!("list of tables {}", table_name(key)),
+        Type::Numbers(..) | Type::List(..) => match many(&key.takes, 0) {
+            (Type::Number(_, range), _, words) => with(&words, range),
+            (Type::Count(least, most), _, words) => format!("{words}, {least} to {most}"),
+            (_, _, words) => with(&words, Range::Any),
+        },
+        Type::OneOrMore(Type::Number(_, range)) | Type::Strips(Type::Number(_, range)) => {
+            with("one or more numbers or formulas", *range)
         }
-        Type::Fixeds(0, unit) => with("numbers", unit, Range::Any),
-        Type::Fixeds(count, unit) => with(&format!("{count} numbers"), unit, Range::Any),
-        Type::Series(unit) => with("numbers or formulas", unit, Range::Any),
-        Type::OneOrMore(unit, range) | Type::Strips(unit, range) => with("one or more numbers or formulas", unit, range),
-        Type::FixedOrMore(unit) => with("number, or several", unit, Range::Any),
-        Type::Points => "vectors \\[m\\]".into(),
-        Type::Pairs(unit) => with("pairs of numbers or formulas", unit, Range::Any),
+        Type::OneOrMore(Type::Choice(words)) => format!("some of {}", one_of(words)),
+        Type::OneOrMore(Type::Item(sections)) => format!("names of {}", sections.join(", ")),
+        Type::OneOrMore(_) | Type::Strips(_) => with("number, or several", Range::Any),
         Type::Count(least, most) if least == most => format!("{least}"),
         Type::Count(least, most) => format!("whole number or formula of constants, {least} to {most}"),
-        Type::Counts(count, least, most) => format!("{count} whole numbers or formulas of constants, {least} to {most}"),
         Type::Flag => "true or false".into(),
         Type::Text => "text".into(),
         Type::Stl => "name of a file".into(),
-        Type::Texts => "texts".into(),
         Type::Columns => "2 names or numbers of columns".into(),
         Type::Weights => "table of names with numbers".into(),
         Type::Choice(words) => one_of(words),
-        Type::Choices(words) => format!("some of {}", one_of(words)),
         Type::Node => "node".into(),
-        Type::Nodes(count) => format!("{count} nodes"),
-        Type::NodeSets => "nodes, edges, ends".into(),
         Type::NodeSet => "node, edge or end".into(),
         Type::Item(sections) => format!("name of a {}", sections.join(", ")),
-        Type::Items(sections) => format!("names of {}", sections.join(", ")),
-        Type::OfMesh(unit, range) => with("number or formula, of faces and nodes too", unit, range),
+        Type::OfMesh(_, range) => with("number or formula, of faces and nodes too", range),
         Type::Lists => "lists of whole numbers".into(),
         Type::Selections => "table of names with lists of whole numbers or conditions".into(),
         Type::Table(_) => format!("table {}", table_name(key)),
-        Type::Tables(_) => format!("list of tables {}", table_name(key)),
-        Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),
+        Type::Function(..) => with("number, formula or function of time", Range::Any),
         Type::NamedNodes(_) => "table of names with nodes or points of them".into(),
         Type::Definitions => "table of names with formulas of the nodes".into(),
         Type::NamedTables(_) => "tables by their names".into(),
-        Type::OfNodes(unit) => with("formula of the nodes", unit, Range::Any),
-        Type::SeriesOfNodes(unit) => with("formulas of the nodes", unit, Range::Any),
-        Type::NamedFormulas(unit) => with("table of names with formulas", unit, Range::Any),
+        Type::OfNodes(_) => with("formula of the nodes", Range::Any),
+        Type::NamedFormulas(_) => with("table of names with formulas", Range::Any),
         Type::OfTime => "formula of t".into(),
-        Type::Law(unit, _) => with("formula of s, v, t or table of s", unit, Range::Any),
-        Type::Energy(unit, _) => with("formula or table of s", unit, Range::Any),
+        Type::Law(..) => with("formula of s, v, t or table of s", Range::Any),
+        Type::Energy(..) => with("formula or table of s", Range::Any),
         Type::Over(words, _) => format!("{} or an aggregate", one_of(words)),
     }
 }

@@ -34,19 +34,14 @@ impl Reader {
             if sections.contains(&"mesh") {
                 names.extend(self.group_names());
             }
-            let known = unknown(sections[0], name, &names);
-            let other = self.declared.iter().find(|own| own.name == name);
-            let text = match other {
+            let text = match self.declared.iter().find(|own| own.name == name) {
                 Some(other) => {
+                    let (is, wanted) = (other.section.name, sections.join(" or "));
                     let there =
                         if names.is_empty() { "there is none".into() } else { format!("there are: {}", names.join(", ")) };
-                    format!(
-                        "\"{name}\" is a {}, and a {} is wanted here; {there}",
-                        other.section.name,
-                        sections.join(" or ")
-                    )
+                    format!("\"{name}\" is a {is}, and a {wanted} is wanted here; {there}")
                 }
-                None => known,
+                None => unknown(sections[0], name, &names),
             };
             self.wrong(raw.at, format!("{what}: {text}"));
         }
@@ -60,12 +55,12 @@ impl Reader {
             && let Some(group) = rest.strip_prefix('.')
         {
             // a mesh that could not be read has been reported
-            let known = self.meshes.get(&item).is_none_or(|data| data.group(group).is_some());
+            let known = self.declared[item].mesh.as_ref().is_none_or(|data| data.group(group).is_some());
             if known {
-                return Some(Value::Group(item, group.into()));
+                return Some(Value::Item(item, Some(group.into())));
             }
         }
-        self.item(raw, what, sections).map(Value::Item)
+        self.item(raw, what, sections).map(|item| Value::Item(item, None))
     }
 
     pub(super) fn node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<NodePlace> {
@@ -73,8 +68,8 @@ impl Reader {
         if text == "ground" {
             return Some(NodePlace::default());
         }
-        if let Some(found) = self.mesh_node(raw, what, sets) {
-            return found;
+        if let Some(of_mesh) = self.of_mesh(text) {
+            return self.mesh_node(raw, what, sets, of_mesh);
         }
         let (name, edge, index) = self.node_parts(text);
         let Some(place) = self.find_where(name, |own| own.nodes.is_some()) else {
@@ -135,41 +130,16 @@ fn divided(text: &str) -> (&str, Vec<usize>) {
 impl Reader {
     /// What others refer to comes before these, and otherwise the order of the file is kept.
     pub(super) fn order(&mut self, items: &[Item]) -> Vec<usize> {
-        let needs: Vec<Vec<usize>> = items
-            .iter()
-            .map(|item| {
-                let mut needs = Vec::new();
-                item.fields.values.iter().for_each(|(_, _, value)| collect_items(value, &mut needs));
-                needs
-            })
-            .collect();
+        let needs: Vec<Vec<usize>> = items.iter().map(|item| item.fields.items()).collect();
         let mut by_file: Vec<usize> = (0..items.len()).collect();
         // entries of a loop stand at one place
         by_file.sort_by_key(|&place| items[place].fields.at);
-        let renumbered: Vec<usize> = {
-            let mut places = vec![0; items.len()];
-            by_file.iter().enumerate().for_each(|(rank, &place)| places[place] = rank);
-            places
-        };
-        let ranked: Vec<Vec<usize>> =
-            by_file.iter().map(|&place| needs[place].iter().map(|&need| renumbered[need]).collect()).collect();
-        let (order, circle) = ordered(&ranked);
+        let (order, circle) = ordered(by_file, &needs);
         if let Some(circle) = circle {
-            let names: Vec<&str> = circle.iter().map(|&rank| &*items[by_file[rank]].name).collect();
-            let at = items[by_file[circle[0]]].fields.at;
+            let names: Vec<&str> = circle.iter().map(|&place| &*items[place].name).collect();
+            let at = items[circle[0]].fields.at;
             self.wrong(at, format!("\"{}\" needs itself to be there: {}", names[0], names.join(" -> ")));
         }
-        order.into_iter().map(|rank| by_file[rank]).collect()
-    }
-}
-
-fn collect_items(value: &Value, items: &mut Vec<usize>) {
-    match value {
-        Value::Item(item) | Value::Group(item, _) => items.push(*item),
-        Value::Node(NodePlace { item: Some(item), .. }) => items.push(*item),
-        Value::Fields(fields) => fields.values.iter().for_each(|(_, _, own)| collect_items(own, items)),
-        Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|own| own.place.item)),
-        Value::List(list) => list.iter().for_each(|(_, own)| collect_items(own, items)),
-        _ => {}
+        order
     }
 }

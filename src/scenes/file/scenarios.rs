@@ -11,9 +11,6 @@ pub(super) const SCENARIO: &str = "scenario";
 const SHARED: [&str; 5] = ["version", EXTENDS, "name", "variable", "optimization"];
 
 /// Takes the scenarios out of a file: their names, and the whole file as each makes it.
-///
-/// # Errors
-/// What no scenario can say.
 pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<Mistake>> {
     let RawValue::Table(entries) = &mut root.value else { return Ok(Vec::new()) };
     let Some(place) = entries.iter().position(|entry| entry.key == SCENARIO) else { return Ok(Vec::new()) };

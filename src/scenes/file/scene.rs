@@ -4,7 +4,7 @@ use super::known::{Builder, Known, Made, kept};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
-use super::reader::{Contents, Extent, Variable, read};
+use super::reader::{Contents, Variable, read};
 use super::scenarios::{take_scenarios, without_problem};
 use crate::design::DesignVariable;
 use crate::integrators::{
@@ -171,28 +171,17 @@ impl FileScene {
         let contents = read(root, folder, parts).map_err(|mistakes| source.all_told(mistakes))?;
         let file = source.name();
         let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy().into_owned());
-        let mut mistakes = Vec::new();
+        let mut run = RunEntries { contents: &contents, mistakes: Vec::new() };
         let name = contents.top.text("name").map_or(stem, String::from);
         if let Err((_, why)) = check_folders([&*name]) {
-            let mend = if contents.top.get("name").is_some() { "" } else { "; give the file a key name" };
-            mistakes.push(Mistake::new(contents.top.place("name"), why + mend));
+            let mend = if contents.top.has("name") { "" } else { "; give the file a key name" };
+            run.wrong(contents.top.place("name"), why + mend);
         }
-        let variables = variables(&contents, &mut mistakes);
-        let settings = settings(&contents, &mut mistakes);
-        let problem = problem(&contents, (&variables, functionals), &mut mistakes);
-        let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
-            let histories = fields.texts("histories").map(String::from).collect();
-            Output { step: fields.fixed("step"), histories, meshes: fields.flag("vtk") }
-        });
-        if let Some(step) = output.step
-            && settings.end / step > MOST_STEPS as f64
-            && let Some(fields) = single(&contents, "output")
-        {
-            let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
-            mistakes.push(Mistake::new(fields.place("step"), text));
-        }
-        check_output(&contents, &mut mistakes);
-        check_spans(&contents, settings.end, &mut mistakes);
+        let (variables, settings) = (run.variables(), run.settings());
+        let problem = run.problem(&variables, functionals);
+        let output = run.output(settings.end);
+        run.check_spans(settings.end);
+        let mut mistakes = run.mistakes;
         if mistakes.is_empty() {
             for (section, fields) in &contents.single {
                 mistakes.extend(fields.unread().into_iter().map(|(key, at)| {
@@ -222,202 +211,264 @@ fn other_format(text: &str) -> Option<&'static str> {
 }
 
 impl Variable {
-    /// Its numbers of the design: one, or one for each face or node.
+    /// How many numbers of the design it has.
     fn count(&self) -> usize {
-        match &self.extent {
-            Extent::One => 1,
-            Extent::Array(count) => *count,
-            Extent::OfMesh(each) => each.numbers.len(),
-        }
+        self.numbers.len().max(1)
     }
-    /// What they are called.
     fn names(&self) -> Vec<String> {
-        match &self.extent {
-            Extent::One => vec![self.name.clone()],
-            Extent::Array(count) => (0..*count).map(|number| format!("{}[{number}]", self.name)).collect(),
-            Extent::OfMesh(each) => each.numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
+        match &self.numbers[..] {
+            [] => vec![self.name.clone()],
+            numbers => numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
         }
     }
 }
 
-fn single<'c>(contents: &'c Contents, name: &str) -> Option<&'c Fields> {
-    contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
+/// What a file says of the run, and what is wrong with it.
+struct RunEntries<'c> {
+    contents: &'c Contents,
+    mistakes: Vec<Mistake>,
 }
 
-/// Formulas of time hold at all times; when they were splines, these went on with constant slope before their start and after their end.
-fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
-    let functions = contents.items.iter().flat_map(|item| &item.fields.values).filter_map(|own| match &own.2 {
-        Value::Fields(fields) if fields.form == "formula" => Some(fields),
-        _ => None,
-    });
-    for function in functions {
-        let is_outside = |key| function.fixed(key).is_some_and(|own| if key == "start" { own > 0.0 } else { own < end });
-        for key in ["start", "end"].into_iter().filter(|key| is_outside(key)) {
-            let text = format!(
-                "{key} lies within the run, but a formula of time holds at all times; leave {key} out, or let if_less choose between what \
-                 holds before it and after it"
-            );
-            mistakes.push(Mistake::new(function.place(key), text));
+impl<'c> RunEntries<'c> {
+    fn wrong(&mut self, at: usize, what: impl Into<String>) {
+        self.mistakes.push(Mistake::new(at, what));
+    }
+
+    fn single(&self, name: &str) -> Option<&'c Fields> {
+        self.contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
+    }
+
+    /// A name must be known.
+    fn check(&mut self, kind: &str, at: usize, name: &str, known: &[String]) {
+        if !known.iter().any(|own| own == name) {
+            self.wrong(at, unknown(kind, name, known));
         }
     }
-}
 
-/// What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its nodes.
-fn check_output(contents: &Contents, mistakes: &mut Vec<Mistake>) {
-    let Some(fields) = single(contents, "output") else { return };
-    let told = contents.items.iter().filter(|item| item.section.has_columns);
-    let mut known: Vec<String> = told.map(|item| item.name.clone()).collect();
-    known.push("energy".into());
-    for (at, value) in fields.list("histories") {
-        let Value::Text(text) = value else { continue };
-        let is_of = |name: &String| {
-            text.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.', ',']))
+    /// Formulas of time hold at all times; when they were splines, these went on with constant slope before their start and after their end.
+    fn check_spans(&mut self, end: f64) {
+        let functions = self.contents.items.iter().flat_map(|item| &item.fields.values).filter_map(|own| match &own.2 {
+            Value::Fields(fields) if fields.form == "formula" => Some(fields),
+            _ => None,
+        });
+        for function in functions {
+            let is_outside = |key| function.fixed(key).is_some_and(|own| if key == "start" { own > 0.0 } else { own < end });
+            for key in ["start", "end"].into_iter().filter(|key| is_outside(key)) {
+                let text = format!(
+                    "{key} lies within the run, but a formula of time holds at all times; leave {key} out, or let if_less choose between what \
+                     holds before it and after it"
+                );
+                self.wrong(function.place(key), text);
+            }
+        }
+    }
+
+    /// What a run writes. What histories are to have is the energy, or a part that has nodes, multipliers, forces or a value, or one of its
+    /// nodes.
+    fn output(&mut self, end: f64) -> Output {
+        let Some(fields) = self.single("output") else { return Output::default() };
+        let step = fields.fixed("step");
+        if let Some(step) = step.filter(|step| end / step > MOST_STEPS as f64) {
+            let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {end} s");
+            self.wrong(fields.place("step"), text);
+        }
+        let told = self.contents.items.iter().filter(|item| item.section.has_columns);
+        let mut known: Vec<String> = told.map(|item| item.name.clone()).collect();
+        known.push("energy".into());
+        for (at, value) in fields.list("histories") {
+            let Value::Text(text) = value else { continue };
+            let is_of = |name: &String| {
+                text.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.', ',']))
+            };
+            if !known.iter().any(is_of) {
+                self.wrong(at, format!("histories of [output]: {}", unknown("part", text, &known)));
+            }
+        }
+        Output { step, histories: fields.texts("histories").map(String::from).collect(), meshes: fields.flag("vtk") }
+    }
+
+    fn variables(&mut self) -> Vec<DesignVariable> {
+        let mut variables = Vec::new();
+        for own in &self.contents.variables {
+            let (fields, name, count) = (&self.contents.items[own.item].fields, &own.name, own.count());
+            let mut initial = fields.fixed_list("initial");
+            let bounds = fields.fixed_list("bounds");
+            let &[lower, upper] = bounds.as_slice() else { continue };
+            if lower > upper {
+                let text = format!("the bounds of \"{name}\" are {lower} and {upper}; give the smaller one first");
+                self.wrong(fields.place("bounds"), text);
+            } else if let Some(initial) = initial.iter().find(|own| !(lower..=upper).contains(*own)) {
+                let text = format!("initial of \"{name}\" is {initial}; it must lie between its bounds {lower} and {upper}");
+                self.wrong(fields.place("initial"), text);
+            }
+            if let &[one] = &initial[..] {
+                initial.resize(count, one);
+            }
+            if initial.len() != count {
+                let text = format!("\"{name}\" has {count} values, and these are {}", initial.len());
+                self.wrong(fields.place("initial"), text);
+            }
+            let unit = kept(fields.text("unit").unwrap_or("-"));
+            let numbered = own.names().into_iter().zip(initial);
+            variables.extend(numbered.map(|(name, initial)| DesignVariable::new(name, initial, (lower, upper), unit)));
+        }
+        variables
+    }
+
+    fn settings(&mut self) -> Settings {
+        let Some(fields) = self.single("settings") else {
+            self.wrong(self.contents.top.at, "the section [settings] is missing: give it the keys end [s] and steps");
+            return Settings::new(1.0, 1);
         };
-        if !known.iter().any(is_of) {
-            mistakes.push(Mistake::new(at, format!("histories of [output]: {}", unknown("part", text, &known))));
+        let method = fields.text("method");
+        match method.map(table_named) {
+            None | Some(Ok(Some(_))) => {}
+            Some(Ok(None)) => {
+                let text = unknown("method of [settings]:", method.unwrap_or_default(), &table_names());
+                self.wrong(fields.place("method"), text);
+            }
+            Some(Err(why)) => self.wrong(fields.place("method"), format!("method of [settings]: {why}")),
         }
+        let is_static = method == Some(STATIC_TABLE);
+        let tolerance = fields.fixed("tolerance");
+        let end = fields.fixed("end").or(is_static.then_some(1.0));
+        if end.is_none() {
+            self.wrong(fields.at, "[settings] needs the key end: the duration in s");
+        }
+        match (fields.has("steps"), tolerance) {
+            (false, None) => self.wrong(
+                fields.at,
+                "[settings] needs the key steps, or tolerance where steps are to be chosen by their error",
+            ),
+            (true, Some(_)) => self
+                .wrong(fields.place("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"),
+            _ => {}
+        }
+        for key in ["velocity_tolerance", "project_start", "start"].into_iter().filter(|key| is_static && fields.has(key)) {
+            self.wrong(fields.place(key), format!("{key} of [settings] means nothing with the method static"));
+        }
+        for key in ["velocity_tolerance", "longest_step"].into_iter().filter(|key| tolerance.is_none() && fields.has(key)) {
+            self.wrong(fields.place(key), format!("{key} of [settings] means nothing without the key tolerance"));
+        }
+        self.check_start(fields);
+        let mut settings = Settings::new(end.unwrap_or(1.0), fields.count("steps").max(1));
+        settings.method = method.map(str::to_string);
+        let level = fields.text("constraint_level").and_then(ConstraintLevel::by_name);
+        settings.level = level.unwrap_or(settings.level);
+        let newton = NewtonTolerance::ALL.into_iter().find(|own| fields.text("newton") == Some(own.name()));
+        settings.newton = newton.unwrap_or(settings.newton);
+        let solver = Backend::ALL.into_iter().find(|own| fields.text("solver") == Some(own.name()));
+        settings.solver = solver.unwrap_or(settings.solver);
+        settings.divide = fields.flag("divide_steps");
+        settings.policy.drop_redundant = fields.flag("drop_redundant");
+        settings.policy.project_start = fields.flag("project_start");
+        settings.policy.from_equilibrium = matches!(fields.text("start"), Some("equilibrium" | "steady"));
+        settings.control = tolerance.map(|tolerance| {
+            let mut control = StepControl::new(tolerance);
+            control.velocities = StepControl::new(fields.fixed("velocity_tolerance").unwrap_or(tolerance)).velocities;
+            control.longest = fields.fixed("longest_step").unwrap_or(f64::INFINITY);
+            control
+        });
+        settings
     }
-}
 
-fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVariable> {
-    let mut variables = Vec::new();
-    for own in &contents.variables {
-        let mut initial = own.fields.fixed_list("initial");
-        let bounds = own.fields.fixed_list("bounds");
-        let &[lower, upper] = bounds.as_slice() else { continue };
-        let at = |key: &str| own.fields.place(key);
-        if lower > upper {
-            let text = format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name);
-            mistakes.push(Mistake::new(at("bounds"), text));
-        } else if let Some(initial) = initial.iter().find(|own| !(lower..=upper).contains(*own)) {
-            let text =
-                format!("initial of \"{}\" is {initial}; it must lie between its bounds {lower} and {upper}", own.name);
-            mistakes.push(Mistake::new(at("initial"), text));
+    /// Whether what is held and what turns fits to how the motion begins.
+    fn check_start(&mut self, fields: &Fields) {
+        let (start, contents) = (fields.text("start"), self.contents);
+        let first = |section: &str| contents.items.iter().find(|item| item.section.name == section);
+        if let Some(hold) = first("hold").filter(|_| !matches!(start, Some("equilibrium" | "steady"))) {
+            let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\" or \"steady\"";
+            self.wrong(hold.fields.at, text);
         }
-        if let &[one] = &initial[..] {
-            initial.resize(own.count(), one);
+        match (first("spin"), start == Some("steady")) {
+            (Some(spin), false) => {
+                let text =
+                    "[[spin]] is for a motion that begins with a steady turn: give [settings] the key start = \"steady\"";
+                self.wrong(spin.fields.at, text);
+            }
+            (None, true) => {
+                let text = "start = \"steady\" needs a [[spin]]: which parts turn, about which axis, at which rate";
+                self.wrong(fields.place("start"), text);
+            }
+            _ => {}
         }
-        if initial.len() != own.count() {
-            let text = format!("\"{}\" has {} values, and these are {}", own.name, own.count(), initial.len());
-            mistakes.push(Mistake::new(at("initial"), text));
-        }
-        let unit = kept(own.fields.text("unit").unwrap_or("-"));
-        let numbered = own.names().into_iter().zip(initial);
-        variables.extend(numbered.map(|(name, initial)| DesignVariable::new(name, initial, (lower, upper), unit)));
     }
-    variables
-}
 
-fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
-    let Some(fields) = single(contents, "settings") else {
-        mistakes
-            .push(Mistake::new(contents.top.at, "the section [settings] is missing: give it the keys end [s] and steps"));
-        return Settings::new(1.0, 1);
-    };
-    let method = fields.text("method");
-    match method.map(table_named) {
-        None | Some(Ok(Some(_))) => {}
-        Some(Ok(None)) => {
-            let text = unknown("method of [settings]:", method.unwrap_or_default(), &table_names());
-            mistakes.push(Mistake::new(fields.place("method"), text));
+    fn limit(&mut self, fields: &Fields) -> Limit {
+        let kinds: [(&str, fn(f64) -> Limit); 3] =
+            [("at_most", Limit::AtMost), ("at_least", Limit::AtLeast), ("equal", Limit::Equal)];
+        let given: Vec<Limit> = kinds.iter().filter_map(|(key, limit)| fields.fixed(key).map(limit)).collect();
+        if let [one] = given[..] {
+            return one;
         }
-        Some(Err(why)) => mistakes.push(Mistake::new(fields.place("method"), format!("method of [settings]: {why}"))),
+        let text = format!("a limit needs one of the keys at_most, at_least and equal; {} are given", given.len());
+        self.wrong(fields.at, text);
+        Limit::Equal(0.0)
     }
-    let is_static = method == Some(STATIC_TABLE);
-    let tolerance = fields.fixed("tolerance");
-    let end = fields.fixed("end").or(is_static.then_some(1.0));
-    let steps = fields.has("steps").then(|| fields.count("steps"));
-    check_steps(fields, (end, steps, tolerance), is_static, mistakes);
-    let mut settings = Settings::new(end.unwrap_or(1.0), steps.unwrap_or(1));
-    settings.method = method.map(str::to_string);
-    let level = fields.text("constraint_level").and_then(ConstraintLevel::by_name);
-    settings.level = level.unwrap_or(settings.level);
-    let newton = NewtonTolerance::ALL.into_iter().find(|own| fields.text("newton") == Some(own.name()));
-    settings.newton = newton.unwrap_or(settings.newton);
-    let solver = Backend::ALL.into_iter().find(|own| fields.text("solver") == Some(own.name()));
-    settings.solver = solver.unwrap_or(settings.solver);
-    settings.divide = fields.flag("divide_steps");
-    settings.policy.drop_redundant = fields.flag("drop_redundant");
-    settings.policy.project_start = fields.flag("project_start");
-    settings.policy.from_equilibrium = matches!(fields.text("start"), Some("equilibrium" | "steady"));
-    check_start(contents, fields, mistakes);
-    settings.control = tolerance.map(|tolerance| {
-        let mut control = StepControl::new(tolerance);
-        control.velocities = StepControl::new(fields.fixed("velocity_tolerance").unwrap_or(tolerance)).velocities;
-        control.longest = fields.fixed("longest_step").unwrap_or(f64::INFINITY);
-        control
-    });
-    settings
-}
 
-/// Whether the settings say how long steps are, and nothing that means nothing beside it.
-fn check_steps(
-    fields: &Fields,
-    (end, steps, tolerance): (Option<f64>, Option<usize>, Option<f64>),
-    is_static: bool,
-    mistakes: &mut Vec<Mistake>,
-) {
-    let mut wrong = |at: usize, what: &str| mistakes.push(Mistake::new(at, what));
-    if end.is_none() {
-        wrong(fields.at, "[settings] needs the key end: the duration in s");
-    }
-    match (steps, tolerance) {
-        (None, None) => {
-            wrong(fields.at, "[settings] needs the key steps, or tolerance where steps are to be chosen by their error");
-        }
-        (Some(_), Some(_)) => {
-            wrong(fields.place("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are");
-        }
-        _ => {}
-    }
-    for key in ["velocity_tolerance", "project_start", "start"] {
-        if fields.has(key) && is_static {
-            wrong(fields.place(key), &format!("{key} of [settings] means nothing with the method static"));
+    /// The objective, with the key that says it.
+    fn objective(&mut self, fields: &Fields) -> Option<(Sense, &'static str, Weights)> {
+        let one = |key: &str| vec![(fields.text(key).unwrap_or_default().to_string(), 1.0)];
+        match ["minimize", "maximize", "weights"].map(|key| fields.has(key)) {
+            [true, false, false] => Some((Sense::Minimize, "minimize", one("minimize"))),
+            [false, true, false] => Some((Sense::Maximize, "maximize", one("maximize"))),
+            [false, false, true] => {
+                let sense = if fields.text("sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize };
+                Some((sense, "weights", weights(fields, "weights")))
+            }
+            _ => {
+                let text = "[optimization] needs one of the keys minimize, maximize and weights, which says the objective";
+                self.wrong(fields.at, text);
+                None
+            }
         }
     }
-    for key in ["velocity_tolerance", "longest_step"] {
-        if fields.has(key) && tolerance.is_none() {
-            wrong(fields.place(key), &format!("{key} of [settings] means nothing without the key tolerance"));
-        }
-    }
-}
 
-/// Whether what is held and what turns fits to how the motion begins.
-fn check_start(contents: &Contents, fields: &Fields, mistakes: &mut Vec<Mistake>) {
-    let mut wrong = |at: usize, what: &str| mistakes.push(Mistake::new(at, what));
-    let start = fields.text("start");
-    let first = |section: &str| contents.items.iter().find(|item| item.section.name == section);
-    if let Some(hold) = first("hold").filter(|_| !matches!(start, Some("equilibrium" | "steady"))) {
-        let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\" or \"steady\"";
-        wrong(hold.fields.at, text);
-    }
-    match (first("spin"), start == Some("steady")) {
-        (Some(spin), false) => {
-            let text = "[[spin]] is for a motion that begins with a steady turn: give [settings] the key start = \"steady\"";
-            wrong(spin.fields.at, text);
+    /// The problem, of functionals of scenarios, too.
+    fn problem(&mut self, variables: &[DesignVariable], others: &[String]) -> Option<OptimizationProblem> {
+        let (contents, fields) = (self.contents, self.single("optimization")?);
+        let mut functionals: Vec<String> = contents.functionals().map(String::from).collect();
+        for other in others {
+            if !functionals.contains(other) {
+                functionals.push(other.clone());
+            }
         }
-        (None, true) => {
-            let text = "start = \"steady\" needs a [[spin]]: which parts turn, about which axis, at which rate";
-            wrong(fields.place("start"), text);
+        functionals.extend(modes(contents).map(|mode| mode.name));
+        let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
+        let (sense, key, objective) = self.objective(fields)?;
+        objective.iter().for_each(|(name, _)| self.check("functional", fields.place(key), name, &functionals));
+        // one name stands for all of a variable of faces or nodes
+        let varying = fields.has("varying").then(|| {
+            let all = |name: &str| match contents.variables.iter().find(|own| own.name == name) {
+                Some(own) => own.names(),
+                None => vec![name.into()],
+            };
+            fields.texts("varying").flat_map(all).collect::<Vec<String>>()
+        });
+        let at = fields.place("varying");
+        varying.iter().flatten().for_each(|name| self.check("design variable", at, name, &names));
+        let constraints = fields.tables("constraint").map(|own| {
+            let functional = own.text("functional").unwrap_or_default().to_string();
+            self.check("functional", own.place("functional"), &functional, &functionals);
+            FunctionalConstraint { functional, limit: self.limit(own), scale: own.fixed("scale") }
+        });
+        let constraints = constraints.collect();
+        let linear = fields.tables("linear").map(|own| {
+            let (name, at) = (own.text("name").unwrap_or_default().to_string(), own.place("coefficients"));
+            let coefficients = weights(own, "coefficients");
+            coefficients.iter().for_each(|(name, _)| self.check("design variable", at, name, &names));
+            LinearConstraint { name, coefficients, limit: self.limit(own) }
+        });
+        let linear = linear.collect();
+        let (scale, screening) = (fields.fixed("scale"), fields.fixed("screening"));
+        let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
+        // the rest, such as an objective of weights that are zero
+        if self.mistakes.is_empty()
+            && let Err(why) = problem.check(variables, &functionals.iter().map(String::as_str).collect::<Vec<_>>())
+        {
+            self.wrong(fields.at, why);
         }
-        _ => {}
-    }
-}
-
-fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
-    let given = [
-        fields.fixed("at_most").map(Limit::AtMost),
-        fields.fixed("at_least").map(Limit::AtLeast),
-        fields.fixed("equal").map(Limit::Equal),
-    ];
-    let given: Vec<Limit> = given.into_iter().flatten().collect();
-    match given.as_slice() {
-        [one] => *one,
-        other => {
-            let text = format!("a limit needs one of the keys at_most, at_least and equal; {} are given", other.len());
-            mistakes.push(Mistake::new(fields.at, text));
-            Limit::Equal(0.0)
-        }
+        Some(problem)
     }
 }
 
@@ -431,25 +482,6 @@ fn weights(fields: &Fields, key: &str) -> Weights {
     }
 }
 
-/// The objective, with the key that says it.
-fn objective(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Option<(Sense, &'static str, Weights)> {
-    let one = |key: &str| vec![(fields.text(key).unwrap_or_default().to_string(), 1.0)];
-    match ["minimize", "maximize", "weights"].map(|key| fields.has(key)) {
-        [true, false, false] => Some((Sense::Minimize, "minimize", one("minimize"))),
-        [false, true, false] => Some((Sense::Maximize, "maximize", one("maximize"))),
-        [false, false, true] => {
-            let sense = if fields.text("sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize };
-            Some((sense, "weights", weights(fields, "weights")))
-        }
-        _ => {
-            let text = "[optimization] needs one of the keys minimize, maximize and weights, which says the objective";
-            mistakes.push(Mistake::new(fields.at, text));
-            None
-        }
-    }
-}
-
-/// Numbers of modes.
 fn modes(contents: &Contents) -> impl Iterator<Item = ModeMeasure> {
     contents.items.iter().filter(|item| item.section.name == "mode").map(|Item { name, fields, .. }| ModeMeasure {
         name: name.clone(),
@@ -457,90 +489,6 @@ fn modes(contents: &Contents) -> impl Iterator<Item = ModeMeasure> {
         growth: fields.text("measure") == Some("growth"),
         damped: fields.flag("damped"),
     })
-}
-
-fn problem(
-    contents: &Contents,
-    (variables, others): (&[DesignVariable], &[String]),
-    mistakes: &mut Vec<Mistake>,
-) -> Option<OptimizationProblem> {
-    let fields = single(contents, "optimization")?;
-    let mut functionals: Vec<String> = contents.functionals().map(String::from).collect();
-    for other in others {
-        if !functionals.contains(other) {
-            functionals.push(other.clone());
-        }
-    }
-    functionals.extend(modes(contents).map(|mode| mode.name));
-    let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
-    let (sense, key, objective) = objective(fields, mistakes)?;
-    let check = |kind: &str, at: usize, name: &str, known: &[String], mistakes: &mut Vec<Mistake>| {
-        if !known.iter().any(|own| own == name) {
-            mistakes.push(Mistake::new(at, unknown(kind, name, known)));
-        }
-    };
-    objective.iter().for_each(|(name, _)| check("functional", fields.place(key), name, &functionals, mistakes));
-    // one name stands for all of a variable of faces or nodes
-    let varying = fields.has("varying").then(|| {
-        let all = |name: &str| match contents.variables.iter().find(|own| own.name == name) {
-            Some(own) => own.names(),
-            None => vec![name.into()],
-        };
-        fields.texts("varying").flat_map(all).collect::<Vec<String>>()
-    });
-    let at = fields.place("varying");
-    varying.iter().flatten().for_each(|name| check("design variable", at, name, &names, mistakes));
-    let constraints = fields.tables("constraint").map(|own| {
-        let functional = own.text("functional").unwrap_or_default().to_string();
-        check("functional", own.place("functional"), &functional, &functionals, mistakes);
-        FunctionalConstraint { functional, limit: limit(own, mistakes), scale: own.fixed("scale") }
-    });
-    let constraints = constraints.collect();
-    let linear = fields.tables("linear").map(|own| {
-        let (name, at) = (own.text("name").unwrap_or_default().to_string(), own.place("coefficients"));
-        let coefficients = weights(own, "coefficients");
-        coefficients.iter().for_each(|(name, _)| check("design variable", at, name, &names, mistakes));
-        LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
-    });
-    let linear = linear.collect();
-    let (scale, screening) = (fields.fixed("scale"), fields.fixed("screening"));
-    let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
-    // the rest, such as an objective of weights that are zero
-    if mistakes.is_empty()
-        && let Err(why) = problem.check(variables, &functionals.iter().map(String::as_str).collect::<Vec<_>>())
-    {
-        mistakes.push(Mistake::new(fields.at, why));
-    }
-    Some(problem)
-}
-
-/// The numbers that formulas take, and those of the variables of each face or node of a mesh with their places among them.
-type Numbers<'c> = (Vec<Recorded>, Vec<(usize, &'c Each, Vec<Recorded>)>);
-
-impl FileScene {
-    /// The numbers that formulas take at a design: the place along a section, the design variables, the definitions.
-    fn numbers(&self, x: &[Recorded]) -> Result<Numbers<'_>, String> {
-        let (mut numbers, mut each, mut rest) = (vec![Recorded::default()], Vec::new(), x);
-        for own in &self.contents.variables {
-            let (values, others) = rest.split_at(own.count());
-            rest = others;
-            if let Extent::OfMesh(of) = &own.extent {
-                each.push((numbers.len(), of, values.to_vec()));
-            }
-            numbers.extend_from_slice(if let Extent::Array(_) = own.extent { values } else { &values[..1] });
-        }
-        for (at, name, formula) in &self.contents.definitions {
-            let value = formula.value(|place| numbers[place]).components();
-            if let Some(own) = value.iter().map(|own| own.value()).find(|own| !own.is_finite()) {
-                let text = format!("{name} of [define] is {own} at this design; it must be finite");
-                return Err(self.source.told(&Mistake::new(*at, text)));
-            }
-            if formula.constant().is_none() {
-                numbers.extend(value);
-            }
-        }
-        Ok((numbers, each))
-    }
 }
 
 // not as a `Scene`, which would be compiled anew in each program that has files
@@ -587,7 +535,34 @@ impl AnyScene for FileScene {
     }
 }
 
+/// The numbers that formulas take, and those of the variables of each face or node of a mesh with their places among them.
+type Numbers<'c> = (Vec<Recorded>, Vec<(usize, &'c Each, Vec<Recorded>)>);
+
 impl FileScene {
+    /// The numbers that formulas take at a design: the place along a section, the design variables, the definitions.
+    fn numbers(&self, x: &[Recorded]) -> Result<Numbers<'_>, String> {
+        let (mut numbers, mut each, mut rest) = (vec![Recorded::default()], Vec::new(), x);
+        for own in &self.contents.variables {
+            let (values, others) = rest.split_at(own.count());
+            rest = others;
+            if let Some(of) = &own.each {
+                each.push((numbers.len(), of, values.to_vec()));
+            }
+            numbers.extend_from_slice(if own.each.is_none() { values } else { &values[..1] });
+        }
+        for (at, name, formula) in &self.contents.definitions {
+            let value = formula.value(|place| numbers[place]).components();
+            if let Some(own) = value.iter().map(|own| own.value()).find(|own| !own.is_finite()) {
+                let text = format!("{name} of [define] is {own} at this design; it must be finite");
+                return Err(self.source.told(&Mistake::new(*at, text)));
+            }
+            if formula.constant().is_none() {
+                numbers.extend(value);
+            }
+        }
+        Ok((numbers, each))
+    }
+
     fn build(&self, x: &[Recorded], m: &mut Builder) -> Result<(), String> {
         let Contents { top, items, order, own, .. } = &self.contents;
         if x.len() != self.variables.len() {
@@ -602,7 +577,7 @@ impl FileScene {
             m.ground();
         }
         let mut mistakes = Vec::new();
-        let last = order.iter().rposition(|&place| items[place].section.has_mass);
+        let last = order.iter().rposition(|&place| items[place].section.has_mass());
         for (rank, &place) in order.iter().enumerate() {
             let first = m.model.elements.len();
             let built = (items[place].section.build)(known.entry(place), m);
@@ -643,28 +618,18 @@ impl FileScene {
 
 /// Keys that no part has asked for when all were made.
 fn without_effect(items: &[Item]) -> Vec<Mistake> {
-    fn names(value: &Value, item: usize) -> bool {
-        match value {
-            Value::Item(own) | Value::Group(own, _) => *own == item,
-            Value::List(list) => list.iter().any(|(_, own)| names(own, item)),
-            Value::Fields(own) => own.values.iter().any(|(_, _, own)| names(own, item)),
-            _ => false,
-        }
-    }
-    let is_used = |place: usize| {
+    let named: HashSet<usize> = items.iter().flat_map(|item| item.fields.items()).collect();
+    let checked = items.iter().filter(|item| match item.section.name {
+        "variable" | "mode" => false,
         // what others are made of may stand in a file that does not use it
-        let of_others = matches!(items[place].section.name, "section" | "laminate");
-        !of_others || items.iter().any(|other| other.fields.values.iter().any(|(_, _, own)| names(own, place)))
-    };
-    let checked = items
-        .iter()
-        .enumerate()
-        .filter(|(place, item)| !matches!(item.section.name, "variable" | "mode") && is_used(*place));
+        "section" | "laminate" => named.contains(&item.place),
+        _ => true,
+    });
     let told = |item: &Item, (key, at): (&str, usize)| {
         let (section, name) = (item.section.name, &item.name);
         Mistake::new(at, format!("{key} of the {section} \"{name}\" has no effect beside its other keys: leave it out"))
     };
-    checked.flat_map(|(_, item)| item.fields.unread().into_iter().map(|key| told(item, key))).collect()
+    checked.flat_map(|item| item.fields.unread().into_iter().map(|key| told(item, key))).collect()
 }
 
 fn names_ground(value: &Value) -> bool {

@@ -130,14 +130,12 @@ fn of_key(key: &Key) -> Value {
 }
 
 /// The unit of what a key takes, where it has one.
-fn unit(takes: &Type) -> &'static str {
+pub(super) fn unit(takes: &Type) -> &'static str {
     match *takes {
         Type::Number(unit, _) | Type::Fixed(unit, _) | Type::OfMesh(unit, _) | Type::OfNodes(unit) => unit,
-        Type::Vector(unit) | Type::Numbers(_, unit, _) | Type::Fixeds(_, unit) | Type::Series(unit) => unit,
-        Type::FixedOrMore(unit) | Type::OneOrMore(unit, _) | Type::Strips(unit, _) | Type::Pairs(unit) => unit,
-        Type::SeriesOfNodes(unit) | Type::NamedFormulas(unit) => unit,
+        Type::Vector(unit) | Type::Numbers(_, unit, _) | Type::NamedFormulas(unit) => unit,
+        Type::List(each, ..) | Type::OneOrMore(each) | Type::Strips(each) => self::unit(each),
         Type::Function(unit, _) | Type::Law(unit, _) | Type::Energy(unit, _) => unit,
-        Type::Points => "m",
         _ => "",
     }
 }
@@ -147,7 +145,6 @@ fn of_type(takes: &Type) -> Value {
     let words = |words: &[&str]| json!({"enum": words});
     let whole = |least: usize, most: usize| json!({"type": "integer", "minimum": least, "maximum": most});
     let count = |least, most| any_of(&[whole(least, most), text()]);
-    let one_or_more = |range| any_of(&[number(range), text(), at_least(1, formula(range))]);
     let named = |own: Value| json!({"type": "object", "additionalProperties": own, "minProperties": 1});
     match *takes {
         Type::Number(_, range) | Type::Fixed(_, range) | Type::OfMesh(_, range) => formula(range),
@@ -157,36 +154,26 @@ fn of_type(takes: &Type) -> Value {
             let [least, most] = [counts.iter().min(), counts.iter().max()].map(|own| own.copied().unwrap_or(0));
             array(formula(range), least, most)
         }
-        Type::Fixeds(0, _) => at_least(0, formula(Range::Any)),
-        Type::Fixeds(count, _) => array(formula(Range::Any), count, count),
-        Type::Series(_) => any_of(&[text(), at_least(1, formula(Range::Any))]),
-        Type::SeriesOfNodes(_) => at_least(1, formula(Range::Any)),
-        Type::FixedOrMore(_) => one_or_more(Range::Any),
-        Type::OneOrMore(_, range) | Type::Strips(_, range) => one_or_more(range),
-        Type::Points => at_least(2, part("vector")),
-        Type::Pairs(_) => at_least(2, array(formula(Range::Any), 2, 2)),
+        // the name of a design variable that has several numbers stands for all of them
+        Type::List(Type::Number(_, range), least, _) => any_of(&[text(), at_least(least, formula(*range))]),
+        Type::List(each, least, usize::MAX) => at_least(least, of_type(each)),
+        Type::List(each, least, most) => array(of_type(each), least, most),
+        Type::OneOrMore(each) | Type::Strips(each) => any_of(&[of_type(each), at_least(0, of_type(each))]),
         Type::Count(least, most) => count(least, most),
-        Type::Counts(own, least, most) => array(count(least, most), own, own),
         Type::Flag => json!({"type": "boolean"}),
         Type::NamedNodes(forms) => named(any_of(&[text(), inner(forms)])),
         Type::Definitions | Type::NamedFormulas(_) => named(quantity()),
         Type::NamedTables(forms) => named(inner(forms)),
         Type::Weights => named(formula(Range::Any)),
         Type::Text | Type::Stl | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
-        Type::Texts => at_least(0, text()),
         Type::Columns => array(any_of(&[text(), whole(1, LARGEST)]), 2, 2),
         Type::Choice(own) => words(own),
-        Type::Choices(own) => any_of(&[words(own), at_least(0, words(own))]),
-        Type::Nodes(count) => array(text(), count, count),
-        Type::NodeSets => at_least(1, text()),
-        Type::Items(_) => any_of(&[text(), at_least(0, text())]),
         Type::Lists => at_least(1, at_least(0, whole(0, LARGEST))),
         Type::Selections => {
             let selection = any_of(&[text(), at_least(0, whole(0, LARGEST))]);
             json!({"type": "object", "additionalProperties": selection})
         }
         Type::Table(forms) => inner(forms),
-        Type::Tables(forms) => at_least(0, inner(forms)),
         Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) => {
             any_of(&[number(Range::Any), text(), inner(forms)])
         }

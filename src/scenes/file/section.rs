@@ -3,7 +3,6 @@
 use super::known::{Builder, Entry, Found, Made};
 use crate::elements::entries::Forms;
 
-/// How often a section occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// `[settings]`
@@ -14,7 +13,6 @@ pub(super) enum Shape {
     Listed,
 }
 
-/// A section of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
     pub name: &'static str,
@@ -25,8 +23,6 @@ pub(super) struct Section {
     pub space: &'static str,
     /// How others name the nodes that an entry is or has.
     pub nodes: Option<Nodes>,
-    /// Weight follows it.
-    pub has_mass: bool,
     /// Histories have columns of it.
     pub has_columns: bool,
     /// What becomes of an entry.
@@ -72,7 +68,7 @@ impl Section {
     const fn new(name: &'static str, doc: &'static str, shape: Shape) -> Self {
         let build = |_: Entry, _: &mut Builder| Ok(Made::Nothing);
         let forms = Forms { common: &[], forms: &[], own: None };
-        Section { name, shape, doc, forms, space: name, nodes: None, has_mass: false, has_columns: false, build }
+        Section { name, shape, doc, forms, space: name, nodes: None, has_columns: false, build }
     }
     /// One that occurs once.
     pub const fn once(name: &'static str, doc: &'static str) -> Self {
@@ -85,6 +81,15 @@ impl Section {
     /// A list of entries, whose names are those of members.
     pub const fn listed(name: &'static str, doc: &'static str) -> Self {
         Section { space: "member", ..Self::new(name, doc, Shape::Listed) }
+    }
+    /// One of entries that are nodes or have them.
+    pub const fn with_nodes(name: &'static str, doc: &'static str, nodes: Nodes) -> Self {
+        Section { nodes: Some(nodes), has_columns: true, ..Self::listed(name, doc) }
+    }
+
+    /// Weight follows its entries: their nodes stand in space.
+    pub fn has_mass(&self) -> bool {
+        self.nodes.is_some_and(|own| own.known.iter().any(|known| known.0 == "position"))
     }
 
     /// As it is written in a file.

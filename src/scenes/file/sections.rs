@@ -7,30 +7,22 @@ use super::parts::PARTS;
 use super::section::Section;
 use super::tables::TABLES;
 use crate::design::repeated;
-use crate::elements::entries::{Form, Forms, Key, Range, Type, joined, may, need};
+use crate::elements::entries::{Form, Forms, Key, Range, Type, at_least, joined, may, need};
 use crate::integrators::{MOST_STEPS, NewtonTolerance};
 use Range::{Any, Positive};
-use Type::{Choice, Count, Fixed, Flag, Tables, Text, Texts, Vector, Weights};
+use Type::{Choice, Count, Fixed, Flag, Table, Text, Vector, Weights};
 
 /// The version of the format that this program reads.
 pub(super) const VERSION: usize = 1;
 
 /// Keys at the top of a file.
-pub(super) const TOP: Forms = Forms {
-    common: &[],
-    forms: &[Form {
-        name: "",
-        doc: "",
-        keys: &[
-            need("version", Count(VERSION, VERSION), "version of the format: 1"),
-            may(EXTENDS, Text, "scene file in the same folder that this one adds to and changes"),
-            may("name", Text, "name of the scene; the name of the file"),
-            may("summary", Text, "what the scene is, in a line"),
-            may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
-        ],
-    }],
-    own: None,
-};
+pub(super) const TOP: Forms = one_form![
+    need("version", Count(VERSION, VERSION), "version of the format: 1"),
+    may(EXTENDS, Text, "scene file in the same folder that this one adds to and changes"),
+    may("name", Text, "name of the scene; the name of the file"),
+    may("summary", Text, "what the scene is, in a line"),
+    may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
+];
 
 const LINEAR: Forms = one_form![
     need("name", Text, "what it is for"),
@@ -109,7 +101,7 @@ const OF_ALL: &[Section] = &[
             may("step", Fixed("s", Positive), "histories at multiples of this time; at the steps"),
             may(
                 "histories",
-                Texts,
+                at_least(0, &Text),
                 "what has columns in them, by names: nodes (\"crank\", \"beam[4]\", \"beam.end\", \"plate[2,0]\"), members with all their \
                  nodes, joints, springs, dampers, elements, states, functionals, and \"energy\"; everything"
             ),
@@ -123,15 +115,15 @@ const OF_ALL: &[Section] = &[
             may("maximize", Text, "name of one that is to become large"),
             may("sense", Choice(&["minimize", "maximize"]), "of a sum; minimize"),
             may("weights", Weights, "weights of functionals in a sum, by name"),
-            may("varying", Texts, "names of the design variables that may change, as they are listed; all"),
+            may("varying", at_least(0, &Text), "names of the design variables that may change, as they are listed; all"),
             may("scale", Fixed("unit", Positive), "size of the objective that is of the order of 1; its size at the start"),
             may(
                 "screening",
                 Fixed("-", Positive),
                 "limits kept by more than this share need no gradient; every limit has one"
             ),
-            may("constraint", Tables(&LIMIT), "limits of functionals and modes"),
-            may("linear", Tables(&LINEAR), "limits of sums of design variables"),
+            may("constraint", at_least(0, &Table(&LIMIT)), "limits of functionals and modes"),
+            may("linear", at_least(0, &Table(&LINEAR)), "limits of sums of design variables"),
         ],
         ..Section::once(
             "optimization",

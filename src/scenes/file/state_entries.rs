@@ -1,6 +1,6 @@
 //! States of first order by entries: an entry is what a file would write of its keys.
 
-use crate::elements::entries::{Form, Key, Range, Type, may, need};
+use crate::elements::entries::{Form, Range, Type, may, need};
 
 /// Keys under which the fields of an entry have the starts and the rates of its states, and its outputs.
 pub(super) const MADE: [&str; 3] = ["starts of states", "rates of states", "outputs of states"];
@@ -134,17 +134,4 @@ const WRITTEN: Form = Form {
 };
 
 /// All forms of a state.
-pub(super) const STATE_FORMS: [Form; STATE_ENTRIES.len() + 1] = {
-    let mut forms = [WRITTEN; STATE_ENTRIES.len() + 1];
-    let mut place = 0;
-    while place < STATE_ENTRIES.len() {
-        forms[place + 1] = STATE_ENTRIES[place].form;
-        place += 1;
-    }
-    forms
-};
-
-/// Keys of a form of a state.
-pub(super) fn keys_of(form: &str) -> &'static [Key] {
-    STATE_FORMS.iter().find(|own| own.name == form).map_or(&[], |own| own.keys)
-}
+pub(super) const STATE_FORMS: [Form; STATE_ENTRIES.len() + 1] = [WRITTEN, LAG.form, PID.form];

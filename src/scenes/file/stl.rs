@@ -17,16 +17,11 @@ const TRIANGLE: usize = 50;
 impl Reader {
     /// The surface of a file beside the scene file.
     pub(super) fn surface(&mut self, raw: &Raw, what: &str) -> Option<Arc<TriangleSurface>> {
-        let Some(file) = raw.text().filter(|file| !file.is_empty()) else {
-            self.wrong(raw.at, format!("{what} must be the name of a file in STL; it is {}", raw.words()));
-            return None;
-        };
+        let file = raw.text().filter(|file| !file.is_empty());
+        let file = file.or_else(|| self.not(raw, what, "the name of a file in STL"))?;
         match read(&self.folder.join(file)) {
             Ok(surface) => Some(Arc::new(surface)),
-            Err(why) => {
-                self.wrong(raw.at, format!("{what}, \"{file}\": {why}"));
-                None
-            }
+            Err(why) => self.refuse(raw.at, format!("{what}, \"{file}\": {why}")),
         }
     }
 }

@@ -1,20 +1,23 @@
 //! Tables by names, which formulas call like functions: `[table.road]` makes `road(x)`.
 
-use super::fields::{Fields, Value};
+use super::fields::Fields;
 use super::formula::{Formula, Meaning};
 use super::keys::one_form;
-use super::mistake::Mistake;
 use super::raw::{Entry, Raw};
 use super::reader::Reader;
 use super::section::Section;
 use crate::elements::Table;
-use crate::elements::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Type, VALUES, may};
+use crate::elements::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Range, Type, VALUES, at_least, may};
 use crate::scalar::{Curve, Interpolant, Scalar};
 use std::sync::Arc;
 
 /// The keys of a table.
 pub(super) const TABLE: Forms = one_form![
-    may("points", Type::Fixeds(0, ""), "numbers at which it has values, increasing; those of the file"),
+    may(
+        "points",
+        at_least(0, &Type::Fixed("", Range::Any)),
+        "numbers at which it has values, increasing; those of the file"
+    ),
     VALUES,
     FILE,
     COLUMNS,
@@ -63,21 +66,7 @@ impl NamedTable {
 
     /// What its keys say, and the formulas of its values where they change with the design.
     fn of(fields: &Fields) -> Result<(Self, Vec<Formula>), String> {
-        let (points, values) = match fields.get("file") {
-            Some((_, Value::Columns(columns))) => {
-                (columns[0].clone(), columns[1].iter().map(|&value| Formula::literal(value)).collect())
-            }
-            _ => {
-                let formula = |(_, value): (usize, &Value)| match value {
-                    Value::Formula(formula, _) => Some(formula.clone()),
-                    _ => None,
-                };
-                (fields.fixed_list("points"), fields.list("values").filter_map(formula).collect::<Vec<_>>())
-            }
-        };
-        if points.len() != values.len() {
-            return Err(format!("there are {} points, but {} values; give one for each", points.len(), values.len()));
-        }
+        let (points, values) = fields.points_and_values("points")?;
         let (is_linear, mut interpolant) = (fields.text("extrapolation").map(|word| word == "linear"), fields.way());
         if interpolant == Interpolant::Lines && is_linear == Some(true) {
             interpolant = Interpolant::LinesOn;
@@ -109,17 +98,14 @@ impl Reader {
         let before = self.mistakes.len();
         let fields = self.fields(&own.value, &TABLE, &format!("the table \"{}\"", own.key));
         let fields = self.with_columns(fields);
-        let made =
-            NamedTable::of(&fields).map_err(|why| Mistake::new(own.value.at, format!("the table \"{}\": {why}", own.key)));
-        // what is wrong is told once, not by all that call it
-        let (table, values) = made
-            .or_else(|mistake| {
-                if self.mistakes.len() == before {
-                    self.mistakes.push(mistake);
-                }
-                NamedTable::spline(2).map(|table| (table, vec![Formula::literal(1.0); 2]))
-            })
-            .unwrap_or_else(|_: String| unreachable!("two points make a spline"));
+        let made = NamedTable::of(&fields).or_else(|why| {
+            if self.mistakes.len() == before {
+                self.wrong(own.value.at, format!("the table \"{}\": {why}", own.key));
+            }
+            // what is wrong is told once, not by all that call it
+            NamedTable::spline(2).map(|table| (table, vec![Formula::literal(1.0); 2]))
+        });
+        let (table, values) = made.unwrap_or_else(|why| unreachable!("two points make a spline: {why}"));
         self.scope.add(&own.key, Meaning::Table(Arc::new(table), values.into()));
     }
 

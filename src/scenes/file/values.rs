@@ -4,10 +4,10 @@ use super::fields::{NamedNode, Value};
 use super::formula::{Formula, OF_LAW, TIME, names_in};
 use super::raw::{Entry, Raw, RawValue};
 use super::reader::Reader;
+use super::reference::many;
 use crate::elements::entries::{Forms, Range, Type};
 use crate::scenes::unknown;
 
-/// Whether a text mentions a name.
 fn uses(text: &str, name: &str) -> bool {
     names_in(text).iter().any(|own| own == name)
 }
@@ -35,9 +35,9 @@ impl Reader {
                 self.scope.of_mesh = None;
                 own
             }
-            Type::Strips(unit, range) => {
+            Type::Strips(each) => {
                 let of_section = std::mem::replace(&mut self.scope.of_section, true);
-                let own = self.value(raw, &Type::OneOrMore(unit, range), what);
+                let own = self.value(raw, &Type::OneOrMore(each), what);
                 self.scope.of_section = of_section;
                 own
             }
@@ -54,18 +54,14 @@ impl Reader {
             Type::Node => self.node(raw, what, false).map(Value::Node),
             Type::NodeSet => self.node(raw, what, true).map(Value::Node),
             Type::Item(sections) => self.item_or_group(raw, what, sections),
-            Type::OneOrMore(unit, range) => self.one_or_more(raw, &Type::Number(unit, range), what),
-            Type::FixedOrMore(unit) => self.values(raw.one_or_more(), &Type::Fixed(unit, Range::Any), what),
-            Type::Choices(words) => self.values(raw.one_or_more(), &Type::Choice(words), what),
-            Type::Items(sections) => self.values(raw.one_or_more(), &Type::Item(sections), what),
-            Type::Series(_) | Type::Numbers(..) | Type::Fixeds(..) | Type::SeriesOfNodes(_) => self.list(raw, takes, what),
-            Type::Points | Type::Pairs(_) | Type::Counts(..) => self.list(raw, takes, what),
-            Type::Nodes(_) | Type::NodeSets => self.list(raw, takes, what),
-            Type::Texts => self.texts(raw, what),
+            Type::OneOrMore(Type::Number(..) | Type::Fixed(..)) if raw.list().is_some_and(<[Raw]>::is_empty) => {
+                self.not(raw, what, "a number or a list of numbers")
+            }
+            Type::OneOrMore(each) => self.values(raw.one_or_more(), each, what),
+            Type::Numbers(..) | Type::List(..) => self.list(raw, takes, what),
             Type::Columns => self.columns(raw, what),
             Type::Lists => self.lists(raw, what),
             Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, what))),
-            Type::Tables(forms) => self.tables(raw, forms, what),
             Type::Over(_, forms) if raw.entries().is_some() => Some(Value::Fields(self.fields(raw, forms, what))),
             Type::Over(words, forms) => self.over(raw, what, words, forms),
             Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) if raw.entries().is_some() => {
@@ -87,42 +83,20 @@ impl Reader {
 
     /// A list of values that are alike, as many as its type wants.
     fn list(&mut self, raw: &Raw, takes: &Type, what: &str) -> Option<Value> {
-        let list = raw.list().unwrap_or_default();
-        let count = list.len();
-        let (each, is_right, wanted) = match *takes {
-            Type::Numbers(counts, unit, range) => {
-                let words = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
-                (Type::Number(unit, range), counts.contains(&count), format!("{words} numbers or formulas"))
-            }
-            Type::Fixeds(0, unit) => (Type::Fixed(unit, Range::Any), true, "numbers".into()),
-            Type::Fixeds(own, unit) => (Type::Fixed(unit, Range::Any), count == own, format!("{own} numbers")),
-            Type::Series(unit) => (Type::Number(unit, Range::Any), count > 0, "numbers or formulas".into()),
-            Type::SeriesOfNodes(unit) => (Type::OfNodes(unit), count > 0, "formulas".into()),
-            Type::Points => (Type::Vector("m"), count > 1, "two or more vectors".into()),
-            Type::Pairs(unit) => {
-                let are_pairs = list.iter().all(|own| own.list().is_some_and(|own| own.len() == 2));
-                let wanted = "two or more pairs of numbers or formulas, as in [[0, 0], [1, 0]]";
-                (Type::Numbers(&[2], unit, Range::Any), count > 1 && are_pairs, wanted.into())
-            }
-            Type::Counts(own, least, most) => (Type::Count(least, most), count == own, format!("{own} whole numbers")),
-            Type::Nodes(own) => (Type::Node, count == own, format!("{own} nodes, as in [\"ground\", \"crank\"]")),
-            Type::NodeSets => (Type::NodeSet, true, "nodes, edges and ends, as in [\"plate.first_start\"]".into()),
-            _ => unreachable!("{takes:?} is no list"),
+        let list = raw.list();
+        let (each, is_right, words) = many(takes, list.map_or(0, <[Raw]>::len));
+        let example = match each {
+            Type::Node => ", as in [\"ground\", \"crank\"]",
+            Type::NodeSet => ", as in [\"plate.first_start\"]",
+            Type::Numbers(..) => ", as in [[0, 0], [1, 0]]",
+            _ => "",
         };
-        if raw.list().is_none() || !is_right {
-            return self.not(raw, what, &format!("a list of {wanted}"));
-        }
-        self.values(list, &each, what)
-    }
-
-    fn one_or_more(&mut self, raw: &Raw, each: &Type, what: &str) -> Option<Value> {
-        match raw.one_or_more() {
-            [] => self.not(raw, what, "a number or a list of numbers"),
-            list => self.values(list, each, what),
+        match list.filter(|_| is_right) {
+            Some(list) => self.values(list, &each, what),
+            None => self.not(raw, what, &format!("a list of {words}{example}")),
         }
     }
 
-    /// The values of a list.
     fn values(&mut self, list: &[Raw], takes: &Type, what: &str) -> Option<Value> {
         self.all(list, |reader, own| Some((own.at, reader.value(own, takes, what)?))).map(Value::List)
     }
@@ -139,12 +113,6 @@ impl Reader {
             Some(text) => Some(Value::Text(text.into())),
             None => self.not(raw, what, "a text"),
         }
-    }
-
-    fn texts(&mut self, raw: &Raw, what: &str) -> Option<Value> {
-        let text = |own: &Raw| Some((own.at, Value::Text(own.text()?.into())));
-        let texts = raw.list().and_then(|list| list.iter().map(text).collect());
-        texts.map(Value::List).or_else(|| self.not(raw, what, "a list of texts"))
     }
 
     fn columns(&mut self, raw: &Raw, what: &str) -> Option<Value> {
@@ -167,11 +135,6 @@ impl Reader {
             Some((own.at, Value::List(numbers.map(|number| (own.at, Value::Count(number))).collect())))
         };
         self.all(list, of).map(Value::List)
-    }
-
-    fn tables(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
-        let Some(list) = raw.list() else { return self.not(raw, what, "a list of tables") };
-        self.values(list, &Type::Table(forms), what)
     }
 
     /// What is read of the entries of a table of names, which has some.
@@ -225,8 +188,7 @@ impl Reader {
     /// All numbers of a design variable that has several, where a list is wanted and its name stands.
     fn array(&self, raw: &Raw, takes: &Type) -> Option<Value> {
         let range = match *takes {
-            Type::Series(_) => Range::Any,
-            Type::OneOrMore(_, range) => range,
+            Type::List(Type::Number(_, range), ..) | Type::OneOrMore(Type::Number(_, range)) => *range,
             _ => return None,
         };
         let places = self.scope.array(raw.text()?.trim())?;

@@ -1,10 +1,9 @@
 //! A functional by a formula of nodes.
 
-use super::Measurand;
+use super::{Measurand, measurand};
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 /// What is measured by a formula, with its unit.
 struct FormulaQuantity(Formulas, &'static str);
@@ -24,19 +23,17 @@ impl Quantity for FormulaQuantity {
     }
 }
 
-pub(super) const FORMULA: Measurand = Measurand {
-    form: Form {
-        name: "formula",
-        doc: "a formula of its nodes and of the time",
-        keys: &[
-            NODES,
-            DEFINITIONS,
-            OWN_TABLES,
-            need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
-            may("unit", Type::Text, "its unit, for tables and charts; -"),
-        ],
-    },
-    add: |e, over, m| {
+pub(super) const FORMULA: Measurand = measurand(
+    "formula",
+    "a formula of its nodes and of the time",
+    &[
+        NODES,
+        DEFINITIONS,
+        OWN_TABLES,
+        need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
+        may("unit", Type::Text, "its unit, for tables and charts; -"),
+    ],
+    |e, over, m| {
         let mut reading = Reading::new(e, m)?;
         reading.take_key(e, "value", [true, true])?;
         let Reading { nodes, formulas, p, .. } = reading;
@@ -44,4 +41,4 @@ pub(super) const FORMULA: Measurand = Measurand {
         m.functional(e.name(), over, (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
         Ok(())
     },
-};
+);

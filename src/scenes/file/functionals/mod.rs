@@ -6,54 +6,38 @@ mod of_joints;
 mod of_sections;
 mod over;
 
-use super::build_parts::{located, nothing_builds, values};
-use super::keys::{NAME, WITH_ELEMENTS};
-use super::known::{Builder, Entry, Found, Made};
-use super::section::Section;
-use crate::elements::entries::{Form, Forms, Key, Kind, Range, Type, forms_of, joined, need};
+use super::describing::*;
+use crate::elements::entries::Kind;
 use crate::functionals::Over;
 use crate::functionals::quantities::QUANTITIES;
+use of_elements::OF_ELEMENTS;
+use of_joints::OF_JOINTS;
+use of_sections::OF_SECTIONS;
 use over::{OVER, over};
 
-/// What is measured of a joint, elements or everything, all in one place: name, sentence, keys, and what an entry adds.
+/// What is measured of a joint, elements or everything: name, sentence, keys, and what an entry adds, of what is made over time.
+#[derive(Clone, Copy)]
 struct Measurand {
     form: Form,
-    /// Adds the functional of an entry, of what is made over time.
-    add: fn(Entry, Over, &mut Builder) -> Found<()>,
+    add: Adder,
+}
+
+type Adder = fn(Entry, Over, &mut Builder) -> Found<()>;
+
+const fn measurand(name: &'static str, doc: &'static str, keys: &'static [Key], add: Adder) -> Measurand {
+    Measurand { form: Form { name, doc, keys }, add }
 }
 
 /// Elements.
 const GROUP: Key = need(
     "of",
-    Type::Items(WITH_ELEMENTS),
+    Type::OneOrMore(&Type::Item(WITH_ELEMENTS)),
     "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
 );
-/// A section of a beam or cable.
-const AT_SHARE: Key = need("share", Type::Fixed("-", Range::Share), "place along its length, from 0 to 1");
 
 /// What is measured, in the order of the reference page.
-const MEASURANDS: [Measurand; 20] = [
-    formula::FORMULA,
-    of_joints::REACTION,
-    of_joints::REACTION_NORM,
-    of_joints::JOINT_LOAD,
-    of_joints::JOINT_POWER,
-    of_elements::ENERGY,
-    of_elements::POWER,
-    of_elements::MASS,
-    of_elements::STRAIN_ENERGY,
-    of_elements::INERTIA_MOMENT,
-    of_elements::VON_MISES,
-    of_elements::TSAI_WU,
-    of_sections::SECTION_FORCE,
-    of_sections::SECTION_FORCES,
-    of_sections::SECTION_STRAIN,
-    of_sections::FIBRE_STRESS,
-    of_sections::CABLE_STRAIN,
-    of_sections::CABLE_CURVATURE,
-    of_sections::CABLE_STRESS,
-    of_sections::LARGEST_CABLE_STRESS,
-];
+const MEASURANDS: [Measurand; 1 + OF_JOINTS.len() + OF_ELEMENTS.len() + OF_SECTIONS.len()] =
+    joined(&[&[formula::FORMULA], OF_JOINTS, OF_ELEMENTS, OF_SECTIONS]);
 
 const FORMS: [Form; MEASURANDS.len()] = {
     let (mut forms, mut place) = ([MEASURANDS[0].form; MEASURANDS.len()], 0);
@@ -81,8 +65,6 @@ fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         let made = m.quantity_part(part, e.name(), over(&e), &nodes, values).map(|()| Made::Nothing);
         return located(made, e, m);
     }
-    match MEASURANDS.iter().find(|own| own.form.name == e.form) {
-        Some(own) => (own.add)(e, over(&e), m).map(|()| Made::Nothing),
-        None => nothing_builds(e),
-    }
+    let own = MEASURANDS.iter().find(|own| own.form.name == e.form);
+    own.map_or(Ok(()), |own| (own.add)(e, over(&e), m)).map(|()| Made::Nothing)
 }

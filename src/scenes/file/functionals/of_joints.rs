@@ -1,15 +1,13 @@
 //! What joints do to what they hold.
 
-use super::Measurand;
+use super::{Measurand, measurand};
 use crate::elements::entries::{Given, ON, PLACE};
 use crate::elements::forces::load_frame::{FRAME, LoadFrame};
 use crate::functionals::LoadKind;
-use crate::scenes::file::build_parts::{made_of, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::WITH_MULTIPLIERS;
 
 /// The joint whose reactions are measured.
-pub(super) const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");
+const OF_JOINT: Key = need("joint", Type::Item(WITH_MULTIPLIERS), "name of a joint or driver");
 
 /// Which load, in which frame, along a direction and about a point of the world.
 type Load = ((LoadKind, LoadFrame), [Vector3<Recorded>; 2]);
@@ -34,63 +32,50 @@ fn load(given: &mut Given<Recorded>) -> Load {
     ((kind, frame), [direction, point])
 }
 
-pub(super) const JOINT_LOAD: Measurand = Measurand {
-    form: Form {
-        name: "joint_load",
-        doc: "force or moment of a joint on one of its nodes [N, N m]",
-        keys: &[
-            OF_JOINT,
-            ON,
-            PLACE,
-            FRAME,
-            need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
-            may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
-        ],
-    },
-    add: |e, over, m| {
+const LOAD_KEYS: &[Key] = &[
+    OF_JOINT,
+    ON,
+    PLACE,
+    FRAME,
+    need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
+    may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
+];
+
+pub(super) const OF_JOINTS: &[Measurand] = &[
+    measurand(
+        "reaction",
+        "weighted sum of a joint's multipliers",
+        &[OF_JOINT, need("weights", at_least(1, &Number("-", Any)), "a weight for each of its equations")],
+        |e, over, m| {
+            let joint = e.joint()?;
+            m.reaction_functional(e.name(), over, joint, &e.series("weights")?);
+            Ok(())
+        },
+    ),
+    measurand(
+        "reaction_norm",
+        "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force",
+        &[OF_JOINT],
+        |e, over, m| {
+            m.reaction_norm_functional(e.name(), over, e.joint()?);
+            Ok(())
+        },
+    ),
+    measurand("joint_load", "force or moment of a joint on one of its nodes [N, N m]", LOAD_KEYS, |e, over, m| {
         let (joint, node) = (e.joint()?, e.node("on", m)?);
-        let given = m.given(e.name(), &[node], values(e, JOINT_LOAD.form.keys)?);
+        let given = m.given(e.name(), &[node], values(e, LOAD_KEYS)?);
         let (load, [direction, point]) = made_of(e, given, load)?;
         m.joint_load_functional(e.name(), over, (joint, node), load, direction, point);
         Ok(())
-    },
-};
-
-pub(super) const JOINT_POWER: Measurand = Measurand {
-    form: Form {
-        name: "joint_power",
-        doc: "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]",
-        keys: &[OF_JOINT, may("on", Node, "one of its nodes, to which the joint hands on so much; all")],
-    },
-    add: |e, over, m| {
-        let joint = e.joint()?;
-        let on = e.get("on").map(|_| e.node("on", m)).transpose()?;
-        m.joint_power_functional(e.name(), over, joint, on);
-        Ok(())
-    },
-};
-
-pub(super) const REACTION: Measurand = Measurand {
-    form: Form {
-        name: "reaction",
-        doc: "weighted sum of a joint's multipliers",
-        keys: &[OF_JOINT, need("weights", Type::Series("-"), "a weight for each of its equations")],
-    },
-    add: |e, over, m| {
-        let joint = e.joint()?;
-        m.reaction_functional(e.name(), over, joint, &e.series("weights")?);
-        Ok(())
-    },
-};
-
-pub(super) const REACTION_NORM: Measurand = Measurand {
-    form: Form {
-        name: "reaction_norm",
-        doc: "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force",
-        keys: &[OF_JOINT],
-    },
-    add: |e, over, m| {
-        m.reaction_norm_functional(e.name(), over, e.joint()?);
-        Ok(())
-    },
-};
+    }),
+    measurand(
+        "joint_power",
+        "power with which a joint or driver works on what it holds [W]: of a driver what it puts in; an integral is a work [J]",
+        &[OF_JOINT, may("on", Node, "one of its nodes, to which the joint hands on so much; all")],
+        |e, over, m| {
+            let (joint, on) = (e.joint()?, e.given("on", |e, key| e.node(key, m))?);
+            m.joint_power_functional(e.name(), over, joint, on);
+            Ok(())
+        },
+    ),
+];

@@ -4,7 +4,6 @@ use super::line::{LINE, LINE_NODES, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
 use crate::elements::flexible;
 use crate::scenes::BeamLine;
-use crate::scenes::file::build_parts::{given, made_of};
 use crate::scenes::file::describing::*;
 use std::cell::RefCell;
 
@@ -15,29 +14,25 @@ const ARC: Forms = one_form![
 ];
 
 pub(super) const SECTION: Section = Section {
-    forms: one_form![
-        LINE[0],
-        LINE[1],
-        LINE[2],
-        LINE[3],
-        need("section", Type::Item(&["section"]), "name of a section"),
-        may(
-            "second_axis",
-            Vector("-"),
-            "direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken"
-        ),
-        may("arc", Table(&ARC), "part of a circle instead of a straight line"),
-        may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
-        LINE[4],
-        LINE[5],
-        LINE[6],
-        LINE[7],
-    ],
-    nodes: Some(Nodes { known: OF_BODY, ..LINE_NODES }),
-    has_columns: true,
-    has_mass: true,
+    forms: Forms {
+        common: &LINE,
+        ..one_form![
+            need("section", Type::Item(&["section"]), "name of a section"),
+            may(
+                "second_axis",
+                Vector("-"),
+                "direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken"
+            ),
+            may("arc", Table(&ARC), "part of a circle instead of a straight line"),
+            may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
+        ]
+    },
     build,
-    ..Section::listed("beam", "A beam, geometrically exact, with shear and torsion, of three-node elements.")
+    ..Section::with_nodes(
+        "beam",
+        "A beam, geometrically exact, with shear and torsion, of three-node elements.",
+        Nodes { known: OF_BODY, ..LINE_NODES },
+    )
 };
 
 fn beam_section(e: Entry) -> Found<flexible::Section<Recorded>> {

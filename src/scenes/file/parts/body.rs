@@ -53,18 +53,16 @@ pub(super) const SECTION: Section = Section {
         may("coordinates", Choice(&["euler_parameters", "natural"]), "kind of its coordinates; euler_parameters"),
         may(
             "solids",
-            Tables(&SOLID),
+            at_least(0, &Table(&SOLID)),
             "solids of which it consists, in the world at the start, instead of mass, mass_centre and inertia; none"
         ),
-        may("draw", Points, "corners of a line of the picture, in the world at the start; none"),
+        may("draw", at_least(2, &Vector("m")), "corners of a line of the picture, in the world at the start; none"),
     ],
-    nodes: Some(Nodes::one(OF_BODY)),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "body",
         "A rigid body: a frame in space, with or without mass. The body named ground is there already; it never moves.",
+        Nodes::one(OF_BODY),
     )
 };
 

@@ -4,27 +4,22 @@ use super::line::{LINE, LINE_NODES, set_motion, with_ends};
 use super::section::{is_tapered, section_of, shape_of};
 use crate::elements::flexible::{self, CableSection};
 use crate::scenes::CableLine;
-use crate::scenes::file::build_parts::{given, made_of};
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    forms: one_form![
-        LINE[0],
-        LINE[1],
-        LINE[2],
-        LINE[3],
-        need("section", Type::Item(&["section"]), "name of a section that is not of type beam"),
-        may("strains", Choice(&["exact", "small"]), "strains of its energy; exact"),
-        LINE[4],
-        LINE[5],
-        LINE[6],
-        LINE[7],
-    ],
-    nodes: Some(LINE_NODES),
-    has_columns: true,
-    has_mass: true,
+    forms: Forms {
+        common: &LINE,
+        ..one_form![
+            need("section", Type::Item(&["section"]), "name of a section that is not of type beam"),
+            may("strains", Choice(&["exact", "small"]), "strains of its energy; exact"),
+        ]
+    },
     build,
-    ..Section::listed("cable", "A cable in absolute nodal coordinates: straight at the start, without torsion.")
+    ..Section::with_nodes(
+        "cable",
+        "A cable in absolute nodal coordinates: straight at the start, without torsion.",
+        LINE_NODES,
+    )
 };
 
 fn cable_section(e: Entry) -> Found<CableSection<Recorded>> {

@@ -8,16 +8,13 @@ pub(super) const SECTION: Section = Section {
         may("initial", Number("", Any), "value at the start; 0"),
         may("rate", Number("1/s", Any), "its rate there; 0"),
     ],
-    nodes: Some(Nodes::one(OF_COORDINATE)),
-    has_columns: true,
-    build,
-    ..Section::listed(
+    build: |e, m| {
+        let [initial, rate] = ["initial", "rate"].map(|key| e.number_or(key, 0.0));
+        Ok(Made::Node(m.coordinates(e.name(), &[initial?], &[rate?])))
+    },
+    ..Section::with_nodes(
         "coordinate",
         "A number that moves, with the meaning that springs and parts of one's own on it give it; one of them must have inertia.",
+        Nodes::one(OF_COORDINATE),
     )
 };
-
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let [initial, rate] = ["initial", "rate"].map(|key| e.number_or(key, 0.0));
-    Ok(Made::Node(m.coordinates(e.name(), &[initial?], &[rate?])))
-}

@@ -3,14 +3,15 @@
 use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
-    forms: one_form![may("on", Node, "node; ground"), need("points", Points, "corners in the world at the start"),],
+    forms: one_form![
+        may("on", Node, "node; ground"),
+        need("points", at_least(2, &Vector("m")), "corners in the world at the start"),
+    ],
     space: "",
-    build,
+    build: |e, m| {
+        let node = if e.has("on") { e.node("on", m)? } else { m.ground() };
+        m.draw(node, &e.points("points")?);
+        Ok(Made::Nothing)
+    },
     ..Section::listed("drawing", "A line of the picture that moves with a node.")
 };
-
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let node = if e.has("on") { e.node("on", m)? } else { m.ground() };
-    m.draw(node, &e.points("points")?);
-    Ok(Made::Nothing)
-}

@@ -3,9 +3,6 @@
 use crate::elements::{Element, NodeKind, Output, Parameter};
 use crate::scenes::file::describing::*;
 use crate::scenes::file::formula::Quantity;
-use crate::scenes::file::formula_parts::{
-    BREAKPOINTS, DEFINITIONS, Formulas, KnownNode, NODES, OWN_TABLES, Reading, outputs_of,
-};
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![

@@ -7,8 +7,8 @@ pub(super) const SECTION: Section = Section {
     forms: one_form![
         NAME,
         need("of", Type::Item(&["shell"]), "name of a shell"),
-        may("first", Counts(2, 0, 1000), "first and last element along the first direction, from 0; all"),
-        may("second", Counts(2, 0, 1000), "first and last element along the second direction, from 0; all"),
+        may("first", exactly(2, &Count(0, 1000)), "first and last element along the first direction, from 0; all"),
+        may("second", exactly(2, &Count(0, 1000)), "first and last element along the second direction, from 0; all"),
     ],
     build,
     ..Section::listed("group", "Elements of shells by their places in the grid, for functionals.")

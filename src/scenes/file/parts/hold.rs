@@ -5,20 +5,18 @@ use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![
-        need("nodes", NodeSets, "what is held"),
-        may("directions", Choices(&Freedom::NAMES), "in which directions of the world; all that it has"),
+        need("nodes", at_least(0, &NodeSet), "what is held"),
+        may("directions", OneOrMore(&Choice(&Freedom::NAMES)), "in which directions of the world; all that it has"),
     ],
     space: "",
-    build,
+    build: |e, m| {
+        let named = |name: &str| Freedom::NAMES.iter().position(|own| *own == name).map(|place| Freedom::ALL[place]);
+        let directions: Vec<Freedom> = e.texts("directions").filter_map(named).collect();
+        e.node_sets("nodes", m)?.into_iter().for_each(|node| m.hold(node, &directions));
+        Ok(Made::Nothing)
+    },
     ..Section::listed(
         "hold",
         "Nodes that are held where they stand while the equilibrium is found at which the motion begins (`start` of `[settings]`), and let go then.",
     )
 };
-
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let named = |name: &str| Freedom::NAMES.iter().position(|own| *own == name).map(|place| Freedom::ALL[place]);
-    let directions: Vec<Freedom> = e.texts("directions").filter_map(named).collect();
-    e.node_sets("nodes", m)?.into_iter().for_each(|node| m.hold(node, &directions));
-    Ok(Made::Nothing)
-}

@@ -4,9 +4,7 @@ use crate::elements::entries::{JointPart, Kind};
 use crate::elements::forces::Soft;
 use crate::elements::joints::{DRIVERS, JOINTS, ROLLING};
 use crate::elements::{Constraint, NodeKind, Parameter};
-use crate::scenes::file::build_parts::{located, nothing_builds, values};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NODES, OWN_TABLES, Reading};
 
 const BY_FORMULA: Form = Form {
     name: "formula",
@@ -15,7 +13,7 @@ const BY_FORMULA: Form = Form {
         NODES,
         DEFINITIONS,
         OWN_TABLES,
-        need("equations", SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
+        need("equations", at_least(1, &OfNodes("m, rad")), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
         BREAKPOINTS,
     ],
 };
@@ -26,10 +24,10 @@ const FORMS: [Form; JOINTS.len() + 1 + ROLLING.forms.len()] =
 const SOFT: [Key; 2] = [
     may(
         "stiffness",
-        Type::Series("N/m, N m/rad"),
+        at_least(1, &Number("N/m, N m/rad", Any)),
         "of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid",
     ),
-    may("damping", Type::Series("N s/m, N m s/rad"), "of a soft joint, of each of its equations; 0"),
+    may("damping", at_least(1, &Number("N s/m, N m s/rad", Any)), "of a soft joint, of each of its equations; 0"),
 ];
 
 pub(super) const JOINT: Section = Section {
@@ -48,7 +46,7 @@ pub(super) const DRIVER: Section = Section {
     forms: Forms { common: &[NAME], forms: &forms_of::<{ DRIVERS.len() }, _>(DRIVERS), own: None },
     space: "joint",
     has_columns: true,
-    build: |e, m| named(DRIVERS, e.form).map_or_else(|| nothing_builds(e), |part| by_entry(part, e, m)),
+    build: |e, m| named(DRIVERS, e.form).map_or(Ok(Made::Nothing), |part| by_entry(part, e, m)),
     ..Section::listed("driver", "A prescribed motion.")
 };
 

@@ -5,17 +5,14 @@ use crate::scenes::file::describing::*;
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![NAME, BETWEEN, AXIS],
-    nodes: Some(Nodes::one(OF_COORDINATE)),
-    has_columns: true,
-    build,
-    ..Section::listed(
+    build: |e, m| {
+        let (nodes, axis) = (e.different_nodes(m)?, e.vector("axis")?);
+        Ok(Made::Node(m.joint_angle(e.name(), nodes, axis)))
+    },
+    ..Section::with_nodes(
         "joint_angle",
         "A coordinate that counts the angle of b against a over any number of turns, for gears, springs and functionals; a joint must \
           hold the axis.",
+        Nodes::one(OF_COORDINATE),
     )
 };
-
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let (nodes, axis) = (e.different_nodes(m)?, e.vector("axis")?);
-    Ok(Made::Node(m.joint_angle(e.name(), nodes, axis)))
-}

@@ -17,7 +17,7 @@ const PLY: Forms = one_form![
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![
-        need("plies", Tables(&PLY), "plies"),
+        need("plies", at_least(0, &Table(&PLY)), "plies"),
         may("offset", Number("m", Any), "of the middle of all plies from the nodes, along the normal; 0"),
         may("shear_factor", Fixed("-", Positive), "share of the shear stiffness that acts; 5/6"),
     ],

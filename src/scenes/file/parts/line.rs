@@ -2,7 +2,6 @@
 
 use crate::assembly::NodeId;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::MOST;
 
 const MOTION: Forms = one_form![
     may("point", Vector("m"), "point with the velocity; the origin"),
@@ -17,7 +16,7 @@ pub(super) const LINE: [Key; 8] = [
     need("elements", Count(1, MOST), "equal elements"),
     may("start_node", Node, "node that it starts in; its own"),
     may("end_node", Node, "node that it ends in; its own"),
-    may("clamped", Choices(&["start", "end"]), "ends that never move; none"),
+    may("clamped", OneOrMore(&Choice(&["start", "end"])), "ends that never move; none"),
     may("motion", Table(&MOTION), "rigid motion that it starts with; at rest"),
 ];
 

@@ -3,7 +3,6 @@
 use super::shell::COINCIDENT;
 use crate::elements::entries::ORIENTATION;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::SHELLS;
 use crate::scenes::file::mesh_nodes::{names, nodes_of};
 use crate::scenes::{FreeMesh, MeshData, ShellPart, unknown};
 use std::sync::Arc;
@@ -14,7 +13,7 @@ const NODE_OF_MESH: Forms = one_form![
 ];
 
 const PART: Forms = one_form![
-    need("of", Texts, "groups of faces"),
+    need("of", at_least(0, &Text), "groups of faces"),
     may("material", Type::Item(&["material"]), "name of a material; that of the mesh"),
     may("thickness", OfMesh("m", Positive), "thickness; required unless `laminate` is given"),
     may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
@@ -29,16 +28,16 @@ pub(super) const SECTION: Section = Section {
             "thickness of faces that have no part; may use design variables of faces and nodes; needed with material but with parts"),
         may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
         may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
-        may("parts", Tables(&PART), "sections of groups of faces; all faces have one"),
+        may("parts", at_least(0, &Table(&PART)), "sections of groups of faces; all faces have one"),
         may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-        may("clamped", Texts, "node sets, or groups of faces, whose nodes never move; none"),
-        may("joined", Items(SHELLS), "shells, meshes and walls whose nodes it takes over where its outer edges meet them, to a millionth of its diagonal: with each at least one; none"),
-        may("nodes", Tables(&NODE_OF_MESH), "nodes that are there already; none"),
+        may("clamped", at_least(0, &Text), "node sets, or groups of faces, whose nodes never move; none"),
+        may("joined", OneOrMore(&Type::Item(SHELLS)), "shells, meshes and walls whose nodes it takes over where its outer edges meet them, to a millionth of its diagonal: with each at least one; none"),
+        may("nodes", at_least(0, &Table(&NODE_OF_MESH)), "nodes that are there already; none"),
         may("groups", Selections, "groups of faces by name, beside those of the file: numbers of the faces, or a condition such as \
              \"norm([x, y, 0]) > 0.5 and z < 1\" that holds at the mean of their corners, in coordinates before scale; none"),
         may("node_sets", Selections, "node sets by name, beside those of the file: numbers of the nodes, or a condition such as \"abs(x) < 1e-6\", in \
              coordinates before scale; none"),
-        may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side, with what hangs together with them; none"),
+        may("reverse", at_least(0, &Text), "groups of faces that are turned round, so that their normals point to the other side, with what hangs together with them; none"),
         may("crease", Fixed("rad", Positive), "faces at a larger angle meet in an edge, which keeps its angle; 45 deg"),
         may("scale", Number("-", Positive), "by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1"),
         may("orientation", Table(&ORIENTATION), "turn of the points about the origin, after scale; none"),
@@ -49,19 +48,17 @@ pub(super) const SECTION: Section = Section {
         need("file", Text, "path of the file, from the folder of this file on"),
     ]
     "faces" "from points and faces here" [
-        need("points", Points, "points, counted from 0 on"),
+        need("points", at_least(2, &Vector("m")), "points, counted from 0 on"),
         need("faces", Lists, "points of each face: corners counterclockwise as seen from where the normal points to, then the middles of the edges \
              from the first corner on, then the middle"),
     ]),
-    nodes: Some(Nodes::one(OF_BODY)),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "mesh",
         "A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the \
           file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group \
           of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.",
+        Nodes::one(OF_BODY),
     )
 };
 
@@ -218,20 +215,18 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         let faces: Vec<usize> = (0..part_of.len()).filter(|&face| part_of[face] == number).collect();
         tables.push(if is_layered || faces.is_empty() { Vec::new() } else { thickness(*own, data, &faces)? });
     }
-    let at_point = |table: usize, face: usize, point: usize| {
-        let own = tables[table].get(face).into_iter().flatten().find(|own| own.0 == point);
+    let at_point = |table: &Thickness, face: usize, point: usize| {
+        let own = table.get(face).into_iter().flatten().find(|own| own.0 == point);
         own.map_or(Recorded::from(f64::NAN), |own| own.1)
     };
-    let lookups: Vec<Box<dyn Fn(usize, usize) -> Recorded>> = (0..tables.len())
-        .map(|table| Box::new(move |face, point| at_point(table, face, point)) as Box<dyn Fn(usize, usize) -> Recorded>)
-        .collect();
+    let lookups: Vec<_> = tables.iter().map(|table| move |face, point| at_point(table, face, point)).collect();
     let mut sections: Vec<ShellPart<Recorded>> = Vec::new();
     for (number, own) in entries.iter().enumerate() {
         let given = |key: &str| if own.has(key) { *own } else { e };
         sections.push(if own.has("laminate") {
             ShellPart::Laminate(own.laminate()?.0, given("direction").vector("direction")?)
         } else if part_of.contains(&number) {
-            ShellPart::Isotropic(given("material").material()?, &*lookups[number])
+            ShellPart::Isotropic(given("material").material()?, &lookups[number])
         } else {
             return own.wrong("this part has no faces");
         });

@@ -9,20 +9,15 @@ pub(super) const SECTION: Section = Section {
         may("velocity", Vector("m/s"), "velocity; 0"),
         may("mass", Number("kg", Positive), "mass; none"),
     ],
-    nodes: Some(Nodes::one(OF_POINT)),
-    has_columns: true,
-    has_mass: true,
-    build,
-    ..Section::listed("point", "A point without rotation.")
+    build: |e, m| {
+        let node = m.point(e.name(), e.vector("position")?);
+        if let Some(velocity) = e.given("velocity", Entry::vector)? {
+            m.set_velocity(node, velocity, Vector3::zeros());
+        }
+        if let Some(mass) = e.given("mass", Entry::number)? {
+            m.point_mass(e.name(), node, mass);
+        }
+        Ok(Made::Node(node))
+    },
+    ..Section::with_nodes("point", "A point without rotation.", Nodes::one(OF_POINT))
 };
-
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let node = m.point(e.name(), e.vector("position")?);
-    if let Some(velocity) = e.given("velocity", Entry::vector)? {
-        m.set_velocity(node, velocity, Vector3::zeros());
-    }
-    if let Some(mass) = e.given("mass", Entry::number)? {
-        m.point_mass(e.name(), node, mass);
-    }
-    Ok(Made::Node(node))
-}

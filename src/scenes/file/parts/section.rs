@@ -6,17 +6,13 @@ use crate::scenes::file::formula::SHARE_PLACE;
 
 pub(super) const SECTION: Section = Section {
     forms: flexible::SECTION,
-    build,
+    build: |e, _| shape_of(e).map(|_| Made::Nothing),
     ..Section::named(
         "section",
         "The section of beams and cables; axis 1 along the line, 2 and 3 across. For beams that taper its numbers may use `share`, the place \
           along the length from 0 to 1: `width = \"0.05 - 0.02 * share\"`.",
     )
 };
-
-pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
-    shape_of(e).map(|_| Made::Nothing)
-}
 
 /// Material and shape of a section; nothing of one by its numbers.
 pub(super) fn shape_of(e: Entry) -> Found<OfShape<Recorded>> {
@@ -32,7 +28,7 @@ pub(super) fn shape_of(e: Entry) -> Found<OfShape<Recorded>> {
 /// What a key `section` names, and where it does.
 pub(super) fn section_of(e: Entry) -> Found<(usize, Entry)> {
     match e.get("section") {
-        Some((at, Value::Item(item))) => Ok((at, e.known.entry(*item))),
+        Some((at, Value::Item(item, _))) => Ok((at, e.known.entry(*item))),
         _ => e.wrong("the key section is needed here"),
     }
 }

@@ -1,15 +1,14 @@
 //! Shells on grids.
 
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::SHELLS;
 use crate::scenes::{Edge, ShellMesh};
 
 pub(super) const COINCIDENT: Key =
     may("coincident", Flag, "nodes may stand at the same place, or on other faces, and are not joined: a slit; false");
-const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
+const ELEMENTS: Key = need("elements", exactly(2, &Count(1, 1000)), "elements along both directions");
 
 const HELD: Forms = one_form![
-    need("place", Counts(2, 0, 2000), "[i, j] of the grid"),
+    need("place", exactly(2, &Count(0, 2000)), "[i, j] of the grid"),
     need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
 ];
 
@@ -18,15 +17,15 @@ pub(super) const SECTION: Section = Section {
         NAME,
         ELEMENTS,
         may("material", Type::Item(&["material"]), "name of a material; required unless `laminate` is given"),
-        may("thickness", Strips("m", Positive),
+        may("thickness", Strips(&Number("m", Positive)),
             "thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, \
              which is taken at the middle of each element; needed with material"),
         may("laminate", Type::Item(&["laminate"]), "name of a laminate"),
         may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
         may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-        may("clamped", Choices(&Edge::NAMES), "edges that never move; none"),
-        may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them, to a millionth of its diagonal: with each at least one; none"),
-        may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
+        may("clamped", OneOrMore(&Choice(&Edge::NAMES)), "edges that never move; none"),
+        may("joined", OneOrMore(&Type::Item(SHELLS)), "shells and walls whose nodes it takes over where its edges meet them, to a millionth of its diagonal: with each at least one; none"),
+        may("held", at_least(0, &Table(&HELD)), "nodes of the grid that are there already; none"),
         may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
         COINCIDENT,
     ]
@@ -54,14 +53,12 @@ pub(super) const SECTION: Section = Section {
         need("first", Vector("-"), "unit vector along an edge of the face"),
         need("second", Vector("-"), "unit vector along the other, at right angles"),
     ]),
-    nodes: Some(Nodes { edges: &Edge::NAMES, own: 2, of_edge: 1, known: OF_BODY }),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "shell",
         "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
           the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
+        Nodes { edges: &Edge::NAMES, own: 2, of_edge: 1, known: OF_BODY },
     )
 };
 

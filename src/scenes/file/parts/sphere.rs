@@ -12,15 +12,14 @@ pub(super) const SECTION: Section = Section {
         MATERIAL,
         need("thickness", Number("m", Positive), "thickness"),
     ],
-    nodes: Some(Nodes { edges: &[], own: 3, of_edge: 0, known: OF_BODY }),
-    has_columns: true,
-    has_mass: true,
-    build,
-    ..Section::listed("sphere", "A closed sphere of shells, of six faces.")
+    build: |e, m| {
+        let place = (e.vector_or("centre", Vector3::zeros())?, e.number("radius")?);
+        let (material, thickness) = (e.material()?, e.number("thickness")?);
+        Ok(Made::Sphere(m.sphere_shell(e.name(), place, e.count("elements"), &material, thickness)))
+    },
+    ..Section::with_nodes(
+        "sphere",
+        "A closed sphere of shells, of six faces.",
+        Nodes { edges: &[], own: 3, of_edge: 0, known: OF_BODY },
+    )
 };
-
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let place = (e.vector_or("centre", Vector3::zeros())?, e.number("radius")?);
-    let (material, thickness) = (e.material()?, e.number("thickness")?);
-    Ok(Made::Sphere(m.sphere_shell(e.name(), place, e.count("elements"), &material, thickness)))
-}

@@ -2,17 +2,21 @@
 
 use crate::assembly::NodeId;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::WITH_MASS;
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![
-        need("parts", Items(WITH_MASS), "bodies, points and members that turn, with all their nodes"),
+        need("parts", OneOrMore(&Type::Item(WITH_MASS)), "bodies, points and members that turn, with all their nodes"),
         may("point", Vector("m"), "a point of the axis; the origin"),
         need("axis", Vector("-"), "its direction"),
         need("rate", Number("rad/s", Any), "of the turn about it"),
     ],
     space: "",
-    build,
+    build: |e, m| {
+        let nodes: Vec<NodeId> = e.list("parts").flat_map(|(_, part)| nodes_of(e.known, part)).collect();
+        let [point, axis] = [e.vector_or("point", Vector3::zeros())?, e.vector("axis")?];
+        m.spin(&nodes, point, axis, e.number("rate")?);
+        Ok(Made::Nothing)
+    },
     ..Section::listed(
         "spin",
         "Parts that turn steadily about an axis of the world where the motion begins (`start = \"steady\"` of `[settings]`): it begins at the \
@@ -20,16 +24,9 @@ pub(super) const SECTION: Section = Section {
     )
 };
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    let nodes: Vec<NodeId> = e.list("parts").flat_map(|(_, part)| nodes_of(e.known, part)).collect();
-    let [point, axis] = [e.vector_or("point", Vector3::zeros())?, e.vector("axis")?];
-    m.spin(&nodes, point, axis, e.number("rate")?);
-    Ok(Made::Nothing)
-}
-
 /// All nodes of a part.
 fn nodes_of(known: &Known, part: &Value) -> Vec<NodeId> {
-    let (Value::Item(item) | Value::Group(item, _)) = part else { return Vec::new() };
+    let Value::Item(item, _) = part else { return Vec::new() };
     match &known.made[*item] {
         Made::Node(node) => vec![*node],
         Made::Beam(beam) => beam.nodes.clone(),

@@ -2,7 +2,6 @@
 
 use crate::elements::entries::{GivenValue, Kind, SpringPart};
 use crate::elements::forces::{DAMPERS, LOADS, SPRINGS};
-use crate::scenes::file::build_parts::{located, nothing_builds, values};
 use crate::scenes::file::describing::*;
 
 pub(super) const SPRING: Section = Section {
@@ -39,7 +38,7 @@ pub(super) const LOAD_SECTIONS: [Section; LOADS.len()] = {
 
 /// Makes a spring, damper or load of its entry, on each node or element of what carries it.
 fn element(part: Option<&SpringPart>, e: Entry, m: &mut Builder) -> Found<Made> {
-    let Some(part) = part else { return nothing_builds(e) };
+    let part = part.unwrap_or_else(|| unreachable!("{} is one of the forms", e.form));
     let (on, mut values) = (e.carriers(m)?, values(e, part.form.keys)?);
     if e.has("on") && on.len() > 1 {
         let share = Recorded::from(1.0 / on.len() as f64);

@@ -2,8 +2,7 @@
 
 use crate::elements::{Element, NodeKind, Output, Parameter, State};
 use crate::scenes::file::describing::*;
-use crate::scenes::file::formula_parts::{BREAKPOINTS, DEFINITIONS, Formulas, NAMED_NODES, OWN_TABLES, Reading, outputs_of};
-use crate::scenes::file::state_entries::{MADE, STATE_FORMS, keys_of};
+use crate::scenes::file::state_entries::{MADE, STATE_FORMS};
 
 const STATE_KEYS: [Key; 5] = [
     NAME,
@@ -15,13 +14,12 @@ const STATE_KEYS: [Key; 5] = [
 
 pub(super) const SECTION: Section = Section {
     forms: Forms { common: &STATE_KEYS, forms: &STATE_FORMS, own: None },
-    nodes: Some(Nodes::one(&[])),
-    has_columns: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "state",
         "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an \
           [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs.",
+        Nodes::one(&[]),
     )
 };
 
@@ -65,7 +63,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         _ => &[],
     };
     let [initial, rates, outputs] = if e.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
-    for key in keys_of(e.form) {
+    for key in SECTION.forms.keys(e.form) {
         if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, e.get(key.name)) {
             if formula.uses_from(e.known.numbers.len()) {
                 return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));

@@ -2,11 +2,10 @@
 
 use crate::elements::flexible::MATERIAL;
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::MOST;
 use crate::scenes::{Extrusion, Profile};
 
 const WALL: Forms = one_form![
-    need("between", Counts(2, 0, 1000), "its corners, counted from 0"),
+    need("between", exactly(2, &Count(0, 1000)), "its corners, counted from 0"),
     need("elements", Count(1, 1000), "elements from one to the other"),
 ];
 
@@ -19,29 +18,27 @@ pub(super) const SECTION: Section = Section {
         may("twist", Number("rad", Any), "turn of the profile about the line from start to end; 0"),
         need("elements", Count(1, MOST), "elements along the line"),
         MATERIAL,
-        need("thickness", OneOrMore("m", Positive), "thickness, or that of each wall"),
+        need("thickness", OneOrMore(&Number("m", Positive)), "thickness, or that of each wall"),
     ]
     "box_tube" "rectangular tube of four walls: lower, right, upper, left" [
         need("width", Number("m", Positive), "of the middle lines along axis 1"),
         need("height", Number("m", Positive), "of the middle lines along axis 2"),
-        need("across", Counts(2, 1, 100), "elements across lower and upper, and right and left walls"),
+        need("across", exactly(2, &Count(1, 100)), "elements across lower and upper, and right and left walls"),
     ]
     "i_section" "two flanges and a web: both halves of the lower flange, of the upper one, web" [
         need("width", Number("m", Positive), "of the flanges along axis 1"),
         need("height", Number("m", Positive), "of the web along axis 2"),
-        need("across", Counts(2, 1, 100), "elements across half a flange, and the web"),
+        need("across", exactly(2, &Count(1, 100)), "elements across half a flange, and the web"),
     ]
     "profile" "walls between corners" [
-        need("corners", Pairs("m"), "places along axes 1 and 2"),
-        need("walls", Tables(&WALL), "walls between corners"),
+        need("corners", at_least(2, &Numbers(&[2], "m", Any)), "places along axes 1 and 2"),
+        need("walls", at_least(0, &Table(&WALL)), "walls between corners"),
     ]),
-    nodes: Some(Nodes { edges: &["start", "end"], own: 0, of_edge: 1, known: OF_BODY }),
-    has_columns: true,
-    has_mass: true,
     build,
-    ..Section::listed(
+    ..Section::with_nodes(
         "thin_walls",
         "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
+        Nodes { edges: &["start", "end"], own: 0, of_edge: 1, known: OF_BODY },
     )
 };
 

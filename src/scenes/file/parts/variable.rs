@@ -1,12 +1,11 @@
 //! Design variables.
 
 use crate::scenes::file::describing::*;
-use crate::scenes::file::keys::MANY;
 
 pub(super) const SECTION: Section = Section {
     forms: one_form![
-        need("initial", FixedOrMore("unit"), "value of the initial design; with count one for all, or as many"),
-        need("bounds", Fixeds(2, "unit"), "least and largest value"),
+        need("initial", OneOrMore(&Fixed("unit", Any)), "value of the initial design; with count one for all, or as many"),
+        need("bounds", exactly(2, &Fixed("unit", Any)), "least and largest value"),
         may("unit", Text, "unit, for tables and charts; -"),
         may(
             "count",
