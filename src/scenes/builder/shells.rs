@@ -142,8 +142,14 @@ impl ShellMember {
     }
 }
 
-/// What a section is, its parameters at the nodes of an element, from its number and that of its nodes, and its plies if it has some.
-pub(super) type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>, Option<&'f Laminate<S>>);
+/// The section of some faces of a shell.
+pub enum ShellPart<'p, S, P = usize> {
+    /// One material, with the thickness \[m\] at the number of a face and the place of its node: of a grid the share (u, v) of both directions, of
+    /// a free mesh the number of its point. Continuous if it does not depend on the face.
+    Isotropic(Material<S>, &'p dyn Fn(usize, P) -> S),
+    /// Plies, with the direction of their axis 1 in the world, projected on the surface.
+    Laminate(&'p Laminate<S>, Vector3<S>),
+}
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A shell of one material and thickness \[m\] on a mesh, its nodes in the middle of its thickness.
@@ -153,8 +159,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.tapered_shell(name, mesh, material, |_, _| thickness)
     }
 
-    /// A shell whose thickness \[m\] depends on the number of the element and on the place of the node: of a grid its share (u, v) of both
-    /// directions, of a free mesh the number of its point. Continuous if it does not depend on the element.
+    /// A shell whose thickness \[m\] depends on the number of the element and on the place of the node: see [`ShellPart::Isotropic`].
     pub fn tapered_shell<M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
@@ -162,15 +167,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         material: &Material<S>,
         thickness: impl Fn(usize, M::Place) -> S,
     ) -> M::Member {
-        let Material { young, poisson, density } = *material;
-        self.check_poisson(name, poisson);
-        let free = mesh.free();
-        let section = |element: usize, nodes: usize| -> Vec<S> {
-            let own = (0..nodes).map(|node| thickness(element, mesh.place(element, node)));
-            own.chain([young, poisson, density]).collect()
-        };
-        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Isotropic, &section, None)], &|_| 0);
-        mesh.member(shell)
+        self.shell_of_parts(name, mesh, &[ShellPart::Isotropic(*material, &thickness)], |_| 0)
     }
 
     /// A shell of plies; axis 1 of its surface lies along `direction` in the world, projected on it.
@@ -181,47 +178,68 @@ impl<S: Scalar> MechanismBuilder<S> {
         laminate: &Laminate<S>,
         direction: Vector3<S>,
     ) -> M::Member {
+        self.shell_of_parts(name, mesh, &[ShellPart::Laminate(laminate, direction)], |_| 0)
+    }
+
+    /// A shell whose faces have sections of their own: which of `parts`, from the number of the face.
+    pub fn shell_of_parts<M: SurfaceMesh<S>>(
+        &mut self,
+        name: &str,
+        mesh: M,
+        parts: &[ShellPart<S, M::Place>],
+        part_of: impl Fn(usize) -> usize,
+    ) -> M::Member {
         let free = mesh.free();
-        let numbers = self.laminate_numbers(name, &free, laminate, direction);
+        if let Some(face) = (0..free.faces.len()).find(|&face| part_of(face) >= parts.len()) {
+            let (count, face_name, own) = (parts.len(), mesh.element_place(face), part_of(face));
+            self.mistakes.push(format!("\"{name}\", {face_name} has part {own}, but there are {count}, counted from 0"));
+        }
+        let rotation = self.rotation_of(&free);
+        let numbers: Vec<Vec<S>> = parts.iter().map(|part| self.part_numbers(name, part, rotation)).collect();
         let before = self.mistakes.len();
-        let section: SectionOf<S> = (ShellSection::Laminate, &|_, _| numbers.clone(), Some(laminate));
-        let shell = self.add_shell(name, &mesh, &free, &[section], &|_| 0);
+        let section = |face: usize, nodes: usize| match parts.get(part_of(face)) {
+            Some(ShellPart::Isotropic(_, thickness)) => {
+                let own = (0..nodes).map(|node| thickness(face, mesh.place(face, node)));
+                (ShellSection::Isotropic, own.chain(numbers[part_of(face)].iter().copied()).collect(), None)
+            }
+            Some(ShellPart::Laminate(plies, _)) => {
+                (ShellSection::Laminate, numbers[part_of(face)].clone(), Some(*plies))
+            }
+            // a mechanism with mistakes is not made: its faces may have any section
+            None => (ShellSection::Isotropic, vec![S::one(); nodes + 3], None),
+        };
+        let shell = self.add_shell(name, &mesh, &free, &section);
         if self.mistakes.len() == before {
-            self.check_axis(name, direction, free.directors().into_iter().flatten());
+            let directors = free.directors();
+            for (number, part) in parts.iter().enumerate() {
+                let ShellPart::Laminate(_, direction) = part else { continue };
+                let axis = direction.unit();
+                let mut own = directors.iter().enumerate().filter(|(face, _)| part_of(*face) == number);
+                if own.any(|(_, all)| all.iter().any(|normal| !(normal.cross(&axis).length().value() > 1e-3))) {
+                    self.mistakes.push(format!(
+                        "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
+                    ));
+                }
+            }
         }
         mesh.member(shell)
     }
 
-    /// Refuses a Poisson's ratio with which a sheet has no stiffness.
-    pub(super) fn check_poisson(&mut self, name: &str, poisson: S) {
-        let value = poisson.value();
-        if !(value > -1.0 && value < 1.0) {
-            self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
-        }
-    }
-
-    /// Parameters of the section of a shell of plies.
-    pub(super) fn laminate_numbers(
-        &mut self,
-        name: &str,
-        mesh: &FreeMesh<S>,
-        laminate: &Laminate<S>,
-        direction: Vector3<S>,
-    ) -> Vec<S> {
-        if let Some(why) = laminate.mistake() {
-            self.mistakes.push(format!("the laminate of \"{name}\": {why}"));
-        }
-        let axis = self.unit(name, direction);
-        [laminate.numbers(), self.rotation_of(mesh).rotate_back(axis).components().to_vec()].concat()
-    }
-
-    /// Refuses a direction of plies that has no projection on the surface.
-    pub(super) fn check_axis(&mut self, name: &str, direction: Vector3<S>, mut normals: impl Iterator<Item = Vector3<S>>) {
-        let axis = direction.unit();
-        if normals.any(|normal| !(normal.cross(&axis).length().value() > 1e-3)) {
-            self.mistakes.push(format!(
-                "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
-            ));
+    /// Parameters of a section beside thicknesses; refuses a Poisson's ratio with which a sheet has no stiffness.
+    fn part_numbers<P>(&mut self, name: &str, part: &ShellPart<S, P>, rotation: Quaternion<S>) -> Vec<S> {
+        match part {
+            ShellPart::Isotropic(Material { young, poisson, density }, _) => {
+                let value = poisson.value();
+                if !(value > -1.0 && value < 1.0) {
+                    self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
+                }
+                vec![*young, *poisson, *density]
+            }
+            ShellPart::Laminate(laminate, direction) => {
+                self.mistakes.extend(laminate.mistake().map(|why| format!("the laminate of \"{name}\": {why}")));
+                let axis = self.unit(name, *direction);
+                [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat()
+            }
         }
     }
 
@@ -230,15 +248,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node))
     }
 
-    /// A shell of elements each of which has one of some sections.
-    pub(super) fn add_shell<M: SurfaceMesh<S>>(
+    /// A shell with the section of each element: what it is, its parameters, from its number and that of its nodes, and its plies if it has some.
+    fn add_shell<'l, M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
         mesh: &M,
         free: &FreeMesh<S>,
-        sections: &[SectionOf<S>],
-        section_of: &dyn Fn(usize) -> usize,
-    ) -> MeshedShell {
+        section: &dyn Fn(usize, usize) -> (ShellSection, Vec<S>, Option<&'l Laminate<S>>),
+    ) -> MeshedShell
+    where
+        S: 'l,
+    {
         let damped = free.damping.is_some();
         let (groups, node_sets) = (free.groups.clone(), free.node_sets.clone());
         let (nodes, elements, faces, layers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -254,7 +274,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut first: HashMap<ShellKind, ElementId> = HashMap::new();
         for (element, (face, directors)) in free.faces.iter().zip(free.directors()).enumerate() {
             let nodes: Vec<NodeId> = face.points.iter().filter_map(|&point| shell.of_point[point]).collect();
-            let (section, numbers, laminate) = sections[section_of(element)];
+            let (section, numbers, laminate) = section(element, nodes.len());
             let kind = ShellKind { face: face.kind, section, damped };
             let mut p = Vec::new();
             for (&point, director) in face.points.iter().zip(directors) {
@@ -262,7 +282,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                     p.extend(rotation.rotate_back(vector).components());
                 }
             }
-            p.extend(numbers(element, nodes.len()));
+            p.extend(numbers);
             p.push(S::from(DRILLING));
             p.extend([S::zero(); 3]);
             p.extend(free.damping);
