@@ -1,7 +1,6 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
 use super::beams::{End, places_at};
-use super::entries::entry;
 use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
@@ -9,7 +8,7 @@ use crate::elements::flexible::{
     Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
 };
 use crate::elements::{Flexible, NodeKind};
-use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity, QUANTITIES};
+use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity};
 use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
@@ -292,11 +291,5 @@ impl<S: Scalar> MechanismBuilder<S> {
         let over = Over::smooth_maximum(sharpness);
         let quantity = CableLargestStress { strain: cable.strain, elements, sharpness };
         self.add_functional(name, over, (&cable.nodes, &[]), quantity.into(), &p);
-    }
-
-    /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal \[m\]: nodes (tangent,
-    /// deflected).
-    pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vector3<S>) {
-        self.measure(entry(QUANTITIES, "cable_deflection"), name, over, &nodes, [("normal", normal.into())]);
     }
 }

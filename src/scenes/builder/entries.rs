@@ -13,6 +13,21 @@ pub(super) fn entry<L: ?Sized>(list: &'static [Part<L>], name: &str) -> &'static
     named(list, name).unwrap_or_else(|| unreachable!("{name} is in no list of entries"))
 }
 
+/// Methods that add parts of a list by their entries: the name of the entry, arguments, what nodes it is on, and the arguments that are keys.
+macro_rules! methods_by_entry {
+    ($list:ident.$add:ident -> $id:ty;
+     $($(#[$doc:meta])* $method:ident $entry:literal ($($argument:tt: $type:ty),*) on $($on:expr),* => $($key:ident),*;)*) => {
+        #[allow(unused_parens)]
+        impl<S: Scalar> MechanismBuilder<S> {$(
+            $(#[$doc])*
+            pub fn $method(&mut self, name: &str $(, $argument: $type)*) -> $id {
+                self.$add(entry($list, $entry), name, $($on,)* [$((stringify!($key), $key.into())),*])
+            }
+        )*}
+    };
+}
+pub(super) use methods_by_entry;
+
 impl<S: Scalar> MechanismBuilder<S> {
     /// What an entry, or what is like one, makes its parameters of.
     pub(in crate::scenes) fn given(&self, name: &str, nodes: &[NodeId], values: Values<S>) -> Given<S> {
