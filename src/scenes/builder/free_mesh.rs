@@ -58,8 +58,8 @@ pub struct FreeMesh<S> {
     pub(super) damping: Option<S>,
     /// Points may stand at the same place and are not joined.
     pub(super) may_coincide: bool,
-    /// Why it could not be joined to others.
-    unjoined: Option<String>,
+    /// Why it is no mesh that can be made or joined, in words that follow its name.
+    pub(super) unjoined: Option<String>,
     crease: f64,
     /// Points of faces of eight, whose middles are the last points.
     completed: Vec<Vec<usize>>,
@@ -192,6 +192,19 @@ impl<S: Scalar> FreeMesh<S> {
         for (place, own) in self.completed.iter().enumerate() {
             self.points[first + place] = middle(&self.points, own);
         }
+    }
+
+    /// Lets a point be a node that is there, at its place, unless it is one already.
+    pub(super) fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
+        if self.given.iter().all(|(given, _)| *given != point) {
+            self.given.push((point, node));
+            self.points[point] = place;
+            self.complete();
+        }
+    }
+    /// Keeps why it is no mesh that can be joined, in words that follow its name.
+    pub(super) fn refuse(&mut self, why: String) {
+        self.unjoined.get_or_insert(why);
     }
 
     /// Number of a point where users see it: that of the file; the middles of quadrilaterals of eight have none there.
@@ -439,6 +452,9 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
     fn free(&self) -> FreeMesh<S> {
         self.clone()
     }
+    fn free_mut(&mut self) -> &mut FreeMesh<S> {
+        self
+    }
     fn node_name(&self, point: usize) -> String {
         format!("[{}]", self.point_number(point))
     }
@@ -453,22 +469,6 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
     }
     fn place(&self, face: usize, node: usize) -> usize {
         self.faces[face].points[node]
-    }
-    fn lines(&self) -> Vec<Vec<usize>> {
-        self.edges().into_iter().map(|edge| edge.points).collect()
-    }
-    fn mistake(&self) -> Option<String> {
-        self.unjoined.clone()
-    }
-    fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
-        if self.given.iter().all(|(given, _)| *given != point) {
-            self.given.push((point, node));
-            self.points[point] = place;
-            self.complete();
-        }
-    }
-    fn refuse(&mut self, why: String) {
-        self.unjoined.get_or_insert(why);
     }
     fn member(self, shell: MeshedShell) -> MeshedShell {
         shell

@@ -77,7 +77,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             first = range.end;
             if !list.is_empty() && !met[range].contains(&true) {
                 let why = self.gap_to(&mesh, list);
-                mesh.refuse(why);
+                mesh.free_mut().refuse(why);
             }
         }
         mesh
@@ -100,11 +100,11 @@ impl<S: Scalar> MechanismBuilder<S> {
             let Some((node, own)) = node.and_then(|node| Some((node, owners.get(&node)?))) else { continue };
             own.iter().for_each(|&shell| met[shell] = true);
             if nodes.insert(point, node).is_none() {
-                mesh.take_over(point, node, self.position(node));
+                mesh.free_mut().take_over(point, node, self.position(node));
             }
         }
         if let Some(why) = divided_otherwise(&free, &nodes, &neighbours) {
-            mesh.refuse(why);
+            mesh.free_mut().refuse(why);
         }
         (mesh, met)
     }

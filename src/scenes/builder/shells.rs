@@ -346,7 +346,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     fn check_mesh<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) -> bool {
         let mistakes = self.mistakes.len();
-        if let Some(mistake) = mesh.mistake() {
+        if let Some(mistake) = &free.unjoined {
             self.mistakes.push(format!("\"{name}\" {mistake}"));
             return false;
         }
