@@ -23,6 +23,7 @@ mod surface_mesh;
 mod surface_search;
 mod thin_walls;
 mod ties;
+mod weights;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
@@ -50,6 +51,7 @@ use crate::program::Recorded;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 use std::collections::{HashMap, HashSet};
+use weights::Heavy;
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,13 +88,9 @@ pub struct MechanismBuilder<S> {
     #[doc(hidden)]
     pub nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
-    /// What was asked for, with the numbers of masses and of elements of beams, cables and shells that have this weight.
-    gravities: Vec<(Vector3<S>, [usize; 4])>,
-    masses: Vec<(NodeId, S, Vector3<S>)>,
-    /// Elements of beams: name, nodes, inertia of their Gauss points, whether eccentric.
-    heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
-    /// Elements of cables.
-    heavy_cables: Vec<cables::HeavyCable<S>>,
+    /// What was asked for, with how many of what is heavy have this weight.
+    gravities: Vec<(Vector3<S>, usize)>,
+    heavy: Vec<Heavy<S>>,
     /// Beams and cables, for what is shown of them.
     pub(crate) outlined: Vec<OutlinedLine>,
     /// Elements of beams and cables, with what gives their stresses.
@@ -101,8 +99,6 @@ pub struct MechanismBuilder<S> {
     pub(super) shells: Vec<MeshedShell>,
     /// Nodes that follow faces.
     ties: HashMap<NodeId, ties::Tied>,
-    /// Elements of shells, and the place of gravity among their parameters.
-    heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     names_of_nodes: NamesOfNodes,
@@ -126,14 +122,11 @@ crate::assembly::empty_fields!(MechanismBuilder {
     nodes_of_members,
     ground,
     gravities,
-    masses,
-    heavy_beams,
-    heavy_cables,
+    heavy,
     outlined,
     line_stresses,
     shells,
     ties,
-    heavy_shells,
     angles,
     names_of_nodes,
     mistakes
@@ -440,7 +433,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let kind = self.kind_of(name, node).map(|_| self.asked(name, &[node], |given| given.body(0)));
         let law = if kind == Some(NodeKind::Natural) { NaturalBody.into() } else { RigidBody.into() };
         let body = self.add_element(name, &[node], law, &p);
-        self.masses.extend((body.0 != usize::MAX).then_some((node, mass, centre)));
+        self.heavy.extend((body.0 != usize::MAX).then_some(Heavy::Mass(node, mass, centre)));
         body
     }
 
@@ -475,7 +468,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A mass \[kg\] at a point.
     pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
         let point = self.add_element(name, &[node], PointMass.into(), &[mass]);
-        self.masses.extend((point.0 != usize::MAX).then_some((node, mass, Vector3::zeros())));
+        self.heavy.extend((point.0 != usize::MAX).then_some(Heavy::Mass(node, mass, Vector3::zeros())));
         point
     }
 

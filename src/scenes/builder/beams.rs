@@ -5,10 +5,11 @@
 
 use super::entries::entry;
 use super::line_stress::LineStress;
+use super::weights::Heavy;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
-use crate::elements::flexible::{BeamField, BeamGravityField, STRAINS, Section, TYING_POINTS};
+use crate::elements::flexible::{BeamField, STRAINS, Section, TYING_POINTS};
 use crate::elements::forces::{LOADS, LoadFrame};
 use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
@@ -242,7 +243,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let [start, end] = [-1.0, 1.0].map(|xi| section(share(xi)));
             self.line_stresses.insert(id, LineStress::of_beam([&start, &end]));
             member.elements.push(id);
-            self.heavy_beams.push((own, nodes, inertia, field.eccentric));
+            self.heavy.push(Heavy::Beam(own, nodes, inertia, field.eccentric));
         }
         let ring = |(i, &node): (usize, &NodeId)| {
             let first = 2 * (i / 2).min(elements - 1);
@@ -335,18 +336,6 @@ impl<S: Scalar> MechanismBuilder<S> {
              with the same functions, an offset or a damping may be zero"
         ));
         false
-    }
-
-    /// Weight of the elements of beams from one of them on.
-    pub(super) fn beam_gravity(&mut self, gravity: Vector3<S>, first: usize) {
-        for place in first..self.heavy_beams.len() {
-            let (name, nodes, inertia, eccentric) = &self.heavy_beams[place];
-            let (name, nodes, eccentric) = (format!("weight of {name}"), *nodes, *eccentric);
-            let points = inertia.chunks_exact(inertia.len() / THREE.len());
-            let p: Vec<S> = points.flat_map(|own| own[..4].iter().copied().chain(gravity.components())).collect();
-            let weight = Flexible(BeamGravityField { eccentric });
-            self.add_element(&name, &nodes, weight.into(), &p);
-        }
     }
 
     /// A load for each length of a beam, `direction` times a function of time [N/m]: in the world, or turning with the sections

@@ -2,10 +2,11 @@
 
 use super::beams::{End, places_at};
 use super::line_stress::LineStress;
+use super::weights::Heavy;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::{
-    Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
+    Cable, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
 };
 use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity};
@@ -20,14 +21,6 @@ pub struct CableLine<S> {
     points: [Vector3<S>; 2],
     elements: usize,
     ends: [End; 2],
-}
-
-/// The weight of an element of a cable.
-pub(super) enum HeavyCable<S> {
-    /// Gravity is a parameter of its own.
-    Own(ElementId),
-    /// An element of its own for the weight: name, nodes, length and mass.
-    Apart(String, [NodeId; 2], [S; 2]),
 }
 
 impl<S: Scalar> CableLine<S> {
@@ -133,9 +126,9 @@ impl<S: Scalar> MechanismBuilder<S> {
             member.elements.push(id);
             let stress = section.outer_fibres.map_or_else(LineStress::by_stiffness, LineStress::Cable);
             self.line_stresses.insert(id, stress);
-            self.heavy_cables.push(match section.strain {
-                CableStrain::Exact => HeavyCable::Own(id),
-                CableStrain::Small => HeavyCable::Apart(own, [nodes[0], nodes[1]], inertia),
+            self.heavy.push(match section.strain {
+                CableStrain::Exact => Heavy::Own(id, GRAVITY),
+                CableStrain::Small => Heavy::Cable(own, [nodes[0], nodes[1]], inertia),
             });
         }
         let rings = member.nodes.iter().map(|&node| Ring { node, axes: None, outline: section.outline() }).collect();
@@ -191,27 +184,6 @@ impl<S: Scalar> MechanismBuilder<S> {
                  cables that share a node go on in one direction, others meet in a body",
                 own.name
             ));
-        }
-    }
-
-    /// Weight of the elements of cables from one of them on.
-    pub(super) fn cable_gravity(&mut self, gravity: Vector3<S>, first: usize) {
-        for place in first..self.heavy_cables.len() {
-            match &self.heavy_cables[place] {
-                HeavyCable::Own(id) => {
-                    // an element that was refused has been reported already
-                    let Some(element) = self.model.find_element(*id) else { continue };
-                    let first = element.parameters.start + GRAVITY;
-                    for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
-                        *own += component;
-                    }
-                }
-                HeavyCable::Apart(name, nodes, inertia) => {
-                    let p = [&inertia[..], &gravity.components()].concat();
-                    let (name, nodes) = (format!("weight of {name}"), *nodes);
-                    self.add_element(&name, &nodes, CableGravity.into(), &p);
-                }
-            }
         }
     }
 

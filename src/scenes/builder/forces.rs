@@ -4,7 +4,7 @@ use super::MechanismBuilder;
 use super::entries::{Wrong, entry, methods_by_entry};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::entries::{GivenValue, SpringPart, Values};
-use crate::elements::forces::{DAMPERS, Gravity, LOADS, LoadFrame, SPRINGS};
+use crate::elements::forces::{DAMPERS, LOADS, LoadFrame, SPRINGS};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
@@ -61,27 +61,6 @@ pub struct BushingRates<S> {
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Weight of every mass, beam, cable and shell, whether added before or after: g [m/s2]. Several calls add up.
-    pub fn gravity(&mut self, gravity: Vector3<S>) {
-        self.add_weights(gravity, [0; 4]);
-        let weighed = [self.masses.len(), self.heavy_beams.len(), self.heavy_cables.len(), self.heavy_shells.len()];
-        self.gravities.push((gravity, weighed));
-    }
-
-    /// Weight of all masses and elements of beams, cables and shells but the first ones.
-    pub(super) fn add_weights(&mut self, gravity: Vector3<S>, [masses, beams, cables, shells]: [usize; 4]) {
-        for place in masses..self.masses.len() {
-            let (node, mass, centre) = self.masses[place];
-            let name = format!("weight of {}", self.model.nodes[node.0].name);
-            let on = self.kind_in_space(&name, node);
-            let p: Vec<S> = [mass].into_iter().chain(gravity.components()).chain(centre.components()).collect();
-            self.add_element(&name, &[node], Gravity { on }.into(), &p);
-        }
-        self.beam_gravity(gravity, beams);
-        self.cable_gravity(gravity, cables);
-        self.shell_gravity(gravity, shells);
-    }
-
     /// Adds a load by its entry to nodes, or to those of each element of a member, with names.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::entries::entry;
+use super::weights::Heavy;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::NodeKind;
@@ -303,7 +304,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             shell.faces.push((kind, nodes));
             let layers = laminate.map(|own| [-0.5, 0.5].map(|side| (own.offset + own.thickness() * side).value()));
             shell.layers.push(layers.unwrap_or([f64::NAN; 2]));
-            self.heavy_shells.push((added, kind.drilling() + 1));
+            self.heavy.push(Heavy::Own(added, kind.drilling() + 1));
         }
         for line in mesh.lines() {
             let points = line.into_iter().filter_map(|point| Some((shell.node(point)?, [0.0; 3]))).collect();
@@ -412,18 +413,6 @@ impl<S: Scalar> MechanismBuilder<S> {
                     "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
                      or join nodes of its own by fixed joints"
                 ));
-            }
-        }
-    }
-
-    /// Weight of the elements of shells from one of them on.
-    pub(super) fn shell_gravity(&mut self, gravity: Vector3<S>, first: usize) {
-        for &(element, place) in &self.heavy_shells[first..] {
-            // an element that was refused has been reported already
-            let Some(element) = self.model.find_element(element) else { continue };
-            let first = element.parameters.start + place;
-            for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
-                *own += component;
             }
         }
     }
