@@ -38,7 +38,7 @@ pub struct DifferentiatedModes {
 const BEYOND: usize = 2;
 
 impl Prepared<'_> {
-    /// The modes of [`Prepared::modes_with_state`], or with damping those of [`Prepared::complex_modes_with_state`] (about a steady turn always
+    /// The modes of [`Prepared::modes`], or with damping those of [`Prepared::complex_modes_with_state`] (about a steady turn always
     /// those), and the derivatives of their values by all design variables, through the equilibrium, exact to round-off.
     ///
     /// # Errors
