@@ -35,7 +35,7 @@ impl<S: Scalar> Carriers<S> {
         for (number, shell) in shells.iter().enumerate() {
             for (kind, nodes) in shell.faces() {
                 let own: Vec<(NodeId, Vector3<S>)> = nodes.iter().map(|&node| (node, m.position(node))).collect();
-                let nodes = own.iter().map(|(_, place)| place.map(Scalar::value).into()).collect();
+                let nodes = own.iter().map(|(_, place)| place.map(Scalar::value)).collect();
                 placed.push(PlacedFace { shape: kind.face.shape(), nodes });
                 faces.push(own);
                 shell_of.push(number);

@@ -1,6 +1,6 @@
 //! Shells joined along edges to other shells and to bodies.
 
-use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, minus, shown};
+use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, shown};
 use super::{FreeMesh, MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
@@ -30,7 +30,7 @@ impl<'s> Neighbours<'s> {
         for (number, shell) in shells.iter().enumerate() {
             for (face, (kind, nodes)) in shell.faces().enumerate() {
                 let shape = kind.face.shape();
-                let place = |node: &NodeId| -> Point { m.position(*node).map(Scalar::value).into() };
+                let place = |node: &NodeId| m.position(*node).map(Scalar::value);
                 placed.push(PlacedFace { shape, nodes: nodes.iter().map(place).collect() });
                 places.extend(nodes.iter().map(|node| (*node, place(node))));
                 faces.push((number, face));
@@ -114,7 +114,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let (free, neighbours) = (mesh.free(), Neighbours::new(self, shells, 0.0));
         let pairs = free.outer_points().into_iter().flat_map(|point| {
             let place = free.value_of(point);
-            neighbours.places.iter().map(move |(&node, &other)| (length(minus(other, place)), point, node))
+            neighbours.places.iter().map(move |(&node, &other)| (length(other - place), point, node))
         });
         let nearest = pairs.min_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2.0).cmp(&(b.1, b.2.0))));
         let name = &shells[0].name;
@@ -200,8 +200,8 @@ fn divided_otherwise<S: Scalar>(
             let from = free.value_of(point);
             let Some(lines) = node.and_then(|node| neighbours.lines.get(&node)) else { continue };
             for other in lines.iter().flatten().filter(|other| Some(**other) != *node) {
-                let along = minus(neighbours.places[other], from);
-                let runs = |&&end: &&usize| end != point && cosine(minus(free.value_of(end), from), along) > ALONG.cos();
+                let along = neighbours.places[other] - from;
+                let runs = |&&end: &&usize| end != point && cosine(free.value_of(end) - from, along) > ALONG.cos();
                 if let Some(&end) = edge.points.iter().find(runs) {
                     let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(other));
                     return Some(unequal(free.value_of(end), shell.map_or("", |own| &own.name)));
@@ -213,7 +213,7 @@ fn divided_otherwise<S: Scalar>(
             let ends = [edge.points[0], edge.points[edge.points.len() - 1]].map(|point| free.value_of(point));
             let middle = match edge.points[..] {
                 [_, middle, _] => free.value_of(middle),
-                _ => [0, 1, 2].map(|axis: usize| 0.5 * (ends[0][axis] + ends[1][axis])),
+                _ => (ends[0] + ends[1]) * 0.5,
             };
             if let Some(foot) = neighbours.surfaces.nearest(middle, |_| true) {
                 return Some(unequal(middle, neighbours.shell_of(foot.face)));
@@ -247,7 +247,7 @@ struct PlaceIndex<'p> {
 
 impl<'p> PlaceIndex<'p> {
     fn cell(near: f64, place: Point) -> [i64; 3] {
-        place.map(|x| (x / (2.0 * near).max(f64::MIN_POSITIVE)).floor() as i64)
+        place.map(|x| (x / (2.0 * near).max(f64::MIN_POSITIVE)).floor() as i64).into()
     }
     fn new(places: &'p HashMap<NodeId, Point>, near: f64) -> Self {
         let mut cells: HashMap<[i64; 3], Vec<NodeId>> = HashMap::new();
@@ -262,7 +262,7 @@ impl<'p> PlaceIndex<'p> {
         let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
         let cells = around.map(|step| [0, 1, 2].map(|axis: usize| own[axis].saturating_add(step[axis])));
         let nodes = cells.filter_map(|cell| self.cells.get(&cell)).flatten();
-        let gaps = nodes.map(|node| (*node, length(minus(self.places[node], place))));
+        let gaps = nodes.map(|node| (*node, length(self.places[node] - place)));
         gaps.filter(|own| own.1 <= self.near).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.0.cmp(&b.0.0))).map(|own| own.0)
     }
 }
