@@ -1,7 +1,7 @@
 //! Meshes whose faces look joined and are not, or stand twice.
 
 use super::FreeMesh;
-use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, shown};
+use super::surface_search::{ALONG, PlaceIndex, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, shown};
 use crate::scalar::{Scalar, Vector3};
 use std::collections::{HashMap, HashSet};
 
@@ -36,24 +36,12 @@ impl<S: Scalar> FreeMesh<S> {
         let mut used: Vec<usize> = self.faces.iter().flat_map(|face| face.points.iter().copied()).collect();
         used.sort_unstable();
         used.dedup();
-        // points of one place lie in one of neighbouring cells
-        let cell = |point: Point| -> [i64; 3] { point.map(|x| (x / near).floor() as i64).into() };
-        let mut cells: HashMap<[i64; 3], usize> = HashMap::with_capacity(used.len());
-        for point in used {
-            let place = self.value_of(point);
-            let own = cell(place);
-            for neighbour in 0..27 {
-                let key = [neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1];
-                let key = [0, 1, 2].map(|axis| own[axis].saturating_add(key[axis]));
-                if let Some(&other) = cells.get(&key)
-                    && length(self.value_of(other) - place) <= near
-                {
-                    return Some([other, point]);
-                }
-            }
-            cells.insert(own, point);
-        }
-        None
+        let mut by_place = PlaceIndex::new(near);
+        used.into_iter().find_map(|point| {
+            let other = by_place.find(self.value_of(point));
+            by_place.add(point, self.value_of(point));
+            Some([other?, point])
+        })
     }
 
     /// Faces that lie on each other: the directions from a common edge into both of them are the same.

@@ -1,6 +1,7 @@
 //! Shells joined along edges to other shells and to bodies.
 
-use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, shown};
+use super::carriers::Carriers;
+use super::surface_search::{ALONG, PlaceIndex, Point, SAME_PLACE, Surfaces, cosine, length, shown};
 use super::{FreeMesh, MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
@@ -12,39 +13,28 @@ use std::collections::HashMap;
 const REMEDY: &str = "divide both sides alike, so that all nodes there are common ones, or tie the edge instead (tie)";
 
 /// Shells that a mesh is to be joined to.
-struct Neighbours<'s> {
+struct Neighbours<'s, S> {
     shells: &'s [&'s MeshedShell],
-    /// All their faces: shell, and number in it.
-    faces: Vec<(usize, usize)>,
+    carriers: Carriers<S>,
     /// All their nodes with their places.
     places: HashMap<NodeId, Point>,
-    surfaces: Surfaces,
     /// Lines of nodes along which interpolations meet: edges, and the middle lines of faces of nine nodes.
     lines: HashMap<NodeId, Vec<Vec<NodeId>>>,
 }
 
-impl<'s> Neighbours<'s> {
-    fn new<S: Scalar>(m: &MechanismBuilder<S>, shells: &'s [&'s MeshedShell], near: f64) -> Self {
-        let (mut faces, mut placed, mut places) = (Vec::new(), Vec::new(), HashMap::new());
+impl<'s, S: Scalar> Neighbours<'s, S> {
+    fn new(m: &MechanismBuilder<S>, shells: &'s [&'s MeshedShell], near: f64) -> Self {
+        let carriers = Carriers::new(m, shells, near);
+        let places = carriers.nodes().map(|node| (node, m.position(node).map(Scalar::value))).collect();
         let mut lines: HashMap<NodeId, Vec<Vec<NodeId>>> = HashMap::new();
-        for (number, shell) in shells.iter().enumerate() {
-            for (face, (kind, nodes)) in shell.faces().enumerate() {
-                let shape = kind.face.shape();
-                let place = |node: &NodeId| m.position(*node).map(Scalar::value);
-                placed.push(PlacedFace { shape, nodes: nodes.iter().map(place).collect() });
-                places.extend(nodes.iter().map(|node| (*node, place(node))));
-                faces.push((number, face));
-                let middles: &[&[usize]] = if kind.face == FaceKind::Quad9 { &[&[1, 4, 7], &[3, 4, 5]] } else { &[] };
-                for line in shape.edges.iter().chain(middles) {
-                    let line: Vec<NodeId> = line.iter().map(|&place| nodes[place]).collect();
-                    line.iter().for_each(|node| lines.entry(*node).or_default().push(line.clone()));
-                }
+        for (kind, nodes) in shells.iter().flat_map(|shell| shell.faces()) {
+            let middles: &[&[usize]] = if kind.face == FaceKind::Quad9 { &[&[1, 4, 7], &[3, 4, 5]] } else { &[] };
+            for line in kind.face.shape().edges.iter().chain(middles) {
+                let line: Vec<NodeId> = line.iter().map(|&place| nodes[place]).collect();
+                line.iter().for_each(|node| lines.entry(*node).or_default().push(line.clone()));
             }
         }
-        Neighbours { shells, faces, places, surfaces: Surfaces::new(placed, near), lines }
-    }
-    fn shell_of(&self, face: usize) -> &str {
-        &self.shells[self.faces[face].0].name
+        Neighbours { shells, carriers, places, lines }
     }
     fn has_line(&self, line: &[Option<NodeId>]) -> bool {
         let Some(nodes) = line.iter().copied().collect::<Option<Vec<NodeId>>>() else { return false };
@@ -94,7 +84,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let mut nodes: HashMap<usize, NodeId> = free.given.iter().copied().collect();
         let mut met = vec![false; shells.len()];
-        let by_place = PlaceIndex::new(&neighbours.places, near);
+        let mut by_place = PlaceIndex::new(near);
+        neighbours.places.iter().for_each(|(node, place)| by_place.add(*node, *place));
         for point in free.outer_points() {
             let node = nodes.get(&point).copied().or_else(|| by_place.find(free.value_of(point)));
             let Some((node, own)) = node.and_then(|node| Some((node, owners.get(&node)?))) else { continue };
@@ -181,7 +172,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 fn divided_otherwise<S: Scalar>(
     free: &FreeMesh<S>,
     nodes: &HashMap<usize, NodeId>,
-    neighbours: &Neighbours,
+    neighbours: &Neighbours<S>,
 ) -> Option<String> {
     let near = SAME_PLACE * free.size();
     let unequal = |place: Point, shell: &str| {
@@ -215,16 +206,16 @@ fn divided_otherwise<S: Scalar>(
                 [_, middle, _] => free.value_of(middle),
                 _ => (ends[0] + ends[1]) * 0.5,
             };
-            if let Some(foot) = neighbours.surfaces.nearest(middle, |_| true) {
-                return Some(unequal(middle, neighbours.shell_of(foot.face)));
+            if let Some(foot) = neighbours.carriers.surfaces.nearest(middle, |_| true) {
+                return Some(unequal(middle, neighbours.carriers.shell_of(foot.face)));
             }
         }
     }
     // nodes on faces, of either
     for point in free.outer_points().into_iter().filter(|point| !nodes.contains_key(point)) {
         let place = free.value_of(point);
-        if let Some(foot) = neighbours.surfaces.nearest(place, |_| true) {
-            return Some(unequal(place, neighbours.shell_of(foot.face)));
+        if let Some(foot) = neighbours.carriers.surfaces.nearest(place, |_| true) {
+            return Some(unequal(place, neighbours.carriers.shell_of(foot.face)));
         }
     }
     let own = Surfaces::new(free.placed(), near);
@@ -236,33 +227,4 @@ fn divided_otherwise<S: Scalar>(
         let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(node))?;
         Some(unequal(place, &shell.name))
     })
-}
-
-/// Nodes by their places.
-struct PlaceIndex<'p> {
-    cells: HashMap<[i64; 3], Vec<NodeId>>,
-    places: &'p HashMap<NodeId, Point>,
-    near: f64,
-}
-
-impl<'p> PlaceIndex<'p> {
-    fn cell(near: f64, place: Point) -> [i64; 3] {
-        place.map(|x| (x / (2.0 * near).max(f64::MIN_POSITIVE)).floor() as i64).into()
-    }
-    fn new(places: &'p HashMap<NodeId, Point>, near: f64) -> Self {
-        let mut cells: HashMap<[i64; 3], Vec<NodeId>> = HashMap::new();
-        for (&node, &place) in places {
-            cells.entry(Self::cell(near, place)).or_default().push(node);
-        }
-        PlaceIndex { cells, places, near }
-    }
-    /// The nearest node at a place.
-    fn find(&self, place: Point) -> Option<NodeId> {
-        let own = Self::cell(self.near, place);
-        let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
-        let cells = around.map(|step| [0, 1, 2].map(|axis: usize| own[axis].saturating_add(step[axis])));
-        let nodes = cells.filter_map(|cell| self.cells.get(&cell)).flatten();
-        let gaps = nodes.map(|node| (*node, length(self.places[node] - place)));
-        gaps.filter(|own| own.1 <= self.near).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.0.cmp(&b.0.0))).map(|own| own.0)
-    }
 }

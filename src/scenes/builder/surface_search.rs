@@ -178,3 +178,31 @@ impl Surfaces {
         self.reach
     }
 }
+
+/// Items by their places.
+pub(super) struct PlaceIndex<T> {
+    cells: HashMap<[i64; 3], Vec<(T, Point)>>,
+    near: f64,
+}
+
+impl<T: Copy + Ord> PlaceIndex<T> {
+    /// Items that are found from places up to `near` \[m\] away.
+    pub fn new(near: f64) -> Self {
+        PlaceIndex { cells: HashMap::new(), near }
+    }
+    fn cell(&self, place: Point) -> [i64; 3] {
+        place.map(|x| (x / (2.0 * self.near).max(f64::MIN_POSITIVE)).floor() as i64).into()
+    }
+    pub fn add(&mut self, item: T, place: Point) {
+        self.cells.entry(self.cell(place)).or_default().push((item, place));
+    }
+    /// The nearest item at a place.
+    pub fn find(&self, place: Point) -> Option<T> {
+        let own = self.cell(place);
+        let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
+        let cells = around.map(|step| [0, 1, 2].map(|axis: usize| own[axis].saturating_add(step[axis])));
+        let items = cells.filter_map(|cell| self.cells.get(&cell)).flatten();
+        let gaps = items.map(|(item, other)| (*item, length(other - place))).filter(|own| own.1 <= self.near);
+        gaps.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))).map(|own| own.0)
+    }
+}
