@@ -284,35 +284,11 @@ impl<S: Scalar> MechanismBuilder<S> {
             }
         }
         let length = (0..count - 1).fold(0.0, |sum, i| sum + (line.points[i + 1] - line.points[i]).length().value());
-        let mut rotations = Vec::new();
+        let mut start = None;
         for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
-            let End::Node(node) = end else { continue };
-            let Some(kind) = self.kind_of(name, node) else { continue };
-            if kind != NodeKind::Body {
-                let own = &self.model.nodes[node.0].name;
-                self.mistakes.push(format!(
-                    "\"{name}\" needs a body with Euler parameters at its end, but node \"{own}\" is none: make it a body, or give the \
-                     beam a node of its own and a joint"
-                ));
-                continue;
+            if let End::Node(node) = end {
+                self.check_given_node(name, node, (point, length), &mut start);
             }
-            let gap = (self.position(node) - point).length().value();
-            if gap > 1e-9 * length {
-                self.mistakes.push(format!(
-                    "\"{name}\" ends {gap:.3e} m from its node \"{}\": a beam ends in the origin of a body's frame; \
-                     give it a node of its own and a fixed joint, or move the frame",
-                    self.model.nodes[node.0].name
-                ));
-            }
-            rotations.push(self.rotation(node).0.map(Scalar::value));
-        }
-        if let [a, b] = &rotations[..]
-            && a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-12)
-        {
-            self.mistakes.push(format!(
-                "\"{name}\" joins two nodes whose frames start with different Euler parameters {a:?} and {b:?}; \
-                 let the bodies' frames start alike, or end the beam in a node of its own with a fixed joint"
-            ));
         }
         self.mistakes.len() == mistakes
     }

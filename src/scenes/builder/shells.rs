@@ -6,7 +6,7 @@
 use super::entries::entry;
 use super::weights::Heavy;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
-use crate::assembly::{ElementId, NodeId};
+use crate::assembly::{ElementId, Node, NodeId};
 use crate::elements::NodeKind;
 use crate::elements::flexible::shape::weighed;
 use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection};
@@ -379,14 +379,16 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Nodes of others at points of a mesh: they are bodies, lie there and start alike.
     fn check_given<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) {
         let size = free.size();
-        let mut rotation: Option<[f64; 4]> = None;
+        let mut start = None;
         let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
         let mut first: HashMap<usize, NodeId> = HashMap::new();
         for &(place, node) in &free.given {
-            let Some(kind) = self.kind_of(name, node) else { continue };
-            let own = self.model.nodes[node.0].name.clone();
+            let Some(Node { name: own, fixed, .. }) = self.model.find_node(node).cloned() else {
+                self.refuse_stranger(name, "a node");
+                continue;
+            };
             let at = format!("node {}", mesh.node_name(place));
-            if clamped.contains(&place) && !self.model.nodes[node.0].fixed {
+            if clamped.contains(&place) && !fixed {
                 self.mistakes.push(format!(
                     "\"{name}\" is clamped at its {at}, which is the node \"{own}\" that moves: clamp that one, or leave it out here"
                 ));
@@ -396,24 +398,41 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let before = &self.model.nodes[before.0].name;
                 self.mistakes.push(format!("\"{name}\" is given two nodes for its {at}: \"{before}\" and \"{own}\""));
             }
-            if kind != NodeKind::Body {
-                self.mistakes.push(format!("\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none"));
-                continue;
-            }
-            let gap = (self.position(node) - free.points[place]).length().value();
-            if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
-                self.mistakes.push(format!(
-                    "\"{name}\" lies {gap:.3e} m from its node \"{own}\": a shell takes hold of the origin of a body's frame"
-                ));
-            }
-            let e = self.rotation(node).0.map(Scalar::value);
-            let before = *rotation.get_or_insert(e);
-            if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
-                self.mistakes.push(format!(
-                    "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
-                     or join nodes of its own by fixed joints"
-                ));
-            }
+            self.check_given_node(name, node, (free.points[place], size), &mut start);
+        }
+    }
+
+    /// A node that a beam or shell of some size \[m\] is given: a body, which stands at its place and starts with the rotation of those before.
+    pub(super) fn check_given_node(
+        &mut self,
+        name: &str,
+        node: NodeId,
+        (place, size): (Vector3<S>, f64),
+        start: &mut Option<[f64; 4]>,
+    ) {
+        let Some(kind) = self.kind_of(name, node) else { return };
+        let own = &self.model.nodes[node.0].name;
+        if kind != NodeKind::Body {
+            self.mistakes.push(format!(
+                "\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none: make it a body, or leave a node of \"{name}\" there and \
+                 join both"
+            ));
+            return;
+        }
+        let gap = (self.position(node) - place).length().value();
+        if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
+            self.mistakes.push(format!(
+                "\"{name}\" lies {gap:.3e} m from its node \"{own}\": it takes hold of the origin of a body's frame; leave a node of its own there and \
+                 add a fixed joint, or move the frame"
+            ));
+        }
+        let e = self.rotation(node).0.map(Scalar::value);
+        let before = *start.get_or_insert(e);
+        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
+            self.mistakes.push(format!(
+                "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
+                 or join nodes of its own by fixed joints"
+            ));
         }
     }
 }
