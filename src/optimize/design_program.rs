@@ -48,9 +48,6 @@ pub(super) fn sided(limit: Limit) -> (ConstraintKind, f64) {
     }
 }
 
-/// A simulated design, and its place in the history.
-type Latest<'s> = (Simulated<'s>, usize);
-
 /// The program of a scene's optimization problem: one simulation for the values at a point, one sweep for its gradients.
 pub(super) struct DesignProgram<'o, 'w> {
     optimization: &'o Optimization<'o>,
@@ -62,7 +59,8 @@ pub(super) struct DesignProgram<'o, 'w> {
     /// Of scaled variables.
     linear: Vec<Combination>,
     kinds: Vec<ConstraintKind>,
-    latest: Option<Latest<'o>>,
+    /// The design that was simulated last.
+    latest: Option<Simulated<'o>>,
     /// Times of one rank that each case has taken last; equal before.
     costs: Vec<f64>,
     pub history: DesignHistory,
@@ -136,7 +134,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         let y = program.scaling.scaled(start);
         program.check_values(values)?;
         if program.replayed(&y, start).is_some() {
-            program.latest = Some((simulated, 0));
+            program.latest = Some(simulated);
             return Ok(program);
         }
         program.keep(&y, start.to_vec(), Ok(simulated), begun.elapsed().as_secs_f64()).ok();
@@ -204,7 +202,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
                 simulated.add_counters(&mut work);
                 let values = self.values_at(y, &simulated.values);
                 let (functionals, extremes) = (simulated.values.clone(), simulated.extremes.clone());
-                self.latest = Some((simulated, place));
+                self.latest = Some(simulated);
                 (functionals, extremes, Ok(values))
             }
             Err(error) => {
@@ -273,13 +271,6 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         wanted
     }
 
-    /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
-    fn rows(&self, simulated: &Simulated, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let (wanted, watcher) = (self.wanted(&simulated.values), &self.watcher);
-        let how = Differentiation { scaling: &self.scaling, wanted: &wanted, wants_to_stop: &|| watcher.wants_to_stop() };
-        self.optimization.rows(simulated, &how, work)
-    }
-
     /// Gradients of objective and constraints by `n` scaled variables from those of the functionals.
     fn gradients_of(&self, n: usize, rows: &[Vec<f64>]) -> Gradients {
         let constraints = self.nonlinear.iter().map(|row| self.scaling.gradient(&row.gradient(rows)));
@@ -296,16 +287,18 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         NoValue::Failed
     }
 
-    /// Simulates a design unless it is the latest one.
+    /// Place of a design in the history.
+    fn place_of(&self, design: &[f64]) -> Option<usize> {
+        self.history.points.iter().rposition(|point| point.design == design)
+    }
+
+    /// Simulates a design unless its values are known.
     fn simulated(&mut self, y: &[f64]) -> Result<Values, NoValue> {
         if self.stopped || self.watcher.wants_to_stop() {
             return Err(NoValue::Stop);
         }
         let design = self.scaling.design(y);
-        if let Some((latest, _)) = self.latest.as_ref().filter(|latest| latest.0.design == design) {
-            return Ok(self.values_at(y, &latest.values));
-        }
-        if let Some(known) = self.history.points.iter().rev().find(|point| point.design == design && !point.failed()) {
+        if let Some(known) = self.place_of(&design).map(|place| &self.history.points[place]).filter(|known| !known.failed()) {
             return Ok(self.values_at(y, &known.functionals));
         }
         if let Some(values) = self.replayed(y, &design) {
@@ -337,34 +330,31 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         // an optimizer may have gone on to other points since
         self.simulated(y)?;
         let design = self.scaling.design(y);
-        let known = self.history.points.iter().rev().find(|point| point.design == design);
-        if let Some(rows) = known.and_then(|point| point.gradients.clone()) {
-            return Ok(self.gradients_of(y.len(), &rows));
+        let Some(place) = self.place_of(&design) else { return Err(NoValue::Failed) };
+        if let Some(rows) = &self.history.points[place].gradients {
+            return Ok(self.gradients_of(y.len(), rows));
         }
-        if self.latest.as_ref().is_none_or(|latest| latest.0.design != design) {
-            // recorded, but without its gradients: simulated once more
-            let place = self.history.points.iter().rposition(|point| point.design == design).unwrap_or_default();
-            let simulated = self.simulate(&design).map_err(|error| self.failed(error))?;
-            self.latest = Some((simulated, place));
-        }
-        let Some(latest) = self.latest.take() else { return Err(NoValue::Failed) };
-        let mut work = Work::default();
-        let begun = Instant::now();
-        let rows = self.rows(&latest.0, &mut work);
+        let latest = match self.latest.take().filter(|latest| latest.design == design) {
+            Some(latest) => latest,
+            // recorded, but without its gradients, or left since: simulated once more
+            None => self.simulate(&design).map_err(|error| self.failed(error))?,
+        };
+        let (begun, mut work) = (Instant::now(), Work::default());
+        let (wanted, watcher) = (self.wanted(&latest.values), &self.watcher);
+        let how = Differentiation { scaling: &self.scaling, wanted: &wanted, wants_to_stop: &|| watcher.wants_to_stop() };
+        let rows = self.optimization.rows(&latest, &how, &mut work);
         work.gradient_seconds = begun.elapsed().as_secs_f64();
-        let point = &mut self.history.points[latest.1];
-        point.work += work;
+        self.history.points[place].work += work;
         // a design that cannot be differentiated is no place to go on from
         let rows = rows.map_err(|error| self.failed(error))?;
-        self.history.points[latest.1].gradients = Some(rows.clone());
+        self.history.points[place].gradients = Some(rows.clone());
         self.latest = Some(latest);
         self.tell();
         Ok(self.gradients_of(y.len(), &rows))
     }
     fn reached(&mut self, y: &[f64], iteration: usize) -> bool {
-        let design = self.scaling.design(y);
-        if let Some(point) = self.history.points.iter_mut().rev().find(|point| point.design == design) {
-            point.iteration = Some(iteration);
+        if let Some(place) = self.place_of(&self.scaling.design(y)) {
+            self.history.points[place].iteration = Some(iteration);
         }
         self.tell();
         !self.stopped

@@ -115,9 +115,6 @@ struct Known {
     gradients: Option<Result<Gradients, NoValue>>,
 }
 
-/// Points kept, so that an optimizer may ask for objective, constraints and gradients separately.
-const KEPT: usize = 4;
-
 /// The evaluations of a program: what is known, what is best, when to end. Optimizers work on it.
 pub struct Evaluations<'p> {
     program: &'p mut dyn NonlinearProgram,
@@ -125,6 +122,7 @@ pub struct Evaluations<'p> {
     bounds: Vec<(f64, f64)>,
     kinds: Vec<ConstraintKind>,
     linear_from: usize,
+    /// All points, so that an optimizer may ask for objective, constraints and gradients separately.
     known: Vec<Known>,
     best_gradients: Option<Gradients>,
     last: Option<f64>,
@@ -244,9 +242,6 @@ impl<'p> Evaluations<'p> {
                 }
             }
             Err(_) => self.ended.failed += 1,
-        }
-        if self.known.len() == KEPT {
-            self.known.remove(0);
         }
         self.known.push(Known { x: x.to_vec(), values, gradients: None });
         Ok(self.known.len() - 1)
