@@ -298,7 +298,8 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             return Err(NoValue::Stop);
         }
         let design = self.scaling.design(y);
-        if let Some(known) = self.place_of(&design).map(|place| &self.history.points[place]).filter(|known| !known.failed()) {
+        if let Some(known) = self.place_of(&design).map(|place| &self.history.points[place]).filter(|known| !known.failed())
+        {
             return Ok(self.values_at(y, &known.functionals));
         }
         if let Some(values) = self.replayed(y, &design) {

@@ -5,9 +5,7 @@ use super::line_stress::LineStress;
 use super::weights::Heavy;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::flexible::{
-    Cable, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
-};
+use crate::elements::flexible::{Cable, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField};
 use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity};
 use crate::functionals::{ElementGroup, Over};

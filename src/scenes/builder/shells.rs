@@ -203,9 +203,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let own = (0..nodes).map(|node| thickness(face, mesh.place(face, node)));
                 (ShellSection::Isotropic, own.chain(numbers[part_of(face)].iter().copied()).collect(), None)
             }
-            Some(ShellPart::Laminate(plies, _)) => {
-                (ShellSection::Laminate, numbers[part_of(face)].clone(), Some(*plies))
-            }
+            Some(ShellPart::Laminate(plies, _)) => (ShellSection::Laminate, numbers[part_of(face)].clone(), Some(*plies)),
             // a mechanism with mistakes is not made: its faces may have any section
             None => (ShellSection::Isotropic, vec![S::one(); nodes + 3], None),
         };
@@ -232,7 +230,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             ShellPart::Isotropic(Material { young, poisson, density }, _) => {
                 let value = poisson.value();
                 if !(value > -1.0 && value < 1.0) {
-                    self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
+                    self.mistakes
+                        .push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
                 }
                 vec![*young, *poisson, *density]
             }
