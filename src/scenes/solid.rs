@@ -250,16 +250,6 @@ mod tests {
         assert!(inertia[3..].iter().all(|own| own.abs() < 1e-15));
     }
 
-    #[test]
-    fn halves_of_a_box_are_the_box() {
-        let (second_axis, size) = (Vector3::new(0.0, 0.0, 1.0), [0.2, 0.07]);
-        let [from, to] = ENDS.map(Vector3::from_f64);
-        let middle = (from + to) * 0.5;
-        let bar = |ends| SolidShape::Box { ends, second_axis, size };
-        let halves = [[from, middle], [middle, to]].map(|ends| Solid { shape: bar(ends), density: Some(DENSITY) });
-        same(mass_properties(&halves).unwrap(), properties(bar([from, to])), 1e-14);
-    }
-
     /// I = sum of m (|x|^2 1 - x x^T) + 2/5 m r^2 1: balls at (1, 2, 0) and opposite have the product -2 m 1 2 in it.
     #[test]
     fn products_of_inertia_have_the_sign_of_the_tensor() {
