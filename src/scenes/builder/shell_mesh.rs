@@ -25,6 +25,17 @@ impl Edge {
     /// Their names, in this order.
     pub(crate) const NAMES: [&str; 4] = ["first_start", "first_end", "second_start", "second_end"];
 
+    /// What stands along it on a grid of so many elements, from places (i, j).
+    pub(super) fn along<T>(self, elements: [usize; 2], at: impl Fn(usize, usize) -> T) -> Vec<T> {
+        let [first, second] = elements.map(|count| 2 * count);
+        match self {
+            Edge::FirstStart => (0..=second).map(|j| at(0, j)).collect(),
+            Edge::FirstEnd => (0..=second).map(|j| at(first, j)).collect(),
+            Edge::SecondStart => (0..=first).map(|i| at(i, 0)).collect(),
+            Edge::SecondEnd => (0..=first).map(|i| at(i, second)).collect(),
+        }
+    }
+
     /// The one of a name.
     #[cfg(feature = "files")]
     pub(crate) fn named(name: &str) -> Self {
@@ -180,13 +191,7 @@ impl<S: Scalar> ShellMesh<S> {
     }
     /// Numbers of the nodes of an edge.
     fn places(&self, edge: Edge) -> Vec<usize> {
-        let [first, second] = self.elements.map(|count| 2 * count);
-        match edge {
-            Edge::FirstStart => (0..=second).map(|j| self.place(0, j)).collect(),
-            Edge::FirstEnd => (0..=second).map(|j| self.place(first, j)).collect(),
-            Edge::SecondStart => (0..=first).map(|i| self.place(i, 0)).collect(),
-            Edge::SecondEnd => (0..=first).map(|i| self.place(i, second)).collect(),
-        }
+        edge.along(self.elements, |i, j| self.place(i, j))
     }
     /// Nodes (a, b) of the faces among nine.
     fn division(&self) -> &'static [&'static [[usize; 2]]] {

@@ -133,13 +133,7 @@ impl ShellMember {
     }
     /// Nodes of an edge, in the order of the grid.
     pub fn edge(&self, edge: Edge) -> Vec<NodeId> {
-        let [first, second] = self.counts.map(|count| 2 * count);
-        match edge {
-            Edge::FirstStart => (0..=second).map(|j| self.node(0, j)).collect(),
-            Edge::FirstEnd => (0..=second).map(|j| self.node(first, j)).collect(),
-            Edge::SecondStart => (0..=first).map(|i| self.node(i, 0)).collect(),
-            Edge::SecondEnd => (0..=first).map(|i| self.node(i, second)).collect(),
-        }
+        edge.along(self.counts, |i, j| self.node(i, j))
     }
 }
 
