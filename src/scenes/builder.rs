@@ -27,8 +27,6 @@ mod weights;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
-#[cfg(feature = "files")]
-pub(in crate::scenes) use entries::Wrong;
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
 pub use line_stress::LineElement;
@@ -103,6 +101,8 @@ pub struct MechanismBuilder<S> {
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     names_of_nodes: NamesOfNodes,
     mistakes: Vec<String>,
+    /// Those in values of keys: name, key, and what is wrong.
+    wrong_keys: Vec<(String, &'static str, String)>,
 }
 
 /// Names that nodes have already.
@@ -129,7 +129,8 @@ crate::assembly::empty_fields!(MechanismBuilder {
     ties,
     angles,
     names_of_nodes,
-    mistakes
+    mistakes,
+    wrong_keys
 });
 
 /// What is read of a node that is not there.
@@ -522,6 +523,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         std::mem::take(&mut self.mistakes)
     }
 
+    /// Takes those in values of keys.
+    #[cfg(feature = "files")]
+    pub(super) fn take_wrong_keys(&mut self) -> Vec<(String, &'static str, String)> {
+        std::mem::take(&mut self.wrong_keys)
+    }
+
     /// Draws a line through world points with a node.
     pub fn draw(&mut self, node: NodeId, points: &[Vector3<S>]) {
         if self.kind_of("draw", node).is_none() {
@@ -555,6 +562,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         if self.model.nodes.iter().all(|node| node.fixed) {
             self.mistakes.push("the scene has no node that can move".into());
         }
+        let wrong_keys = self.wrong_keys.iter().map(|(name, key, what)| format!("\"{name}\", {key}: {what}"));
+        self.mistakes.extend(wrong_keys);
         if self.mistakes.is_empty() { Ok(self) } else { Err(self.mistakes.join("; ")) }
     }
 }

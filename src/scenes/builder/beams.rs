@@ -324,8 +324,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         size: Signal<S>,
     ) {
         let keys = [&[("direction", direction.into())], &self.load_keys(name, frame, size)[..]].concat();
-        let made = self.load_part(entry(LOADS, "distributed_load"), &beam.carriers(name), &keys);
-        made.unwrap_or_else(|wrong| self.tell(name, wrong));
+        self.load(entry(LOADS, "distributed_load"), &beam.carriers(name), &keys);
     }
 
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].

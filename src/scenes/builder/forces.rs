@@ -1,7 +1,7 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
-use super::entries::{Wrong, entry, methods_by_entry};
+use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::entries::{GivenValue, SpringPart, Values};
 use crate::elements::forces::{DAMPERS, LOADS, LoadFrame, SPRINGS};
@@ -62,16 +62,13 @@ pub struct BushingRates<S> {
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Adds a load by its entry to nodes, or to those of each element of a member, with names.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn load_part(
-        &mut self,
-        part: &SpringPart,
-        on: &[(String, Vec<NodeId>)],
-        values: &Values<S>,
-    ) -> Result<(), Vec<Wrong>> {
-        on.iter().try_for_each(|(name, nodes)| self.spring_part(part, name, nodes, values.clone()).map(drop))
+    pub(in crate::scenes) fn load(&mut self, part: &SpringPart, on: &[(String, Vec<NodeId>)], values: &Values<S>) {
+        for (name, nodes) in on {
+            // what is wrong with one is so with all
+            if self.spring(part, name, nodes, values.clone()) == self.model.refused_element() {
+                break;
+            }
+        }
     }
 
     /// Values of the keys that all loads have.

@@ -1,7 +1,7 @@
 //! What is measured.
 
 use super::MechanismBuilder;
-use super::entries::{Wrong, entry, methods_by_entry};
+use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::entries::{GivenValue, Values};
 use crate::functionals::quantities::{QUANTITIES, Reaction, ReactionNorm};
@@ -9,27 +9,12 @@ use crate::functionals::{Functional, Measured, Over, QuantityPart};
 use crate::scalar::{Scalar, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Adds a functional of a quantity by its entry.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn quantity_part(
-        &mut self,
-        part: &QuantityPart,
-        name: &str,
-        over: Over,
-        nodes: &[NodeId],
-        values: Values<S>,
-    ) -> Result<(), Vec<Wrong>> {
-        let (quantity, p) = self.made(part, name, nodes, values)?;
-        self.add_functional(name, over, (nodes, &[]), quantity, &p);
-        Ok(())
-    }
-
     /// A functional of a quantity by its entry, one of [`QUANTITIES`] or of your own:
     /// `m.measure(&QuantityPart::of::<MyQuantity>(), "name", Over::Terminal, &[node], keys)`.
     pub fn measure(&mut self, part: &QuantityPart, name: &str, over: Over, nodes: &[NodeId], keys: impl Into<Values<S>>) {
-        self.quantity_part(part, name, over, nodes, keys.into()).unwrap_or_else(|wrong| self.tell(name, wrong));
+        if let Some((quantity, p)) = self.made(part, name, nodes, keys.into()) {
+            self.add_functional(name, over, (nodes, &[]), quantity, &p);
+        }
     }
 
     /// A functional of a weighted sum of a joint's multipliers: forces \[N\], or moments [N m] of equations between axes and angles.

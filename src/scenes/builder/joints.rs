@@ -1,7 +1,7 @@
 //! Joints and motion drivers, by their entries.
 
 use super::MechanismBuilder;
-use super::entries::{Wrong, entry, methods_by_entry};
+use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::elements::TimeFunction;
 use crate::elements::entries::{GivenValue, JointPart, Values};
@@ -10,51 +10,12 @@ use crate::scalar::{Scalar, Vector3};
 use crate::scenes::Signal;
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Adds a joint or driver by its entry.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn rigid_part(
-        &mut self,
-        part: &JointPart,
-        name: &str,
-        nodes: &[NodeId],
-        values: Values<S>,
-    ) -> Result<ConstraintId, Vec<Wrong>> {
-        let (law, p) = self.made(part, name, nodes, values)?;
-        Ok(self.add_constraint(name, nodes, law.rigid(), &p))
-    }
-
-    /// Adds springs and dampers in place of the equations of a joint.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes, the values of its keys, or the numbers of stiffnesses and dampings.
-    pub(in crate::scenes) fn soft_part(
-        &mut self,
-        part: &JointPart,
-        name: &str,
-        nodes: &[NodeId],
-        values: Values<S>,
-        [stiffness, damping]: [&[S]; 2],
-    ) -> Result<ElementId, Vec<Wrong>> {
-        let (law, p) = self.made(part, name, nodes, values)?;
-        let count = law.equations();
-        if [stiffness.len(), damping.len()] != [count; 2] {
-            let (stiffnesses, dampings) = (stiffness.len(), damping.len());
-            let text = format!(
-                "\"{name}\" has {count} equations, but {stiffnesses} stiffnesses and {dampings} dampings were given"
-            );
-            return Err(vec![(None, text)]);
-        }
-        Ok(self.add_element(name, nodes, law.soft(), &[stiffness, damping, &p].concat()))
-    }
-
     /// Adds a joint or driver by its entry, one of a list or of your own: `m.joint(&JointPart::of::<MyJoint>(), "name", &[a, b], keys)`.
     pub fn joint(&mut self, part: &JointPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ConstraintId {
-        self.rigid_part(part, name, nodes, keys.into()).unwrap_or_else(|wrong| {
-            self.tell(name, wrong);
-            self.model.refused_constraint()
-        })
+        match self.made(part, name, nodes, keys.into()) {
+            Some((law, p)) => self.add_constraint(name, nodes, law.rigid(), &p),
+            None => self.model.refused_constraint(),
+        }
     }
 
     /// The same joint softly: springs and dampers with a stiffness and a damping for each of its equations
@@ -65,12 +26,18 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         nodes: &[NodeId],
         keys: impl Into<Values<S>>,
-        rates: [&[S]; 2],
+        [stiffness, damping]: [&[S]; 2],
     ) -> ElementId {
-        self.soft_part(part, name, nodes, keys.into(), rates).unwrap_or_else(|wrong| {
-            self.tell(name, wrong);
-            self.model.refused_element()
-        })
+        let Some((law, p)) = self.made(part, name, nodes, keys.into()) else { return self.model.refused_element() };
+        let count = law.equations();
+        if [stiffness.len(), damping.len()] != [count; 2] {
+            let (stiffnesses, dampings) = (stiffness.len(), damping.len());
+            self.mistakes.push(format!(
+                "\"{name}\" has {count} equations, but {stiffnesses} stiffnesses and {dampings} dampings were given"
+            ));
+            return self.model.refused_element();
+        }
+        self.add_element(name, nodes, law.soft(), &[stiffness, damping, &p].concat())
     }
 
     /// The value of a key that is a function of time; what is wrong with it is told with the other mistakes.

@@ -334,8 +334,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// normal to the deformed surface and acts on its area.
     pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: Signal<S>) {
         let keys = self.load_keys(name, frame, size).to_vec();
-        let made = self.load_part(entry(LOADS, "pressure"), &shell.carriers(name, &shell.group()), &keys);
-        made.unwrap_or_else(|wrong| self.tell(name, wrong));
+        self.load(entry(LOADS, "pressure"), &shell.carriers(name, &shell.group()), &keys);
     }
 
     fn check_mesh<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) -> bool {
