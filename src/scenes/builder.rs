@@ -508,8 +508,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         if !self.check_parameters(name, quantity.parameter_list().len(), p.len()) || have != wanted {
             return;
         }
-        let parameters = self.model.add_parameters(p.len());
-        self.numbers.p.extend_from_slice(p);
+        let parameters = self.add_numbers(p);
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
         let multipliers = constraints.iter().map(|id: &ConstraintId| self.model.constraints[id.0].equations.len()).sum();
         let (unit, quantity) = (quantity.unit(), MeasuredQuantity::new(quantity, multipliers));
