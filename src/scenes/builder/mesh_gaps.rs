@@ -5,8 +5,6 @@ use super::surface_search::{ALONG, PlaceIndex, PlacedFace, Point, SAME_PLACE, Su
 use crate::scalar::{Scalar, Vector3};
 use std::collections::{HashMap, HashSet};
 
-type FaceName<'n> = &'n dyn Fn(usize) -> String;
-
 impl<S: Scalar> FreeMesh<S> {
     /// Where a point stands \[m\].
     pub(super) fn value_of(&self, point: usize) -> Point {
@@ -45,7 +43,7 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// Faces that lie on each other: the directions from a common edge into both of them are the same.
-    fn doubled(&self, normals: &[Vec<Vector3<S>>], face_name: FaceName) -> Option<String> {
+    fn doubled(&self, normals: &[Vec<Vector3<S>>]) -> Option<String> {
         let inward = |face: usize, ends: [usize; 2]| -> Option<Point> {
             let own = &self.faces[face];
             let of_ends = |edge: &&&[usize]| {
@@ -63,7 +61,7 @@ impl<S: Scalar> FreeMesh<S> {
             for (place, &(first, _)) in edge.faces.iter().enumerate() {
                 for &(second, _) in &edge.faces[..place] {
                     let ([Some(a), Some(b)], names) =
-                        ([inward(first, ends), inward(second, ends)], [second, first].map(face_name))
+                        ([inward(first, ends), inward(second, ends)], [second, first].map(|face| self.element_place(face)))
                     else {
                         continue;
                     };
@@ -89,7 +87,7 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// A point on the outer edges that lies on a face, or along an edge, to which it does not belong.
-    fn hanging_point(&self, face_name: FaceName) -> Option<String> {
+    fn hanging_point(&self) -> Option<String> {
         let edges = self.edges();
         let outer: Vec<_> = edges.iter().filter(|edge| edge.faces.len() == 1).collect();
         let mut at_point: HashMap<usize, Vec<(usize, usize)>> = HashMap::new();
@@ -100,7 +98,7 @@ impl<S: Scalar> FreeMesh<S> {
             }
         }
         let tells = |point: usize, face: usize, distance: f64| {
-            let (number, place, name) = (self.point_number(point), shown(self.value_of(point)), face_name(face));
+            let (number, place, name) = (self.point_number(point), shown(self.value_of(point)), self.element_place(face));
             format!(
                 "point {number} at {place} lies on {name}, {distance:.1e} m from its surface, and is no point of it, so that faces are not joined \
                  there: divide both sides alike, or let it with coincident = true (with_coincident_points) if it is a slit or a tie closes it"
@@ -147,8 +145,8 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// Where it is not joined though it looks so, in words.
-    pub(super) fn gaps(&self, normals: &[Vec<Vector3<S>>], face_name: FaceName) -> Option<String> {
-        if let Some(doubled) = self.doubled(normals, face_name) {
+    pub(super) fn gaps(&self, normals: &[Vec<Vector3<S>>]) -> Option<String> {
+        if let Some(doubled) = self.doubled(normals) {
             return Some(doubled);
         }
         if self.may_coincide {
@@ -162,6 +160,6 @@ impl<S: Scalar> FreeMesh<S> {
                  in Gmsh), or let them with coincident = true (with_coincident_points) if it is a slit"
             ));
         }
-        self.hanging_point(face_name)
+        self.hanging_point()
     }
 }

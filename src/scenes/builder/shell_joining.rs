@@ -115,7 +115,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         format!(
             "is to be joined to \"{name}\", but no node of its edges stands where one of \"{name}\" does: the nearest are its node {} at {} and \
              \"{}\", {distance:.3e} m apart, and up to {:.1e} m are one place; a tie follows faces between their nodes",
-            mesh.node_name(point),
+            free.node_name(point),
             shown(free.value_of(point)),
             self.model.nodes[node.0].name,
             SAME_PLACE * free.size()

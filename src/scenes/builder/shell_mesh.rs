@@ -1,7 +1,7 @@
 //! Meshes of shells: a grid of nodes on a surface, two for each element and one, along each of its two directions.
 
 use super::SurfaceMesh;
-use super::free_mesh::{FreeMesh, MeshFace};
+use super::free_mesh::{FreeMesh, Grid, MeshFace};
 use super::shells::{MeshedShell, ShellMember};
 use crate::assembly::NodeId;
 use crate::elements::flexible::faces::FaceKind;
@@ -223,7 +223,8 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
 
     fn free(&self) -> FreeMesh<S> {
         let mut free = self.free.clone();
-        let [first, second] = self.elements;
+        let ([first, second], parts) = (self.elements, self.division().len());
+        free.grid = Some(Grid { columns: first, parts });
         if first == 0 || second == 0 {
             free.unjoined = Some(format!("has {first} x {second} elements; a shell needs at least 1 x 1"));
         }
@@ -234,21 +235,11 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
             };
             MeshFace { kind: self.kind, points: (0..self.kind.shape().nodes).map(point).collect() }
         };
-        free.faces = (0..first * second * self.division().len()).map(face).collect();
+        free.faces = (0..first * second * parts).map(face).collect();
         free
     }
     fn free_mut(&mut self) -> &mut FreeMesh<S> {
         &mut self.free
-    }
-    fn node_name(&self, point: usize) -> String {
-        let width = 2 * self.elements[0] + 1;
-        format!("[{},{}]", point % width, point / width)
-    }
-    fn element_name(&self, face: usize) -> String {
-        let parts = self.division().len();
-        let (cell, part) = (face / parts, face % parts + 1);
-        let (column, row) = (cell % self.elements[0] + 1, cell / self.elements[0] + 1);
-        if parts == 1 { format!("element {column}, {row}") } else { format!("element {column}, {row}, part {part}") }
     }
     fn place(&self, face: usize, node: usize) -> [f64; 2] {
         let last = self.elements.map(|count| (2 * count).max(1) as f64);

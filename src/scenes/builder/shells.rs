@@ -186,7 +186,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     ) -> M::Member {
         let free = mesh.free();
         if let Some(face) = (0..free.faces.len()).find(|&face| part_of(face) >= parts.len()) {
-            let (count, face_name, own) = (parts.len(), mesh.element_place(face), part_of(face));
+            let (count, face_name, own) = (parts.len(), free.element_place(face), part_of(face));
             self.mistakes.push(format!("\"{name}\", {face_name} has part {own}, but there are {count}, counted from 0"));
         }
         let rotation = self.rotation_of(&free);
@@ -201,7 +201,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             // a mechanism with mistakes is not made: its faces may have any section
             None => (ShellSection::Isotropic, vec![S::one(); nodes + 3], None),
         };
-        let shell = self.add_shell(name, &mesh, &free, &section);
+        let shell = self.add_shell(name, (&free, mesh.lines()), &section);
         if self.mistakes.len() == before {
             let directors = free.directors();
             for (number, part) in parts.iter().enumerate() {
@@ -243,11 +243,10 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A shell with the section of each element: what it is, its parameters, from its number and that of its nodes, and its plies if it has some.
-    fn add_shell<'l, M: SurfaceMesh<S>>(
+    fn add_shell<'l>(
         &mut self,
         name: &str,
-        mesh: &M,
-        free: &FreeMesh<S>,
+        (free, lines): (&FreeMesh<S>, Vec<Vec<usize>>),
         section: &dyn Fn(usize, usize) -> (ShellSection, Vec<S>, Option<&'l Laminate<S>>),
     ) -> MeshedShell
     where
@@ -258,9 +257,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         let (nodes, elements, faces, layers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let of_point = vec![None; free.points.len()];
         let mut shell = MeshedShell { name: name.into(), nodes, elements, faces, layers, of_point, groups, node_sets };
-        let sound = self.check_mesh(name, mesh, free);
+        let sound = self.check_mesh(name, free);
         let rotation = self.rotation_of(free);
-        self.add_shell_nodes(mesh, free, &mut shell);
+        self.add_shell_nodes(free, &mut shell);
         if !sound {
             return shell;
         }
@@ -280,7 +279,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             p.push(S::from(DRILLING));
             p.extend([S::zero(); 3]);
             p.extend(free.damping);
-            let own = format!("{name}, {}", mesh.element_name(element));
+            let own = format!("{name}, {}", free.element_name(element));
             let added = match first.get(&kind) {
                 Some(&like)
                     if self.model.find_element(like).is_some()
@@ -299,7 +298,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             shell.layers.push(layers.unwrap_or([f64::NAN; 2]));
             self.heavy.push(Heavy::Own(added, kind.drilling() + 1));
         }
-        for line in mesh.lines() {
+        for line in lines {
             let points = line.into_iter().filter_map(|point| Some((shell.node(point)?, [0.0; 3]))).collect();
             self.drawings.push(Drawing { drawn: Drawn::Shell, points });
         }
@@ -308,7 +307,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// The nodes of a shell, those of others among them.
-    fn add_shell_nodes<M: SurfaceMesh<S>>(&mut self, mesh: &M, free: &FreeMesh<S>, shell: &mut MeshedShell) {
+    fn add_shell_nodes(&mut self, free: &FreeMesh<S>, shell: &mut MeshedShell) {
         let rotation = self.rotation_of(free);
         // of a mesh without faces, which is refused, all points may be asked for
         let mut used = vec![free.faces.is_empty(); free.points.len()];
@@ -321,7 +320,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let node = given.get(&point).copied().unwrap_or_else(|| {
                 let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
                 let fixed = clamped.contains(&point);
-                self.add_node(&format!("{}{}", shell.name, mesh.node_name(point)), NodeKind::Body, fixed, &q)
+                self.add_node(&format!("{}{}", shell.name, free.node_name(point)), NodeKind::Body, fixed, &q)
             });
             shell.nodes.push(node);
             shell.of_point[point] = Some(node);
@@ -337,13 +336,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.load(entry(LOADS, "pressure"), &shell.carriers(name, &shell.group()), &keys);
     }
 
-    fn check_mesh<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) -> bool {
+    fn check_mesh(&mut self, name: &str, free: &FreeMesh<S>) -> bool {
         let mistakes = self.mistakes.len();
         if let Some(mistake) = &free.unjoined {
             self.mistakes.push(format!("\"{name}\" {mistake}"));
             return false;
         }
-        let of_mesh = free.mistakes_of(&|face| mesh.element_place(face));
+        let of_mesh = free.mistakes();
         if !of_mesh.is_empty() {
             self.mistakes.extend(of_mesh.into_iter().map(|mistake| format!("\"{name}\": {mistake}")));
             return false;
@@ -354,7 +353,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let normal = weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s));
                 let cosine = normal.unit().dot(&director).value();
                 if !(cosine > 0.5) {
-                    let (element, node) = (mesh.element_place(element), node + 1);
+                    let (element, node) = (free.element_place(element), node + 1);
                     self.mistakes.push(format!(
                         "\"{name}\", {element}: at its node {node} the surface and the normal enclose an angle whose cosine is \
                          {cosine:.3}; nodes must lie apart, and the normal points to where the first direction is turned to the second \
@@ -364,12 +363,12 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
         }
-        self.check_given(name, mesh, free);
+        self.check_given(name, free);
         self.mistakes.len() == mistakes
     }
 
     /// Nodes of others at points of a mesh: they are bodies, lie there and start alike.
-    fn check_given<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) {
+    fn check_given(&mut self, name: &str, free: &FreeMesh<S>) {
         let size = free.size();
         let mut start = None;
         let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
@@ -379,7 +378,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 self.refuse_stranger(name, "a node");
                 continue;
             };
-            let at = format!("node {}", mesh.node_name(place));
+            let at = format!("node {}", free.node_name(place));
             if clamped.contains(&place) && !fixed {
                 self.mistakes.push(format!(
                     "\"{name}\" is clamped at its {at}, which is the node \"{own}\" that moves: clamp that one, or leave it out here"

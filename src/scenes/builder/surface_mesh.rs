@@ -13,14 +13,6 @@ pub trait SurfaceMesh<S: Scalar> {
     fn free(&self) -> FreeMesh<S>;
     /// Its points with what is said of them, to be changed.
     fn free_mut(&mut self) -> &mut FreeMesh<S>;
-    /// What the node at a point is called behind the name of the mesh.
-    fn node_name(&self, point: usize) -> String;
-    /// What the element on a face is called.
-    fn element_name(&self, face: usize) -> String;
-    /// The same for messages, with its place in a file if it is from one.
-    fn element_place(&self, face: usize) -> String {
-        self.element_name(face)
-    }
     /// Where a node of a face stands.
     fn place(&self, face: usize, node: usize) -> Self::Place;
     /// Lines of points that are drawn.
