@@ -36,6 +36,9 @@ impl<'s, S: Scalar> Neighbours<'s, S> {
         }
         Neighbours { shells, carriers, places, lines }
     }
+    fn shell_with(&self, node: NodeId) -> &str {
+        self.shells.iter().find(|shell| shell.nodes.contains(&node)).map_or("", |own| &own.name)
+    }
     fn has_line(&self, line: &[Option<NodeId>]) -> bool {
         let Some(nodes) = line.iter().copied().collect::<Option<Vec<NodeId>>>() else { return false };
         let is_it = |own: &Vec<NodeId>| own.len() == nodes.len() && (*own == nodes || own.iter().rev().eq(&nodes));
@@ -194,8 +197,7 @@ fn divided_otherwise<S: Scalar>(
                 let along = neighbours.places[other] - from;
                 let runs = |&&end: &&usize| end != point && cosine(free.value_of(end) - from, along) > ALONG.cos();
                 if let Some(&end) = edge.points.iter().find(runs) {
-                    let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(other));
-                    return Some(unequal(free.value_of(end), shell.map_or("", |own| &own.name)));
+                    return Some(unequal(free.value_of(end), neighbours.shell_with(*other)));
                 }
             }
         }
@@ -224,7 +226,6 @@ fn divided_otherwise<S: Scalar>(
     others.sort_unstable_by_key(|own| own.0.0);
     others.into_iter().find_map(|(node, &place)| {
         own.nearest(place, |_| true)?;
-        let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(node))?;
-        Some(unequal(place, &shell.name))
+        Some(unequal(place, neighbours.shell_with(*node)))
     })
 }
