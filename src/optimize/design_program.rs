@@ -233,6 +233,10 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         values
     }
 
+    fn known_values(&self, y: &[f64], point: &DesignPoint) -> Result<Values, NoValue> {
+        if point.failed() { Err(NoValue::Failed) } else { Ok(self.values_at(y, &point.functionals)) }
+    }
+
     /// The values of the next recorded point if it is this one; none is recorded any more once the optimizer goes elsewhere.
     fn replayed(&mut self, y: &[f64], design: &[f64]) -> Option<Result<Values, NoValue>> {
         let point = self.recorded.pop_front()?;
@@ -245,7 +249,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             self.stopped = true;
             return Some(Err(NoValue::Stop));
         }
-        let values = if point.failed() { Err(NoValue::Failed) } else { Ok(self.values_at(y, &point.functionals)) };
+        let values = self.known_values(y, &point);
         self.history.points.push(point);
         Some(values)
     }
@@ -298,9 +302,8 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             return Err(NoValue::Stop);
         }
         let design = self.scaling.design(y);
-        if let Some(known) = self.place_of(&design).map(|place| &self.history.points[place]).filter(|known| !known.failed())
-        {
-            return Ok(self.values_at(y, &known.functionals));
+        if let Some(place) = self.place_of(&design) {
+            return self.known_values(y, &self.history.points[place]);
         }
         if let Some(values) = self.replayed(y, &design) {
             return values;
