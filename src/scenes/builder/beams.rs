@@ -38,6 +38,57 @@ pub(super) enum End {
     Node(NodeId),
 }
 
+/// What lines of beams and cables end in, and what their members are made of.
+macro_rules! line_and_member {
+    ($line:ident, $member:ident) => {
+        impl<S> $line<S> {
+            /// Starts in a node that is there, at the place of the line's first point: of a beam a rigid body or an end of another one, of a cable
+            /// the end of another one, in the same direction.
+            #[must_use]
+            pub fn from_node(mut self, node: NodeId) -> Self {
+                self.ends[0] = End::Node(node);
+                self
+            }
+            /// Ends in a node that is there.
+            #[must_use]
+            pub fn to_node(mut self, node: NodeId) -> Self {
+                self.ends[1] = End::Node(node);
+                self
+            }
+            /// Starts in a node that never moves; of a cable slope and stretch included.
+            #[must_use]
+            pub fn clamped_start(mut self) -> Self {
+                self.ends[0] = End::Clamped;
+                self
+            }
+            /// Ends in a node that never moves; of a cable slope and stretch included.
+            #[must_use]
+            pub fn clamped_end(mut self) -> Self {
+                self.ends[1] = End::Clamped;
+                self
+            }
+        }
+
+        impl $member {
+            /// All its elements.
+            pub fn group(&self) -> ElementGroup {
+                ElementGroup::new(&self.name, self.elements.iter().copied())
+            }
+            /// First node.
+            pub fn start(&self) -> NodeId {
+                self.nodes[0]
+            }
+            /// Last node.
+            pub fn end(&self) -> NodeId {
+                self.nodes[self.nodes.len() - 1]
+            }
+        }
+    };
+}
+pub(super) use line_and_member;
+
+line_and_member!(BeamLine, BeamMember);
+
 impl<S: Scalar> BeamLine<S> {
     /// A line through given points, two for each element and one; `second_axis` is turned at right angles to the line.
     pub fn through(points: &[Vector3<S>], second_axis: Vector3<S>) -> Self {
@@ -71,31 +122,6 @@ impl<S: Scalar> BeamLine<S> {
         }
         self
     }
-
-    /// Starts in a node that is there: a rigid body or an end of another beam, at the place of the line's first point.
-    #[must_use]
-    pub fn from_node(mut self, node: NodeId) -> Self {
-        self.ends[0] = End::Node(node);
-        self
-    }
-    /// Ends in a node that is there.
-    #[must_use]
-    pub fn to_node(mut self, node: NodeId) -> Self {
-        self.ends[1] = End::Node(node);
-        self
-    }
-    /// Starts in a node that never moves.
-    #[must_use]
-    pub fn clamped_start(mut self) -> Self {
-        self.ends[0] = End::Clamped;
-        self
-    }
-    /// Ends in a node that never moves.
-    #[must_use]
-    pub fn clamped_end(mut self) -> Self {
-        self.ends[1] = End::Clamped;
-        self
-    }
 }
 
 /// A beam of a mechanism: its nodes from end to end and its elements.
@@ -110,18 +136,6 @@ pub struct BeamMember {
 }
 
 impl BeamMember {
-    /// All its elements.
-    pub fn group(&self) -> ElementGroup {
-        ElementGroup::new(&self.name, self.elements.iter().copied())
-    }
-    /// First node.
-    pub fn start(&self) -> NodeId {
-        self.nodes[0]
-    }
-    /// Last node.
-    pub fn end(&self) -> NodeId {
-        self.nodes[self.nodes.len() - 1]
-    }
     /// Names for a load on each element, and the nodes of these.
     pub(in crate::scenes) fn carriers(&self, load: &str) -> Vec<(String, Vec<NodeId>)> {
         let one = |element| (format!("{load}, element {}", element + 1), self.nodes_of(element).to_vec());

@@ -1,6 +1,6 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
-use super::beams::{End, places_at};
+use super::beams::{End, line_and_member, places_at};
 use super::line_stress::LineStress;
 use super::weights::Heavy;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
@@ -26,30 +26,6 @@ impl<S: Scalar> CableLine<S> {
     pub fn straight(points: [Vector3<S>; 2], elements: usize) -> Self {
         CableLine { points, elements, ends: [End::Free; 2] }
     }
-    /// Goes on from the end of another cable, in the same direction.
-    #[must_use]
-    pub fn from_node(mut self, node: NodeId) -> Self {
-        self.ends[0] = End::Node(node);
-        self
-    }
-    /// Ends in the start of another cable, in the same direction.
-    #[must_use]
-    pub fn to_node(mut self, node: NodeId) -> Self {
-        self.ends[1] = End::Node(node);
-        self
-    }
-    /// Starts in a node that never moves, slope and stretch included.
-    #[must_use]
-    pub fn clamped_start(mut self) -> Self {
-        self.ends[0] = End::Clamped;
-        self
-    }
-    /// Ends in a node that never moves, slope and stretch included.
-    #[must_use]
-    pub fn clamped_end(mut self) -> Self {
-        self.ends[1] = End::Clamped;
-        self
-    }
 }
 
 /// A cable of a mechanism: where joints and loads take hold of it, and where it is read.
@@ -63,20 +39,7 @@ pub struct CableMember {
     name: String,
 }
 
-impl CableMember {
-    /// All its elements.
-    pub fn group(&self) -> ElementGroup {
-        ElementGroup::new(&self.name, self.elements.iter().copied())
-    }
-    /// First node.
-    pub fn start(&self) -> NodeId {
-        self.nodes[0]
-    }
-    /// Last node.
-    pub fn end(&self) -> NodeId {
-        self.nodes[self.nodes.len() - 1]
-    }
-}
+line_and_member!(CableLine, CableMember);
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A cable along a line: see [`CableSection`].
