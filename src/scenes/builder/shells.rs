@@ -30,8 +30,8 @@ pub struct MeshedShell {
     /// In the order of the faces.
     pub elements: Vec<ElementId>,
     faces: Vec<(ShellKind, Vec<NodeId>)>,
-    /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\]; of others not a number.
-    layers: Vec<[f64; 2]>,
+    /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\].
+    layers: Vec<Option<[f64; 2]>>,
     of_point: Vec<Option<NodeId>>,
     groups: Vec<(String, Vec<usize>)>,
     node_sets: Vec<(String, Vec<usize>)>,
@@ -80,7 +80,7 @@ impl MeshedShell {
     }
     /// Of each element of plies where these begin and end along the normal, from the nodes on \[m\].
     pub(crate) fn layers(&self) -> impl Iterator<Item = Option<[f64; 2]>> {
-        self.layers.iter().map(|&own| Some(own).filter(|[below, above]| below.is_finite() && above.is_finite()))
+        self.layers.iter().copied()
     }
     /// What each element is, with its nodes in their order.
     pub fn faces(&self) -> impl Iterator<Item = (ShellKind, &[NodeId])> {
@@ -294,8 +294,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             first.entry(kind).or_insert(added);
             shell.elements.push(added);
             shell.faces.push((kind, nodes));
-            let layers = laminate.map(|own| [-0.5, 0.5].map(|side| (own.offset + own.thickness() * side).value()));
-            shell.layers.push(layers.unwrap_or([f64::NAN; 2]));
+            shell.layers.push(laminate.map(|own| [-0.5, 0.5].map(|side| (own.offset + own.thickness() * side).value())));
             self.heavy.push(Heavy::Own(added, kind.drilling() + 1));
         }
         for line in lines {
