@@ -87,12 +87,10 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         watcher: &'w mut dyn Watcher,
     ) -> Result<Self, RunError> {
         let problem = &optimization.problem;
-        let maximize = problem.sense == Sense::Maximize;
-        let names = &optimization.functionals;
-        let index = |name: &str| names.iter().position(|known| known.0 == name).unwrap_or_default();
-        let variables = optimization.variables.iter().map(|v| (v.name.clone(), v.unit.into())).collect();
+        let index = |name: &str| optimization.functionals.iter().position(|known| known.0 == name).unwrap_or_default();
         let weights = problem.objective.iter().map(|(name, weight)| (index(name), *weight)).collect();
-        let objective = Combination { weights, constant: 0.0, factor: if maximize { -1.0 } else { 1.0 } };
+        let objective =
+            Combination { weights, constant: 0.0, factor: if problem.sense == Sense::Maximize { -1.0 } else { 1.0 } };
         let nonlinear = problem.constraints.iter().map(|constraint| Combination {
             weights: vec![(index(&constraint.functional), 1.0)],
             constant: -constraint.limit.value(),
@@ -108,13 +106,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             kinds: kinds.map(|limit| sided(limit).0).collect(),
             latest: None,
             costs: vec![1.0; optimization.cases.len()],
-            history: DesignHistory {
-                variables,
-                functionals: names.clone(),
-                maximize,
-                tolerance: optimization.stopping.violation,
-                points: Vec::new(),
-            },
+            history: optimization.history(),
             recorded: recorded.into(),
             failure: None,
             watcher,

@@ -123,8 +123,7 @@ struct Near {
 
 impl Near {
     fn new(shape: &FaceShape, [r, s]: [f64; 2], directions: &[[f64; 2]]) -> Self {
-        let [values, by_r, by_s] = shape_functions(shape, [r, s]);
-        let along = |way: &[f64; 2]| by_r.iter().zip(&by_s).map(|(r, s)| r * way[0] + s * way[1]).collect();
+        let [values, ..] = shape_functions(shape, [r, s]);
         // differences of polynomials of second degree are exact
         let slope_at = |r: f64, s: f64, way: &[f64; 2]| -> SmallVec<[f64; MOST_NODES]> {
             let [_, by_r, by_s] = shape_functions(shape, [r, s]);
@@ -135,7 +134,8 @@ impl Near {
             after.iter().zip(&before).map(|(a, b)| 0.5 * (a - b)).collect()
         };
         let bends = directions.iter().map(|first| directions.iter().map(|second| bend(first, second)).collect());
-        Near { slopes: directions.iter().map(along).collect(), bends: bends.collect(), values }
+        let slopes = directions.iter().map(|way| slope_at(r, s, way)).collect();
+        Near { slopes, bends: bends.collect(), values }
     }
 
     /// By how much along each direction the foot of a point is away; the matrix is that of the places where nodes stand.
