@@ -5,7 +5,7 @@ use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::entries::{GivenValue, SpringPart, Values};
 use crate::elements::forces::{DAMPERS, LOADS, LoadFrame, SPRINGS};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Quaternion, Scalar, Vector3};
 use crate::scenes::Signal;
 
 /// A force F = d f(t) \[N\] on a point of a node.
