@@ -675,10 +675,10 @@ fn mistakes_about_beams_are_named() {
         (AxisAlongLine, &["\"beam\", element 1", "lies along the line", "another second axis"]),
         (PointAtEnd, &["\"beam\" needs a body", "\"bob\" is none", "make it a body"]),
         (CoordinateAtEnd, &["\"beam\" needs a body", "\"angle\" is none"]),
-        (Gap, &["\"beam\" ends 1.000e0 m from its node \"ground\"", "fixed joint, or move the frame"]),
+        (Gap, &["\"beam\" lies 1.000e0 m from its node \"ground\"", "fixed joint, or move the frame"]),
         (
             FramesApart,
-            &["\"beam\" joins two nodes", "different Euler parameters", "[1.0, 0.0, 0.0, 0.0]", "0.988", "start alike"],
+            &["\"beam\" joins nodes", "different Euler parameters", "[1.0, 0.0, 0.0, 0.0]", "0.988", "start alike"],
         ),
         (KindsApart, &["the section of \"beam\"", "damped: false", "damped: true", "of its length", "the same functions"]),
         (FibreWithoutPlace, &["\"section\"", "stress of a fibre needs its place", "fibre_stress_functional"]),

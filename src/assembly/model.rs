@@ -157,11 +157,6 @@ impl Model {
         self.nodes.iter().position(|own| own.name == name).map(|place| NodeId(place, self.identity))
     }
 
-    /// The first element with a name.
-    pub fn element_named(&self, name: &str) -> Option<ElementId> {
-        self.elements.iter().position(|own| own.name == name).map(|place| ElementId(place, self.identity))
-    }
-
     /// The joint or other constraint with a name.
     pub fn constraint_named(&self, name: &str) -> Option<ConstraintId> {
         self.constraints.iter().position(|own| own.name == name).map(|place| ConstraintId(place, self.identity))

@@ -48,9 +48,6 @@ pub(super) fn sided(limit: Limit) -> (ConstraintKind, f64) {
     }
 }
 
-/// A simulated design, and its place in the history.
-type Latest<'s> = (Simulated<'s>, usize);
-
 /// The program of a scene's optimization problem: one simulation for the values at a point, one sweep for its gradients.
 pub(super) struct DesignProgram<'o, 'w> {
     optimization: &'o Optimization<'o>,
@@ -62,7 +59,8 @@ pub(super) struct DesignProgram<'o, 'w> {
     /// Of scaled variables.
     linear: Vec<Combination>,
     kinds: Vec<ConstraintKind>,
-    latest: Option<Latest<'o>>,
+    /// The design that was simulated last.
+    latest: Option<Simulated<'o>>,
     /// Times of one rank that each case has taken last; equal before.
     costs: Vec<f64>,
     pub history: DesignHistory,
@@ -89,12 +87,10 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         watcher: &'w mut dyn Watcher,
     ) -> Result<Self, RunError> {
         let problem = &optimization.problem;
-        let maximize = problem.sense == Sense::Maximize;
-        let names = &optimization.functionals;
-        let index = |name: &str| names.iter().position(|known| known.0 == name).unwrap_or_default();
-        let variables = optimization.variables.iter().map(|v| (v.name.clone(), v.unit.into())).collect();
+        let index = |name: &str| optimization.functionals.iter().position(|known| known.0 == name).unwrap_or_default();
         let weights = problem.objective.iter().map(|(name, weight)| (index(name), *weight)).collect();
-        let objective = Combination { weights, constant: 0.0, factor: if maximize { -1.0 } else { 1.0 } };
+        let objective =
+            Combination { weights, constant: 0.0, factor: if problem.sense == Sense::Maximize { -1.0 } else { 1.0 } };
         let nonlinear = problem.constraints.iter().map(|constraint| Combination {
             weights: vec![(index(&constraint.functional), 1.0)],
             constant: -constraint.limit.value(),
@@ -110,13 +106,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             kinds: kinds.map(|limit| sided(limit).0).collect(),
             latest: None,
             costs: vec![1.0; optimization.cases.len()],
-            history: DesignHistory {
-                variables,
-                functionals: names.clone(),
-                maximize,
-                tolerance: optimization.stopping.violation,
-                points: Vec::new(),
-            },
+            history: optimization.history(),
             recorded: recorded.into(),
             failure: None,
             watcher,
@@ -136,7 +126,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         let y = program.scaling.scaled(start);
         program.check_values(values)?;
         if program.replayed(&y, start).is_some() {
-            program.latest = Some((simulated, 0));
+            program.latest = Some(simulated);
             return Ok(program);
         }
         program.keep(&y, start.to_vec(), Ok(simulated), begun.elapsed().as_secs_f64()).ok();
@@ -204,7 +194,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
                 simulated.add_counters(&mut work);
                 let values = self.values_at(y, &simulated.values);
                 let (functionals, extremes) = (simulated.values.clone(), simulated.extremes.clone());
-                self.latest = Some((simulated, place));
+                self.latest = Some(simulated);
                 (functionals, extremes, Ok(values))
             }
             Err(error) => {
@@ -235,6 +225,10 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         values
     }
 
+    fn known_values(&self, y: &[f64], point: &DesignPoint) -> Result<Values, NoValue> {
+        if point.failed() { Err(NoValue::Failed) } else { Ok(self.values_at(y, &point.functionals)) }
+    }
+
     /// The values of the next recorded point if it is this one; none is recorded any more once the optimizer goes elsewhere.
     fn replayed(&mut self, y: &[f64], design: &[f64]) -> Option<Result<Values, NoValue>> {
         let point = self.recorded.pop_front()?;
@@ -247,7 +241,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             self.stopped = true;
             return Some(Err(NoValue::Stop));
         }
-        let values = if point.failed() { Err(NoValue::Failed) } else { Ok(self.values_at(y, &point.functionals)) };
+        let values = self.known_values(y, &point);
         self.history.points.push(point);
         Some(values)
     }
@@ -273,13 +267,6 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         wanted
     }
 
-    /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
-    fn rows(&self, simulated: &Simulated, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let (wanted, watcher) = (self.wanted(&simulated.values), &self.watcher);
-        let how = Differentiation { scaling: &self.scaling, wanted: &wanted, wants_to_stop: &|| watcher.wants_to_stop() };
-        self.optimization.rows(simulated, &how, work)
-    }
-
     /// Gradients of objective and constraints by `n` scaled variables from those of the functionals.
     fn gradients_of(&self, n: usize, rows: &[Vec<f64>]) -> Gradients {
         let constraints = self.nonlinear.iter().map(|row| self.scaling.gradient(&row.gradient(rows)));
@@ -296,17 +283,19 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         NoValue::Failed
     }
 
-    /// Simulates a design unless it is the latest one.
+    /// Place of a design in the history.
+    fn place_of(&self, design: &[f64]) -> Option<usize> {
+        self.history.points.iter().rposition(|point| point.design == design)
+    }
+
+    /// Simulates a design unless its values are known.
     fn simulated(&mut self, y: &[f64]) -> Result<Values, NoValue> {
         if self.stopped || self.watcher.wants_to_stop() {
             return Err(NoValue::Stop);
         }
         let design = self.scaling.design(y);
-        if let Some((latest, _)) = self.latest.as_ref().filter(|latest| latest.0.design == design) {
-            return Ok(self.values_at(y, &latest.values));
-        }
-        if let Some(known) = self.history.points.iter().rev().find(|point| point.design == design && !point.failed()) {
-            return Ok(self.values_at(y, &known.functionals));
+        if let Some(place) = self.place_of(&design) {
+            return self.known_values(y, &self.history.points[place]);
         }
         if let Some(values) = self.replayed(y, &design) {
             return values;
@@ -337,34 +326,31 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         // an optimizer may have gone on to other points since
         self.simulated(y)?;
         let design = self.scaling.design(y);
-        let known = self.history.points.iter().rev().find(|point| point.design == design);
-        if let Some(rows) = known.and_then(|point| point.gradients.clone()) {
-            return Ok(self.gradients_of(y.len(), &rows));
+        let Some(place) = self.place_of(&design) else { return Err(NoValue::Failed) };
+        if let Some(rows) = &self.history.points[place].gradients {
+            return Ok(self.gradients_of(y.len(), rows));
         }
-        if self.latest.as_ref().is_none_or(|latest| latest.0.design != design) {
-            // recorded, but without its gradients: simulated once more
-            let place = self.history.points.iter().rposition(|point| point.design == design).unwrap_or_default();
-            let simulated = self.simulate(&design).map_err(|error| self.failed(error))?;
-            self.latest = Some((simulated, place));
-        }
-        let Some(latest) = self.latest.take() else { return Err(NoValue::Failed) };
-        let mut work = Work::default();
-        let begun = Instant::now();
-        let rows = self.rows(&latest.0, &mut work);
+        let latest = match self.latest.take().filter(|latest| latest.design == design) {
+            Some(latest) => latest,
+            // recorded, but without its gradients, or left since: simulated once more
+            None => self.simulate(&design).map_err(|error| self.failed(error))?,
+        };
+        let (begun, mut work) = (Instant::now(), Work::default());
+        let (wanted, watcher) = (self.wanted(&latest.values), &self.watcher);
+        let how = Differentiation { scaling: &self.scaling, wanted: &wanted, wants_to_stop: &|| watcher.wants_to_stop() };
+        let rows = self.optimization.rows(&latest, &how, &mut work);
         work.gradient_seconds = begun.elapsed().as_secs_f64();
-        let point = &mut self.history.points[latest.1];
-        point.work += work;
+        self.history.points[place].work += work;
         // a design that cannot be differentiated is no place to go on from
         let rows = rows.map_err(|error| self.failed(error))?;
-        self.history.points[latest.1].gradients = Some(rows.clone());
+        self.history.points[place].gradients = Some(rows.clone());
         self.latest = Some(latest);
         self.tell();
         Ok(self.gradients_of(y.len(), &rows))
     }
     fn reached(&mut self, y: &[f64], iteration: usize) -> bool {
-        let design = self.scaling.design(y);
-        if let Some(point) = self.history.points.iter_mut().rev().find(|point| point.design == design) {
-            point.iteration = Some(iteration);
+        if let Some(place) = self.place_of(&self.scaling.design(y)) {
+            self.history.points[place].iteration = Some(iteration);
         }
         self.tell();
         !self.stopped

@@ -49,33 +49,34 @@ impl Reason {
     pub fn is_optimum(self) -> bool {
         matches!(self, Reason::Change | Reason::Optimal)
     }
+    /// Its name in JSON, and a sentence.
+    fn words(self) -> [&'static str; 2] {
+        match self {
+            Reason::Change => ["no-change", "the objective no longer changes and the conditions of optimality hold"],
+            Reason::Optimal => ["optimal", "the conditions of optimality hold"],
+            Reason::Creeping => {
+                ["no-change-but-no-optimum", "the objective no longer changes, but the conditions of optimality do not hold"]
+            }
+            Reason::Iterations => ["iterations", "the limit of iterations is reached"],
+            Reason::Stalled => {
+                ["stalled", "no better point along the search direction: the accuracy of values or gradients is used up"]
+            }
+            Reason::Infeasible => {
+                ["infeasible", "the constraints cannot be satisfied nearby, nor at points tried throughout the bounds"]
+            }
+            Reason::Stopped => ["stopped", "stopped by request"],
+            Reason::StartFailed => ["start-failed", "there is no gradient at the start"],
+        }
+    }
     /// Name in JSON.
     pub fn name(self) -> &'static str {
-        match self {
-            Reason::Change => "no-change",
-            Reason::Optimal => "optimal",
-            Reason::Creeping => "no-change-but-no-optimum",
-            Reason::Iterations => "iterations",
-            Reason::Stalled => "stalled",
-            Reason::Infeasible => "infeasible",
-            Reason::Stopped => "stopped",
-            Reason::StartFailed => "start-failed",
-        }
+        self.words()[0]
     }
 }
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Reason::Change => "the objective no longer changes and the conditions of optimality hold",
-            Reason::Optimal => "the conditions of optimality hold",
-            Reason::Creeping => "the objective no longer changes, but the conditions of optimality do not hold",
-            Reason::Iterations => "the limit of iterations is reached",
-            Reason::Stalled => "no better point along the search direction: the accuracy of values or gradients is used up",
-            Reason::Infeasible => "the constraints cannot be satisfied nearby, nor at points tried throughout the bounds",
-            Reason::Stopped => "stopped by request",
-            Reason::StartFailed => "there is no gradient at the start",
-        })
+        f.write_str(self.words()[1])
     }
 }
 
@@ -115,9 +116,6 @@ struct Known {
     gradients: Option<Result<Gradients, NoValue>>,
 }
 
-/// Points kept, so that an optimizer may ask for objective, constraints and gradients separately.
-const KEPT: usize = 4;
-
 /// The evaluations of a program: what is known, what is best, when to end. Optimizers work on it.
 pub struct Evaluations<'p> {
     program: &'p mut dyn NonlinearProgram,
@@ -125,6 +123,7 @@ pub struct Evaluations<'p> {
     bounds: Vec<(f64, f64)>,
     kinds: Vec<ConstraintKind>,
     linear_from: usize,
+    /// All points, so that an optimizer may ask for objective, constraints and gradients separately.
     known: Vec<Known>,
     best_gradients: Option<Gradients>,
     last: Option<f64>,
@@ -244,9 +243,6 @@ impl<'p> Evaluations<'p> {
                 }
             }
             Err(_) => self.ended.failed += 1,
-        }
-        if self.known.len() == KEPT {
-            self.known.remove(0);
         }
         self.known.push(Known { x: x.to_vec(), values, gradients: None });
         Ok(self.known.len() - 1)

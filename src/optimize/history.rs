@@ -31,7 +31,7 @@ impl std::ops::AddAssign for Work {
 }
 
 /// A design that was simulated.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DesignPoint {
     /// Its number, from 0 at the start.
     pub evaluation: usize,
@@ -176,15 +176,14 @@ impl DesignHistory {
             let known = !gradients.is_empty() && gradients.iter().all(|g| g.is_finite());
             DesignPoint {
                 evaluation,
-                iteration: None,
                 design: row[FIRST.len()..FIRST.len() + n].to_vec(),
                 functionals: row[FIRST.len() + n..work].to_vec(),
-                extremes: Vec::new(),
                 gradients: known.then(|| gradients.chunks(n).map(<[f64]>::to_vec).collect()),
                 objective: row[2],
                 violation: row[3],
                 work: own,
                 fingerprint: last[9],
+                ..DesignPoint::default()
             }
         };
         self.points = rows.iter().enumerate().map(point).collect();
@@ -212,15 +211,11 @@ impl DesignHistory {
         let [objective, violation] = [column("objective")?, column("violation")?];
         let point = |(evaluation, row): (usize, &Vec<f64>)| DesignPoint {
             evaluation,
-            iteration: None,
             design: designs.iter().map(|&place| row[place]).collect(),
-            functionals: Vec::new(),
-            extremes: Vec::new(),
-            gradients: None,
             objective: row[objective],
             violation: row[violation],
-            work: Work::default(),
             fingerprint: f64::NAN,
+            ..DesignPoint::default()
         };
         let points = rows.iter().enumerate().map(point).collect();
         let history = DesignHistory { maximize, tolerance, points, ..DesignHistory::default() };

@@ -4,7 +4,7 @@ use crate::functionals::AggregateKind;
 use crate::history::Keep;
 use crate::integrators::{Method, RunError, TimeGrid};
 use crate::scenes::{
-    AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Settings, check_modes, fingerprint,
+    AnyScene, FunctionalConstraint, OptimizationProblem, Prepared, Scenario, Sense, Settings, check_modes, fingerprint,
     whole_number,
 };
 
@@ -215,6 +215,17 @@ impl<'s> Optimization<'s> {
     pub fn varying(&self) -> Vec<usize> {
         let varies = |name: &String| self.problem.varying.as_ref().is_none_or(|names| names.contains(name));
         (0..self.variables.len()).filter(|&i| varies(&self.variables[i].name)).collect()
+    }
+
+    /// A history without points.
+    pub(super) fn history(&self) -> DesignHistory {
+        DesignHistory {
+            variables: self.variables.iter().map(|own| (own.name.clone(), own.unit.into())).collect(),
+            functionals: self.functionals.clone(),
+            maximize: self.problem.sense == Sense::Maximize,
+            tolerance: self.stopping.violation,
+            points: Vec::new(),
+        }
     }
 
     /// What values and gradients of a design follow from: a whole number, not a number where it cannot be built.

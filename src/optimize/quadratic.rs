@@ -23,11 +23,12 @@ pub(super) struct QuadraticProgram {
     pub upper: Vec<f64>,
 }
 
-/// The minimizer and the multipliers of the constraints, with g + H d + N times multipliers = 0 but for bounds.
+/// The minimizer, the multipliers of the constraints, with g + H d + N times multipliers = 0 but for bounds, and the largest violation that is left.
 #[derive(Debug)]
 pub(super) struct Step {
     pub step: DVector<f64>,
     pub multipliers: Vec<f64>,
+    pub left: f64,
 }
 
 /// Why there is no minimizer.
@@ -206,7 +207,7 @@ impl QuadraticProgram {
             }
         }
         let finite = d.iter().all(|d| d.is_finite());
-        if finite { Ok(Step { step: d, multipliers }) } else { Err(NoStep::IllConditioned) }
+        if finite { Ok(Step { step: d, multipliers, left: 0.0 }) } else { Err(NoStep::IllConditioned) }
     }
 
     /// Moves to the minimum on the active conditions, each with its force, and one more.
@@ -292,7 +293,7 @@ mod tests {
             let offsets = (0..m).map(|k| -normals.column(k).dot(&inside) - slack(k)).collect();
             let (lower, upper) = (vec![-0.5; n], vec![0.5; n]);
             let program = QuadraticProgram { hessian, gradient, normals, offsets, kinds, lower, upper };
-            let Step { step, multipliers } = program.solve().unwrap();
+            let Step { step, multipliers, .. } = program.solve().unwrap();
             let QuadraticProgram { hessian, gradient, normals, offsets, kinds, .. } = program;
             // round-off of a few hundred operations on numbers of the order of 10
             let limit = 1e-10;

@@ -3,7 +3,7 @@
 use super::design_program::{Combination, DesignProgram, sided};
 use super::quadratic::QuadraticProgram;
 use super::scaling::Scaling;
-use super::{ConstraintKind, DesignHistory, DesignPoint, Optimization, Optimized, Optimizer, Watcher, minimize};
+use super::{ConstraintKind, DesignPoint, Optimization, Optimized, Optimizer, Watcher, minimize};
 use crate::design::check_design;
 use crate::integrators::RunError;
 use crate::scenes::LinearConstraint;
@@ -76,8 +76,7 @@ impl Optimization<'_> {
         (header, rows): (&[String], &[Vec<f64>]),
         watcher: &mut dyn Watcher,
     ) -> Result<Optimized, RunError> {
-        let variables = self.variables.iter().map(|variable| (variable.name.clone(), variable.unit.into())).collect();
-        let mut recorded = DesignHistory { variables, functionals: self.functionals.clone(), ..DesignHistory::default() };
+        let mut recorded = self.history();
         recorded.read(header, rows).map_err(RunError::Input)?;
         let first = recorded.points.first().map(|point| point.design.clone());
         let start = first.ok_or_else(|| RunError::Input("the history has no point to go on from".into()))?;

@@ -3,8 +3,8 @@
 
 use super::curvature::Curvature;
 use super::escape::Escape;
-use super::quadratic::{NoStep, QuadraticProgram, columns};
-use super::subproblem::{Direction, Subproblem};
+use super::quadratic::{NoStep, QuadraticProgram, Step, columns};
+use super::subproblem::Subproblem;
 use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
 use nalgebra::{DVector, DVectorView};
 
@@ -168,7 +168,7 @@ impl State {
     }
 
     /// What the first-order model says that a step and the constraints' values still weigh.
-    fn first_order(&self, direction: &Direction) -> f64 {
+    fn first_order(&self, direction: &Step) -> f64 {
         let products = direction.multipliers.iter().zip(&self.values.constraints).map(|(m, c)| (m * c).abs());
         self.slope(&direction.step).abs() + products.sum::<f64>()
     }
@@ -190,9 +190,9 @@ impl State {
     }
 
     /// The minimum of the model in a box, on linearized constraints of the values `offsets` or as near to these as they allow.
-    fn direction(&self, evaluations: &Evaluations, reach: f64, offsets: &[f64]) -> Option<Direction> {
+    fn direction(&self, evaluations: &Evaluations, reach: f64, offsets: &[f64]) -> Option<Step> {
         let problem = self.subproblem(evaluations, reach, offsets);
-        match problem.strict() {
+        match problem.program.solve() {
             Ok(direction) => return Some(direction),
             Err(NoStep::IllConditioned) if offsets.is_empty() => return None,
             Err(_) => {}
@@ -222,7 +222,7 @@ impl State {
     }
 
     /// Decrease of the merit that the model promises; the price follows what the step needs.
-    fn promised(&mut self, violation: f64, direction: &Direction) -> f64 {
+    fn promised(&mut self, violation: f64, direction: &Step) -> f64 {
         let own: f64 = direction.multipliers.iter().map(|multiplier| multiplier.abs()).sum();
         self.price = PRICES[0].max(1.5 * own).max(0.5 * (self.price + 1.5 * own)).min(PRICES[1]);
         let of_objective = -self.slope(&direction.step) - 0.5 * self.curvature.along(&direction.step);
@@ -234,7 +234,7 @@ impl State {
     }
 
     /// A better point, tried along steps in boxes that shrink.
-    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Direction) -> Result<Option<Found>, NoValue> {
+    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Step) -> Result<Option<Found>, NoValue> {
         let violation = evaluations.violation(&self.values);
         for trial in 0..TRIALS {
             let promised = self.promised(violation, &direction);

@@ -1,5 +1,5 @@
 use super::ConstraintKind;
-use super::quadratic::{NoStep, QuadraticProgram, ROUND_OFF, Step};
+use super::quadratic::{QuadraticProgram, ROUND_OFF, Step};
 use nalgebra::{DMatrix, DVector};
 
 /// The quadratic program of an iteration: a model of the Lagrangian on linearized constraints, within bounds and a move limit.
@@ -9,30 +9,14 @@ pub(super) struct Subproblem {
     pub linear_from: usize,
 }
 
-/// A step, its multipliers, and the largest violation that the linearized constraints leave.
-pub(super) struct Direction {
-    pub step: DVector<f64>,
-    pub multipliers: Vec<f64>,
-    pub left: f64,
-}
-
 /// By how much the price of the violation grows with it, which makes the program strictly convex.
 const CONVEXITY: f64 = 1e-3;
 /// Share of the violation that the squared step of a restoration weighs.
 const SHORTNESS: f64 = 1e-3;
 
 impl Subproblem {
-    /// The minimum on all linearized constraints.
-    ///
-    /// # Errors
-    /// See [`NoStep`].
-    pub fn strict(&self) -> Result<Direction, NoStep> {
-        let Step { step, multipliers } = self.program.solve()?;
-        Ok(Direction { step, multipliers, left: 0.0 })
-    }
-
     /// The step that leaves least violation, among those of about the same violation a short one.
-    pub fn restoration(&self, violation: f64) -> Option<Direction> {
+    pub fn restoration(&self, violation: f64) -> Option<Step> {
         let QuadraticProgram { lower, upper, .. } = &self.program;
         let width = lower.iter().zip(upper).map(|(lower, upper)| (upper - lower).min(2.0)).fold(0.0, f64::max);
         let size = SHORTNESS * violation / (width * width).max(f64::MIN_POSITIVE);
@@ -45,7 +29,7 @@ impl Subproblem {
     /// The minimum of the model plus `price` times the largest violation t of the linearized constraints: one more unknown.
     ///
     /// Source: Fletcher (1987), Practical Methods of Optimization, section 14.3, with the largest violation in place of the sum.
-    pub fn priced(&self, price: f64, violation: f64) -> Option<Direction> {
+    pub fn priced(&self, price: f64, violation: f64) -> Option<Step> {
         let QuadraticProgram { hessian, gradient, normals, offsets, kinds, lower, upper } = &self.program;
         let n = gradient.len();
         let (mut sides, mut sided_kinds) = (Vec::new(), Vec::new());
@@ -77,9 +61,9 @@ impl Subproblem {
             lower: [&lower[..], &[0.0]].concat(),
             upper: [&upper[..], &[f64::INFINITY]].concat(),
         };
-        let Step { step, multipliers: found } = program.solve().ok()?;
+        let Step { step, multipliers: found, .. } = program.solve().ok()?;
         let mut multipliers = vec![0.0; kinds.len()];
         sides.iter().zip(found).for_each(|(&(k, sign, _), multiplier)| multipliers[k] += sign * multiplier);
-        Some(Direction { left: step[n], step: step.remove_row(n), multipliers })
+        Some(Step { left: step[n], step: step.remove_row(n), multipliers })
     }
 }

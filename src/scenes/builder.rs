@@ -16,7 +16,6 @@ mod outlined;
 mod rolling;
 mod shell_joining;
 mod shell_mesh;
-mod shell_parts;
 mod shells;
 mod solid_bodies;
 mod spin;
@@ -24,18 +23,16 @@ mod surface_mesh;
 mod surface_search;
 mod thin_walls;
 mod ties;
+mod weights;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
-#[cfg(feature = "files")]
-pub(in crate::scenes) use entries::Wrong;
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
 pub use line_stress::LineElement;
 pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};
-pub use shell_parts::ShellPart;
-pub use shells::{DRILLING, MeshedShell, ShellMember};
+pub use shells::{DRILLING, MeshedShell, ShellMember, ShellPart};
 pub(crate) use solid_bodies::DrawnSolid;
 pub use surface_mesh::SurfaceMesh;
 pub use thin_walls::{Extrusion, Profile, ThinWalls};
@@ -52,6 +49,7 @@ use crate::program::Recorded;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 use std::collections::{HashMap, HashSet};
+use weights::Heavy;
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,13 +86,9 @@ pub struct MechanismBuilder<S> {
     #[doc(hidden)]
     pub nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
-    /// What was asked for, with the numbers of masses and of elements of beams, cables and shells that have this weight.
-    gravities: Vec<(Vector3<S>, [usize; 4])>,
-    masses: Vec<(NodeId, S, Vector3<S>)>,
-    /// Elements of beams: name, nodes, inertia of their Gauss points, whether eccentric.
-    heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
-    /// Elements of cables.
-    heavy_cables: Vec<cables::HeavyCable<S>>,
+    /// What was asked for, with how many of what is heavy have this weight.
+    gravities: Vec<(Vector3<S>, usize)>,
+    heavy: Vec<Heavy<S>>,
     /// Beams and cables, for what is shown of them.
     pub(crate) outlined: Vec<OutlinedLine>,
     /// Elements of beams and cables, with what gives their stresses.
@@ -103,12 +97,12 @@ pub struct MechanismBuilder<S> {
     pub(super) shells: Vec<MeshedShell>,
     /// Nodes that follow faces.
     ties: HashMap<NodeId, ties::Tied>,
-    /// Elements of shells, and the place of gravity among their parameters.
-    heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     names_of_nodes: NamesOfNodes,
     mistakes: Vec<String>,
+    /// Those in values of keys: name, key, and what is wrong.
+    wrong_keys: Vec<(String, &'static str, String)>,
 }
 
 /// Names that nodes have already.
@@ -128,17 +122,15 @@ crate::assembly::empty_fields!(MechanismBuilder {
     nodes_of_members,
     ground,
     gravities,
-    masses,
-    heavy_beams,
-    heavy_cables,
+    heavy,
     outlined,
     line_stresses,
     shells,
     ties,
-    heavy_shells,
     angles,
     names_of_nodes,
-    mistakes
+    mistakes,
+    wrong_keys
 });
 
 /// What is read of a node that is not there.
@@ -442,7 +434,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let kind = self.kind_of(name, node).map(|_| self.asked(name, &[node], |given| given.body(0)));
         let law = if kind == Some(NodeKind::Natural) { NaturalBody.into() } else { RigidBody.into() };
         let body = self.add_element(name, &[node], law, &p);
-        self.masses.extend((body.0 != usize::MAX).then_some((node, mass, centre)));
+        self.heavy.extend((body.0 != usize::MAX).then_some(Heavy::Mass(node, mass, centre)));
         body
     }
 
@@ -477,7 +469,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A mass \[kg\] at a point.
     pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
         let point = self.add_element(name, &[node], PointMass.into(), &[mass]);
-        self.masses.extend((point.0 != usize::MAX).then_some((node, mass, Vector3::zeros())));
+        self.heavy.extend((point.0 != usize::MAX).then_some(Heavy::Mass(node, mass, Vector3::zeros())));
         point
     }
 
@@ -516,8 +508,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         if !self.check_parameters(name, quantity.parameter_list().len(), p.len()) || have != wanted {
             return;
         }
-        let parameters = self.model.add_parameters(p.len());
-        self.numbers.p.extend_from_slice(p);
+        let parameters = self.add_numbers(p);
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
         let multipliers = constraints.iter().map(|id: &ConstraintId| self.model.constraints[id.0].equations.len()).sum();
         let (unit, quantity) = (quantity.unit(), MeasuredQuantity::new(quantity, multipliers));
@@ -529,6 +520,12 @@ impl<S: Scalar> MechanismBuilder<S> {
     #[cfg(feature = "files")]
     pub(super) fn take_mistakes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.mistakes)
+    }
+
+    /// Takes those in values of keys.
+    #[cfg(feature = "files")]
+    pub(super) fn take_wrong_keys(&mut self) -> Vec<(String, &'static str, String)> {
+        std::mem::take(&mut self.wrong_keys)
     }
 
     /// Draws a line through world points with a node.
@@ -564,6 +561,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         if self.model.nodes.iter().all(|node| node.fixed) {
             self.mistakes.push("the scene has no node that can move".into());
         }
+        let wrong_keys = self.wrong_keys.iter().map(|(name, key, what)| format!("\"{name}\", {key}: {what}"));
+        self.mistakes.extend(wrong_keys);
         if self.mistakes.is_empty() { Ok(self) } else { Err(self.mistakes.join("; ")) }
     }
 }

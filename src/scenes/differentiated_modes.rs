@@ -38,7 +38,7 @@ pub struct DifferentiatedModes {
 const BEYOND: usize = 2;
 
 impl Prepared<'_> {
-    /// The modes of [`Prepared::modes_with_state`], or with damping those of [`Prepared::complex_modes_with_state`] (about a steady turn always
+    /// The modes of [`Prepared::modes`], or with damping those of [`Prepared::complex_modes_with_state`] (about a steady turn always
     /// those), and the derivatives of their values by all design variables, through the equilibrium, exact to round-off.
     ///
     /// # Errors
@@ -93,9 +93,6 @@ fn is_same(one: &Mode, other: &Mode) -> bool {
 /// A mode, with its derivatives where they were asked for.
 type Measured = (Mode, Option<ModeGradient>);
 
-/// What is made of modes for a measure.
-type Make<'m, T> = &'m dyn Fn(&[Measured], &ModeMeasure) -> Result<T, RunError>;
-
 impl Prepared<'_> {
     /// What is measured of modes.
     ///
@@ -103,9 +100,7 @@ impl Prepared<'_> {
     /// As for [`Prepared::complex_modes_with_state`]; fewer modes than that.
     #[doc(hidden)]
     pub fn measured_modes(&self, measures: &[ModeMeasure]) -> Result<Vec<f64>, RunError> {
-        self.measured(measures, &|modes, measure| Ok(measure.value(&modes[measure.number - 1].0)), &|count, damped| {
-            self.modes_at_rest(count, damped || self.spin_rate().is_some())
-        })
+        self.measured(measures, false, |modes, measure| Ok(measure.value(&modes[measure.number - 1].0)))
     }
 
     /// Its derivatives by all design variables.
@@ -134,15 +129,15 @@ impl Prepared<'_> {
             }
             Ok(mean)
         };
-        self.measured(measures, &row, &|count, damped| self.modes_with_gradients(count, damped))
+        self.measured(measures, true, row)
     }
 
     /// What is made of the modes that measures are of, found by a count.
     fn measured<T>(
         &self,
         measures: &[ModeMeasure],
-        make: Make<T>,
-        find: &dyn Fn(usize, bool) -> Result<DifferentiatedModes, RunError>,
+        with_gradients: bool,
+        make: impl Fn(&[Measured], &ModeMeasure) -> Result<T, RunError>,
     ) -> Result<Vec<T>, RunError> {
         let mut all: Vec<Option<T>> = measures.iter().map(|_| None).collect();
         for damped in [false, true] {
@@ -150,7 +145,11 @@ impl Prepared<'_> {
             let Some((_, last)) = own().max_by_key(|(_, own)| own.number) else { continue };
             let mut count = last.number + BEYOND;
             let modes = loop {
-                let DifferentiatedModes { modes, mut gradients, proved, .. } = find(count, damped)?;
+                let found = match with_gradients {
+                    true => self.modes_with_gradients(count, damped)?,
+                    false => self.modes_at_rest(count, damped || self.spin_rate().is_some())?,
+                };
+                let DifferentiatedModes { modes, mut gradients, proved, .. } = found;
                 gradients.resize(modes.len(), None);
                 let is_all = modes.len() < count;
                 let modes: Vec<Measured> = modes.into_iter().zip(gradients).collect();

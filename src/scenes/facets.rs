@@ -37,6 +37,14 @@ impl Facets {
         first
     }
 
+    /// Triangles between two rings of vertices.
+    fn add_strip(&mut self, a: usize, b: usize, is_turned: bool) {
+        for (k, next) in (0..SIDES).map(|k| (k, (k + 1) % SIDES)) {
+            let pieces = [[a + k, a + next, b + next], [a + k, b + next, b + k]];
+            self.triangles.extend(pieces.map(|[a, b, c]| if is_turned { [a, c, b] } else { [a, b, c] }));
+        }
+    }
+
     /// A bar of rectangular section between two points, with axes along and across.
     pub fn of_box(ends: [[f64; 3]; 2], [_, second, third]: [[f64; 3]; 3], [width, height]: [f64; 2]) -> Self {
         let mut facets = Facets::default();
@@ -70,27 +78,20 @@ impl Facets {
         for (radius, inside) in [(Some(radius), false), (inner, true)] {
             let Some(radius) = radius else { continue };
             let [a, b] = [0, 1].map(|end| facets.add(ring(end, radius)));
-            for (k, next) in (0..SIDES).map(|k| (k, (k + 1) % SIDES)) {
-                let pieces = [[a + k, a + next, b + next], [a + k, b + next, b + k]];
-                facets.triangles.extend(pieces.map(|[a, b, c]| if inside { [a, c, b] } else { [a, b, c] }));
-            }
+            facets.add_strip(a, b, inside);
             for first in [a, b] {
                 facets.lines.push((first..first + SIDES).chain([first]).collect());
             }
         }
         for end in 0..2 {
             let outer = facets.add(ring(end, radius));
-            let hole = inner.map(|inner| facets.add(ring(end, inner)));
-            let mut pieces = Vec::new();
-            match hole {
-                Some(hole) => {
-                    for (k, next) in (0..SIDES).map(|k| (k, (k + 1) % SIDES)) {
-                        pieces.extend([[outer + k, outer + next, hole + next], [outer + k, hole + next, hole + k]]);
-                    }
-                }
-                None => pieces.extend((1..SIDES - 1).map(|k| [outer, outer + k, outer + k + 1])),
+            match inner.map(|inner| facets.add(ring(end, inner))) {
+                Some(hole) => facets.add_strip(outer, hole, end == 0),
+                None => facets.triangles.extend((1..SIDES - 1).map(|k| match end {
+                    0 => [outer, outer + k + 1, outer + k],
+                    _ => [outer, outer + k, outer + k + 1],
+                })),
             }
-            facets.triangles.extend(pieces.into_iter().map(|[a, b, c]| if end == 0 { [a, c, b] } else { [a, b, c] }));
         }
         facets
     }
@@ -111,13 +112,10 @@ impl Facets {
         let north = facets.add([[centre[0], centre[1], centre[2] + radius]]);
         for (k, next) in (0..SIDES).map(|k| (k, (k + 1) % SIDES)) {
             facets.triangles.push([south, circles[0] + next, circles[0] + k]);
-            for pair in circles.windows(2) {
-                let [a, b] = [pair[0], pair[1]];
-                facets.triangles.extend([[a + k, a + next, b + next], [a + k, b + next, b + k]]);
-            }
             let last = circles[circles.len() - 1];
             facets.triangles.push([north, last + k, last + next]);
         }
+        circles.windows(2).for_each(|pair| facets.add_strip(pair[0], pair[1], false));
         let equator = circles[circles.len() / 2];
         facets.lines.push((equator..equator + SIDES).chain([equator]).collect());
         facets

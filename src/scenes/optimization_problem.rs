@@ -127,13 +127,6 @@ impl OptimizationProblem {
         self.objective.iter().map(term).collect::<Vec<_>>().join(" + ")
     }
 
-    /// The size of the objective that is of the order of 1.
-    #[must_use]
-    pub fn scaled_by(mut self, scale: f64) -> Self {
-        self.scale = Some(scale);
-        self
-    }
-
     /// A functional must keep a limit.
     #[must_use]
     pub fn subject_to(mut self, functional: &str, limit: Limit) -> Self {

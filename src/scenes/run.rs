@@ -2,7 +2,7 @@
 
 use super::prepared::Prepared;
 use super::unknown;
-use crate::assembly::{ConstraintId, ElementId, NodeId};
+use crate::assembly::{ConstraintId, NodeId};
 use crate::functionals::Sample;
 use crate::integrators::RunError;
 use crate::scalar::SpatialVector;
@@ -75,15 +75,6 @@ impl Prepared<'_> {
         let known = self.model().nodes.iter().map(|own| own.name.clone());
         let found = self.model().node_named(name).or_else(|| self.mechanism.node_at_end(name));
         named("node", name, found, known)
-    }
-
-    /// The element of a name.
-    ///
-    /// # Errors
-    /// See [`Prepared::node`].
-    pub fn element(&self, name: &str) -> Result<ElementId, RunError> {
-        let known = self.model().elements.iter().map(|own| own.name.clone());
-        named("element", name, self.model().element_named(name), known)
     }
 
     /// The joint, driver or other constraint of a name.

@@ -214,31 +214,20 @@ pub(super) fn built(
     mechanism.finish()
 }
 
+macro_rules! same_as_of_scene {
+    ($($method:ident -> $type:ty),*) => {$(
+        fn $method(&self) -> $type {
+            Scene::$method(self)
+        }
+    )*};
+}
+
 impl<T: Scene + Sync> AnyScene for T {
-    fn name(&self) -> String {
-        Scene::name(self)
-    }
-    fn summary(&self) -> String {
-        Scene::summary(self)
-    }
-    fn variables(&self) -> Vec<DesignVariable> {
-        Scene::variables(self)
-    }
-    fn settings(&self) -> Settings {
-        Scene::settings(self)
-    }
-    fn optimization_problem(&self) -> Option<OptimizationProblem> {
-        Scene::optimization_problem(self)
-    }
-    fn modes(&self) -> Vec<ModeMeasure> {
-        Scene::modes(self)
-    }
-    fn output(&self) -> Output {
-        Scene::output(self)
-    }
-    fn scenarios(&self) -> Vec<Scenario<'_>> {
-        Scene::scenarios(self)
-    }
+    same_as_of_scene!(
+        name -> String, summary -> String, variables -> Vec<DesignVariable>, settings -> Settings,
+        optimization_problem -> Option<OptimizationProblem>, modes -> Vec<ModeMeasure>, output -> Output,
+        scenarios -> Vec<Scenario<'_>>
+    );
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
         built(|m| self.build(x, m))
     }

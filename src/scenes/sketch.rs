@@ -266,16 +266,4 @@ mod tests {
         // five elements along and one across
         assert_eq!(kinds, [vec![Drawn::Shell; 8], vec![Drawn::Body]].concat());
     }
-
-    #[test]
-    fn the_pendulum_is_a_rod_from_an_anchor_to_the_bob() {
-        let pendulum = mechanism("pendulum");
-        let sketch = pendulum.sketch();
-        assert_eq!((sketch.lines.len(), sketch.anchors.len()), (1, 1));
-        assert_eq!(sketch.followed.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["bob"]);
-        let mut q = pendulum.numbers.q.clone();
-        let bob = q.len() - 3;
-        q[bob..].copy_from_slice(&[0.0, -1.0, 0.0]);
-        assert_eq!(sketch.lines[0].1[1].at(&q), [0.0, -1.0, 0.0]);
-    }
 }

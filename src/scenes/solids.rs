@@ -65,6 +65,17 @@ pub struct Rod {
     pub vertices: Vec<usize>,
 }
 
+/// A corner of what is drawn.
+struct Vertex {
+    place: Place,
+    /// Elements that it belongs to, by their places in the model.
+    elements: Vec<usize>,
+    /// Its stress among all, where it has one.
+    stress: Option<usize>,
+    /// The part that it belongs to, among [`Solids::parts`], where that is told by its colour.
+    part: Option<usize>,
+}
+
 /// Vertices that move with the mechanism, and what is spanned between them.
 pub struct Solids<'m> {
     mechanism: &'m MechanismBuilder<f64>,
@@ -73,18 +84,12 @@ pub struct Solids<'m> {
     elements_on: HashMap<Vec<usize>, Vec<usize>>,
     /// Places among [`Solids::parts`].
     pub part_numbers: HashMap<&'m str, usize>,
-    vertices: Vec<Place>,
-    /// Elements that a vertex belongs to, by their places in the model.
-    elements: Vec<Vec<usize>>,
-    /// The stress of each vertex among all, where it has one.
-    stress_of: Vec<Option<usize>>,
+    vertices: Vec<Vertex>,
     stress_places: Vec<Vec<StressPlace>>,
     /// Surfaces of beams, cables and shells.
     pub triangles: Vec<[usize; 3]>,
     /// Lines on these surfaces: outlines of sections and edges of elements.
     pub edges: Vec<[usize; 2]>,
-    /// Of each vertex the part that it belongs to, among [`Solids::parts`], where that is told by its colour.
-    part_of: Vec<Option<usize>>,
     /// Bodies and links.
     pub rods: Vec<Rod>,
     /// Point masses: a vertex, and the place among [`Solids::parts`].
@@ -107,12 +112,9 @@ impl MechanismBuilder<f64> {
             elements_on: self.elements_on_nodes(),
             part_numbers: HashMap::new(),
             vertices: Vec::new(),
-            elements: Vec::new(),
-            stress_of: Vec::new(),
             stress_places: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
-            part_of: Vec::new(),
             rods: Vec::new(),
             points: Vec::new(),
             parts: Vec::new(),
@@ -167,16 +169,13 @@ impl Solids<'_> {
     }
 
     fn add(&mut self, place: Place, elements: Vec<usize>, stress: Option<usize>) -> usize {
-        self.vertices.push(place);
-        self.elements.push(elements);
-        self.stress_of.push(stress);
-        self.part_of.push(None);
+        self.vertices.push(Vertex { place, elements, stress, part: None });
         self.vertices.len() - 1
     }
 
     /// Of each vertex the part among [`Solids::parts`] whose colour it has, if it has one's.
-    pub fn parts_of_vertices(&self) -> &[Option<usize>] {
-        &self.part_of
+    pub fn parts_of_vertices(&self) -> Vec<Option<usize>> {
+        self.vertices.iter().map(|own| own.part).collect()
     }
 
     /// Bodies that are described by solids.
@@ -189,7 +188,7 @@ impl Solids<'_> {
             for &vertex in &solid.facets.vertices {
                 let Some(point) = mechanism.node_point(solid.node, vertex) else { continue };
                 let vertex = self.add(Place::Node(point), elements.clone(), None);
-                self.part_of[vertex] = Some(part);
+                self.vertices[vertex].part = Some(part);
             }
             self.triangles.extend(solid.facets.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
             let lines = solid.facets.lines.iter().flat_map(|line| line.windows(2));
@@ -278,11 +277,12 @@ impl Solids<'_> {
                         })
                     });
                     for vertex in pair {
-                        if !self.elements[vertex].contains(&element) {
-                            self.elements[vertex].push(element);
+                        let elements = &mut self.vertices[vertex].elements;
+                        if !elements.contains(&element) {
+                            elements.push(element);
                         }
                     }
-                    if let Some(stress) = self.stress_of[pair[0]] {
+                    if let Some(stress) = self.vertices[pair[0]].stress {
                         self.stress_places[stress].push(StressPlace::Shell { surface, piece });
                     }
                     pair
@@ -307,8 +307,8 @@ impl Solids<'_> {
         for quad in free {
             // of their own, so that the rim is sharp
             let [a, b, c, d] = quad.map(|vertex| {
-                let (place, elements) = (self.vertices[vertex].clone(), self.elements[vertex].clone());
-                self.add(place, elements, self.stress_of[vertex])
+                let Vertex { place, elements, stress, .. } = &self.vertices[vertex];
+                self.add(place.clone(), elements.clone(), *stress)
             });
             self.triangles.extend([[a, b, c], [a, c, d]]);
         }
@@ -393,12 +393,12 @@ impl Solids<'_> {
                 combined([(1.0, middle), (sides[*side], director)])
             }
         };
-        self.vertices.iter().map(place).collect()
+        self.vertices.iter().map(|own| place(&own.place)).collect()
     }
 
     /// Whether any vertex has a stress.
     pub fn have_stress(&self) -> bool {
-        self.stress_of.iter().any(Option::is_some)
+        self.vertices.iter().any(|own| own.stress.is_some())
     }
 
     /// Stress of each vertex [N/m2], not a number where there is none: von Mises of shells, the largest axial one of a section.
@@ -414,7 +414,7 @@ impl Solids<'_> {
             values.iter().sum::<f64>() / values.len() as f64
         };
         let all: Vec<f64> = self.stress_places.iter().map(mean).collect();
-        self.stress_of.iter().map(|place| place.map_or(f64::NAN, |place| all[place])).collect()
+        self.vertices.iter().map(|own| own.stress.map_or(f64::NAN, |place| all[place])).collect()
     }
 
     fn line_stress(&self, line: usize, element: usize, place: f64, outline: &Outline, q: &[f64]) -> Option<f64> {
@@ -428,17 +428,14 @@ impl Solids<'_> {
 
     /// The elements that are shown, by their places in the model, each once.
     pub fn shown_elements(&self) -> Vec<usize> {
-        let mut all = self.elements.concat();
-        all.sort_unstable();
-        all.dedup();
-        all
+        sorted(self.vertices.iter().flat_map(|own| own.elements.iter().copied()))
     }
 
     /// For each vertex what its elements have of a number for each element; not a number where it has none. Between elements of a shell it is
     /// their mean; of what acts on the same part, as inertia and weight of a body, the sum.
     pub fn of_elements(&self, values: &[f64]) -> Vec<f64> {
-        let own = |(place, own): (&Place, &Vec<usize>)| {
-            let finite: Vec<f64> = own.iter().map(|&element| values[element]).filter(|value| !value.is_nan()).collect();
+        let own = |Vertex { place, elements, .. }: &Vertex| {
+            let finite: Vec<f64> = elements.iter().map(|&element| values[element]).filter(|value| !value.is_nan()).collect();
             let sum = finite.iter().sum::<f64>();
             match (place, finite.len()) {
                 (_, 0) => f64::NAN,
@@ -446,7 +443,7 @@ impl Solids<'_> {
                 _ => sum,
             }
         };
-        self.vertices.iter().zip(&self.elements).map(own).collect()
+        self.vertices.iter().map(own).collect()
     }
 }
 
@@ -456,13 +453,13 @@ fn slope(node: &NodePoint, q: &[f64]) -> Vector {
     [own[3], own[4], own[5]]
 }
 
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::elements::flexible::Shape;
     use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
     use crate::scalar::{Quaternion, SpatialVector, Vector3};
-    use crate::scenes::{AnyScene, BeamLine, CableLine, ShellMesh, built_in};
+    use crate::scenes::{BeamLine, CableLine, ShellMesh};
 
     #[test]
     fn shells_of_plies_are_as_thick_as_these_and_stand_where_they_do() {
@@ -543,18 +540,11 @@ mod tests {
 
     #[test]
     fn surfaces_of_shells_hold_the_volume_of_the_plate() {
-        let scene = built_in::named("plate-pendulum").unwrap();
-        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-        let mechanism = scene.build_real(&x).unwrap();
-        let prepared = crate::scenes::Prepared::new(scene).unwrap();
-        let forward = prepared.analysis().forward(&prepared.x).unwrap();
-        let value = |name: &str| {
-            let place = prepared.functionals().iter().position(|functional| functional.name == name).unwrap();
-            forward.values[place]
-        };
-        let density = 2500.0;
-        let own = volume(&mechanism.solids(), &mechanism.numbers.q);
-        assert!((own * density / value("mass") - 1.0).abs() < 1e-9, "{own} m3 of {density} kg/m3 are {} kg", value("mass"));
+        let mut m = MechanismBuilder::<f64>::default();
+        let mesh = ShellMesh::plate(Vector3::zeros(), [Vector3::x(), Vector3::y()], [3, 2]);
+        m.shell("plate", mesh, &MATERIAL, 0.1);
+        let own = volume(&m.solids(), &m.numbers.q);
+        assert!((own - 0.1).abs() < 1e-12, "{own}");
     }
 
     #[test]

@@ -82,21 +82,12 @@ impl Prepared<'_> {
     /// # Errors
     /// See [`Prepared::equilibrium`], and modes that are there by their count, but were not found.
     pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RunError> {
-        Ok(self.modes_with_state(count)?.1)
+        Ok(self.modes_at_rest(count, false)?.modes)
     }
 
     /// What vibrates about a state: its model in the frame of that, with parameters and start.
     fn vibrating<'f>(&self, frame: &RestingModel, model: &'f Model, start: InitialState<f64>) -> Problem<'f, f64> {
         Problem { model, p: frame.parameters(&self.mechanism.numbers.p), start }
-    }
-
-    /// The same, with the coordinates about which they vibrate first.
-    ///
-    /// # Errors
-    /// As for [`Prepared::modes`].
-    pub fn modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
-        let found = self.modes_at_rest(count, false)?;
-        Ok((found.q, found.modes))
     }
 
     /// Lowest modes of small vibrations with dampers, states of first order and, about a steady turn, Coriolis and centrifugal forces in the frame

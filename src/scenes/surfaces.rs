@@ -83,16 +83,4 @@ impl Surface {
         });
         Some(at_places.collect())
     }
-
-    /// The piece of the reference surface around each Gauss point: its corners \[m\], and whether it ends at the edge of the element from each
-    /// corner to the next.
-    pub fn pieces(&self, q: &[f64]) -> Vec<([[f64; 3]; 4], [bool; 4])> {
-        let shape = self.kind.face.shape();
-        let nodes: Vec<[f64; 3]> = self.nodes.iter().map(|node| node.at(q)).collect();
-        let at = |[r, s]: [f64; 2]| {
-            let own = (shape.values)(r, s);
-            [0, 1, 2].map(|k| own.iter().zip(&nodes).map(|(weight, node)| weight * node[k]).sum())
-        };
-        shape.pieces.iter().map(|piece| (piece.corners.map(at), piece.at_edge)).collect()
-    }
 }

@@ -1,5 +1,6 @@
 //! Surfaces of triangles, and what closed ones hold.
 
+use super::solid::Moments;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::HashMap;
 
@@ -8,16 +9,7 @@ use std::collections::HashMap;
 pub struct TriangleSurface {
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[usize; 3]>,
-    moments: Result<SurfaceMoments, String>,
-}
-
-/// What a surface holds: volume, its centre, principal axes and the integrals of x_k^2 dV along these from the centre.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SurfaceMoments {
-    pub volume: f64,
-    pub centre: [f64; 3],
-    pub axes: [[f64; 3]; 3],
-    pub second: [f64; 3],
+    moments: Result<Moments<f64>, String>,
 }
 
 impl TriangleSurface {
@@ -46,11 +38,11 @@ impl TriangleSurface {
         &self.triangles
     }
 
-    /// What it holds.
+    /// What it holds, along its principal axes.
     ///
     /// # Errors
     /// Why it holds nothing: it is not closed, or seen from inside.
-    pub(super) fn moments(&self) -> Result<SurfaceMoments, &str> {
+    pub(super) fn moments(&self) -> Result<Moments<f64>, &str> {
         self.moments.as_ref().copied().map_err(String::as_str)
     }
 }
@@ -74,7 +66,7 @@ fn check_closed(triangles: &[[usize; 3]]) -> Result<(), String> {
 
 /// Sums over the tetrahedra between the triangles and a point in their midst: volume v = a . (b x c) / 6, integral of x dV
 /// v (a + b + c) / 4, of x x^T dV v ((a + b + c)(a + b + c)^T + a a^T + b b^T + c c^T) / 20.
-fn moments(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Result<SurfaceMoments, String> {
+fn moments(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Result<Moments<f64>, String> {
     let all: Vec<Vector3<f64>> = vertices.iter().map(|&vertex| vertex.into()).collect();
     let middle = all.iter().sum::<Vector3<f64>>() / all.len().max(1) as f64;
     let (mut volume, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
@@ -93,8 +85,8 @@ fn moments(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Result<SurfaceMom
     }
     let centre = first / volume;
     let principal = (second - centre * centre.transpose() * volume).symmetric_eigen();
-    let axes = [0, 1, 2].map(|k| principal.eigenvectors.column(k).into_owned().into());
-    Ok(SurfaceMoments { volume, centre: (middle + centre).into(), axes, second: principal.eigenvalues.into() })
+    let axes = [0, 1, 2].map(|k| principal.eigenvectors.column(k).into_owned());
+    Ok(Moments { volume, centre: middle + centre, axes, second: principal.eigenvalues.into() })
 }
 
 #[cfg(test)]

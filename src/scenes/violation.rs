@@ -1,7 +1,7 @@
 use super::Prepared;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{Constraint, NodeKind, State};
-use crate::scalar::Quaternion;
+use crate::scalar::{Quaternion, larger};
 
 /// How far a state is from the constraints, at the worst of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,11 +18,10 @@ impl Violation {
     /// The worse of two states, entry by entry; a number that is not finite stays visible.
     #[must_use]
     pub fn worse(self, other: Violation) -> Violation {
-        let worse = |a: f64, b: f64| if b <= a { a } else { b };
         Violation {
-            position: worse(self.position, other.position),
-            velocity: worse(self.velocity, other.velocity),
-            norm: worse(self.norm, other.norm),
+            position: larger(self.position, other.position),
+            velocity: larger(self.velocity, other.velocity),
+            norm: larger(self.norm, other.norm),
         }
     }
 }
@@ -41,18 +40,18 @@ impl Prepared<'_> {
             let state = State { a: &zeros, v: &v, q: &q };
             let p = &self.mechanism.numbers.p[joint.parameters.clone()];
             for [value, rate, _] in joint.physics.motion(state, p, t) {
-                worst = worst.worse(Violation { position: value.abs(), velocity: rate.abs(), norm: 0.0 });
+                worst.position = larger(worst.position, value.abs());
+                worst.velocity = larger(worst.velocity, rate.abs());
             }
         }
         for node in model.nodes.iter().filter(|node| node.kind == NodeKind::Body) {
             let length = Quaternion::from_slice(&q[node.dofs.start + 3..]).norm_squared().sqrt();
-            worst = worst.worse(Violation { norm: (length - 1.0).abs(), ..Violation::default() });
+            worst.norm = larger(worst.norm, (length - 1.0).abs());
         }
         for node in model.nodes.iter().filter(|node| node.kind == NodeKind::Natural) {
             let mut g = [0.0; OrthonormalAxes::EQUATIONS];
             OrthonormalAxes.g(&q[node.dofs.clone()], &[], t, &mut g);
-            let norm = g.iter().fold(0.0, |largest: f64, g| largest.max(g.abs()));
-            worst = worst.worse(Violation { norm, ..Violation::default() });
+            worst.norm = g.iter().fold(worst.norm, |largest, g| larger(largest, g.abs()));
         }
         worst
     }

@@ -324,23 +324,12 @@ fn mistakes_of_thin_walls_and_interfaces_are_told() {
 }
 
 #[test]
-fn the_pieces_of_surfaces_cover_the_shell_and_end_at_the_edges_of_its_elements() {
+fn a_stretched_plate_has_the_stress_of_its_strain_everywhere() {
     let scene = costate::scenes::built_in::named("plate-pendulum").expect("built in");
     let prepared = Prepared::new(scene).expect("sound");
     let (q, p) = (&prepared.mechanism.numbers.q, &prepared.mechanism.numbers.p);
     let surfaces = prepared.mechanism.surfaces();
     assert_eq!(surfaces.len(), 5);
-    let length = |a: [f64; 3], b: [f64; 3]| (Vector3::from(b) - Vector3::from(a)).length();
-    let (mut area, mut edges) = (0.0, 0.0);
-    for (corners, at_edge) in surfaces.iter().flat_map(|surface| surface.pieces(q)) {
-        let [a, b, c, d] = corners.map(Vector3::from);
-        area += 0.5 * (c - a).cross(&(d - b)).length();
-        edges +=
-            (0..4).filter(|&side| at_edge[side]).map(|side| length(corners[side], corners[(side + 1) % 4])).sum::<f64>();
-    }
-    assert!((area / (0.25 * 0.05) - 1.0).abs() < 1e-12, "{area}");
-    // five elements of 5 cm x 5 cm
-    assert!((edges / (5.0 * 4.0 * 0.05) - 1.0).abs() < 1e-12, "{edges}");
     // stretched by 1e-3 along x: E e / (1 - nu^2) along, nu times that across
     let mut stretched = q.clone();
     for node in surfaces.iter().flat_map(|surface| &surface.nodes) {

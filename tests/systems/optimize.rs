@@ -693,7 +693,7 @@ fn mistakes_name_what_is_wrong_and_what_there_is() {
         (OptimizationProblem::minimize("miss").varying(&[]), &["what varies is empty"]),
         (OptimizationProblem::weighted(Sense::Maximize, &[("miss", 0.0)]), &["objective", "other than 0"]),
         (OptimizationProblem::minimize("miss").screened(0.0), &["margin of screening is 0", "above 0"]),
-        (OptimizationProblem::minimize("miss").scaled_by(-1.0), &["scale", "-1", "above 0"]),
+        (OptimizationProblem { scale: Some(-1.0), ..OptimizationProblem::minimize("miss") }, &["scale", "-1", "above 0"]),
     ];
     for (problem, parts) in cases {
         let scene = Stone::thrown(problem);

@@ -5,10 +5,11 @@
 
 use super::entries::entry;
 use super::line_stress::LineStress;
+use super::weights::Heavy;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
-use crate::elements::flexible::{BeamField, BeamGravityField, STRAINS, Section, TYING_POINTS};
+use crate::elements::flexible::{BeamField, STRAINS, Section, TYING_POINTS};
 use crate::elements::forces::{LOADS, LoadFrame};
 use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
@@ -36,6 +37,57 @@ pub(super) enum End {
     /// A node that is there already.
     Node(NodeId),
 }
+
+/// What lines of beams and cables end in, and what their members are made of.
+macro_rules! line_and_member {
+    ($line:ident, $member:ident) => {
+        impl<S> $line<S> {
+            /// Starts in a node that is there, at the place of the line's first point: of a beam a rigid body or an end of another one, of a cable
+            /// the end of another one, in the same direction.
+            #[must_use]
+            pub fn from_node(mut self, node: NodeId) -> Self {
+                self.ends[0] = End::Node(node);
+                self
+            }
+            /// Ends in a node that is there.
+            #[must_use]
+            pub fn to_node(mut self, node: NodeId) -> Self {
+                self.ends[1] = End::Node(node);
+                self
+            }
+            /// Starts in a node that never moves; of a cable slope and stretch included.
+            #[must_use]
+            pub fn clamped_start(mut self) -> Self {
+                self.ends[0] = End::Clamped;
+                self
+            }
+            /// Ends in a node that never moves; of a cable slope and stretch included.
+            #[must_use]
+            pub fn clamped_end(mut self) -> Self {
+                self.ends[1] = End::Clamped;
+                self
+            }
+        }
+
+        impl $member {
+            /// All its elements.
+            pub fn group(&self) -> ElementGroup {
+                ElementGroup::new(&self.name, self.elements.iter().copied())
+            }
+            /// First node.
+            pub fn start(&self) -> NodeId {
+                self.nodes[0]
+            }
+            /// Last node.
+            pub fn end(&self) -> NodeId {
+                self.nodes[self.nodes.len() - 1]
+            }
+        }
+    };
+}
+pub(super) use line_and_member;
+
+line_and_member!(BeamLine, BeamMember);
 
 impl<S: Scalar> BeamLine<S> {
     /// A line through given points, two for each element and one; `second_axis` is turned at right angles to the line.
@@ -70,31 +122,6 @@ impl<S: Scalar> BeamLine<S> {
         }
         self
     }
-
-    /// Starts in a node that is there: a rigid body or an end of another beam, at the place of the line's first point.
-    #[must_use]
-    pub fn from_node(mut self, node: NodeId) -> Self {
-        self.ends[0] = End::Node(node);
-        self
-    }
-    /// Ends in a node that is there.
-    #[must_use]
-    pub fn to_node(mut self, node: NodeId) -> Self {
-        self.ends[1] = End::Node(node);
-        self
-    }
-    /// Starts in a node that never moves.
-    #[must_use]
-    pub fn clamped_start(mut self) -> Self {
-        self.ends[0] = End::Clamped;
-        self
-    }
-    /// Ends in a node that never moves.
-    #[must_use]
-    pub fn clamped_end(mut self) -> Self {
-        self.ends[1] = End::Clamped;
-        self
-    }
 }
 
 /// A beam of a mechanism: its nodes from end to end and its elements.
@@ -109,18 +136,6 @@ pub struct BeamMember {
 }
 
 impl BeamMember {
-    /// All its elements.
-    pub fn group(&self) -> ElementGroup {
-        ElementGroup::new(&self.name, self.elements.iter().copied())
-    }
-    /// First node.
-    pub fn start(&self) -> NodeId {
-        self.nodes[0]
-    }
-    /// Last node.
-    pub fn end(&self) -> NodeId {
-        self.nodes[self.nodes.len() - 1]
-    }
     /// Names for a load on each element, and the nodes of these.
     pub(in crate::scenes) fn carriers(&self, load: &str) -> Vec<(String, Vec<NodeId>)> {
         let one = |element| (format!("{load}, element {}", element + 1), self.nodes_of(element).to_vec());
@@ -242,7 +257,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let [start, end] = [-1.0, 1.0].map(|xi| section(share(xi)));
             self.line_stresses.insert(id, LineStress::of_beam([&start, &end]));
             member.elements.push(id);
-            self.heavy_beams.push((own, nodes, inertia, field.eccentric));
+            self.heavy.push(Heavy::Beam(own, nodes, inertia, field.eccentric));
         }
         let ring = |(i, &node): (usize, &NodeId)| {
             let first = 2 * (i / 2).min(elements - 1);
@@ -283,35 +298,11 @@ impl<S: Scalar> MechanismBuilder<S> {
             }
         }
         let length = (0..count - 1).fold(0.0, |sum, i| sum + (line.points[i + 1] - line.points[i]).length().value());
-        let mut rotations = Vec::new();
+        let mut start = None;
         for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
-            let End::Node(node) = end else { continue };
-            let Some(kind) = self.kind_of(name, node) else { continue };
-            if kind != NodeKind::Body {
-                let own = &self.model.nodes[node.0].name;
-                self.mistakes.push(format!(
-                    "\"{name}\" needs a body with Euler parameters at its end, but node \"{own}\" is none: make it a body, or give the \
-                     beam a node of its own and a joint"
-                ));
-                continue;
+            if let End::Node(node) = end {
+                self.check_given_node(name, node, (point, length), &mut start);
             }
-            let gap = (self.position(node) - point).length().value();
-            if gap > 1e-9 * length {
-                self.mistakes.push(format!(
-                    "\"{name}\" ends {gap:.3e} m from its node \"{}\": a beam ends in the origin of a body's frame; \
-                     give it a node of its own and a fixed joint, or move the frame",
-                    self.model.nodes[node.0].name
-                ));
-            }
-            rotations.push(self.rotation(node).0.map(Scalar::value));
-        }
-        if let [a, b] = &rotations[..]
-            && a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-12)
-        {
-            self.mistakes.push(format!(
-                "\"{name}\" joins two nodes whose frames start with different Euler parameters {a:?} and {b:?}; \
-                 let the bodies' frames start alike, or end the beam in a node of its own with a fixed joint"
-            ));
         }
         self.mistakes.len() == mistakes
     }
@@ -337,18 +328,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         false
     }
 
-    /// Weight of the elements of beams from one of them on.
-    pub(super) fn beam_gravity(&mut self, gravity: Vector3<S>, first: usize) {
-        for place in first..self.heavy_beams.len() {
-            let (name, nodes, inertia, eccentric) = &self.heavy_beams[place];
-            let (name, nodes, eccentric) = (format!("weight of {name}"), *nodes, *eccentric);
-            let points = inertia.chunks_exact(inertia.len() / THREE.len());
-            let p: Vec<S> = points.flat_map(|own| own[..4].iter().copied().chain(gravity.components())).collect();
-            let weight = Flexible(BeamGravityField { eccentric });
-            self.add_element(&name, &nodes, weight.into(), &p);
-        }
-    }
-
     /// A load for each length of a beam, `direction` times a function of time [N/m]: in the world, or turning with the sections
     /// (`direction` as at the start).
     pub fn distributed_load(
@@ -359,8 +338,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         size: Signal<S>,
     ) {
         let keys = [&[("direction", direction.into())], &self.load_keys(name, frame, size)[..]].concat();
-        let made = self.load_part(entry(LOADS, "distributed_load"), &beam.carriers(name), &keys);
-        made.unwrap_or_else(|wrong| self.tell(name, wrong));
+        self.load(entry(LOADS, "distributed_load"), &beam.carriers(name), &keys);
     }
 
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].

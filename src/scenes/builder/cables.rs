@@ -1,15 +1,13 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
-use super::beams::{End, places_at};
-use super::entries::entry;
+use super::beams::{End, line_and_member, places_at};
 use super::line_stress::LineStress;
+use super::weights::Heavy;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::flexible::{
-    Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
-};
+use crate::elements::flexible::{Cable, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField};
 use crate::elements::{Flexible, NodeKind};
-use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity, QUANTITIES};
+use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity};
 use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
@@ -23,42 +21,10 @@ pub struct CableLine<S> {
     ends: [End; 2],
 }
 
-/// The weight of an element of a cable.
-pub(super) enum HeavyCable<S> {
-    /// Gravity is a parameter of its own.
-    Own(ElementId),
-    /// An element of its own for the weight: name, nodes, length and mass.
-    Apart(String, [NodeId; 2], [S; 2]),
-}
-
 impl<S: Scalar> CableLine<S> {
     /// A line of equal elements.
     pub fn straight(points: [Vector3<S>; 2], elements: usize) -> Self {
         CableLine { points, elements, ends: [End::Free; 2] }
-    }
-    /// Goes on from the end of another cable, in the same direction.
-    #[must_use]
-    pub fn from_node(mut self, node: NodeId) -> Self {
-        self.ends[0] = End::Node(node);
-        self
-    }
-    /// Ends in the start of another cable, in the same direction.
-    #[must_use]
-    pub fn to_node(mut self, node: NodeId) -> Self {
-        self.ends[1] = End::Node(node);
-        self
-    }
-    /// Starts in a node that never moves, slope and stretch included.
-    #[must_use]
-    pub fn clamped_start(mut self) -> Self {
-        self.ends[0] = End::Clamped;
-        self
-    }
-    /// Ends in a node that never moves, slope and stretch included.
-    #[must_use]
-    pub fn clamped_end(mut self) -> Self {
-        self.ends[1] = End::Clamped;
-        self
     }
 }
 
@@ -73,20 +39,7 @@ pub struct CableMember {
     name: String,
 }
 
-impl CableMember {
-    /// All its elements.
-    pub fn group(&self) -> ElementGroup {
-        ElementGroup::new(&self.name, self.elements.iter().copied())
-    }
-    /// First node.
-    pub fn start(&self) -> NodeId {
-        self.nodes[0]
-    }
-    /// Last node.
-    pub fn end(&self) -> NodeId {
-        self.nodes[self.nodes.len() - 1]
-    }
-}
+line_and_member!(CableLine, CableMember);
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A cable along a line: see [`CableSection`].
@@ -134,9 +87,9 @@ impl<S: Scalar> MechanismBuilder<S> {
             member.elements.push(id);
             let stress = section.outer_fibres.map_or_else(LineStress::by_stiffness, LineStress::Cable);
             self.line_stresses.insert(id, stress);
-            self.heavy_cables.push(match section.strain {
-                CableStrain::Exact => HeavyCable::Own(id),
-                CableStrain::Small => HeavyCable::Apart(own, [nodes[0], nodes[1]], inertia),
+            self.heavy.push(match section.strain {
+                CableStrain::Exact => Heavy::Own(id, GRAVITY),
+                CableStrain::Small => Heavy::Cable(own, [nodes[0], nodes[1]], inertia),
             });
         }
         let rings = member.nodes.iter().map(|&node| Ring { node, axes: None, outline: section.outline() }).collect();
@@ -192,27 +145,6 @@ impl<S: Scalar> MechanismBuilder<S> {
                  cables that share a node go on in one direction, others meet in a body",
                 own.name
             ));
-        }
-    }
-
-    /// Weight of the elements of cables from one of them on.
-    pub(super) fn cable_gravity(&mut self, gravity: Vector3<S>, first: usize) {
-        for place in first..self.heavy_cables.len() {
-            match &self.heavy_cables[place] {
-                HeavyCable::Own(id) => {
-                    // an element that was refused has been reported already
-                    let Some(element) = self.model.find_element(*id) else { continue };
-                    let first = element.parameters.start + GRAVITY;
-                    for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
-                        *own += component;
-                    }
-                }
-                HeavyCable::Apart(name, nodes, inertia) => {
-                    let p = [&inertia[..], &gravity.components()].concat();
-                    let (name, nodes) = (format!("weight of {name}"), *nodes);
-                    self.add_element(&name, &nodes, CableGravity.into(), &p);
-                }
-            }
         }
     }
 
@@ -292,11 +224,5 @@ impl<S: Scalar> MechanismBuilder<S> {
         let over = Over::smooth_maximum(sharpness);
         let quantity = CableLargestStress { strain: cable.strain, elements, sharpness };
         self.add_functional(name, over, (&cable.nodes, &[]), quantity.into(), &p);
-    }
-
-    /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal \[m\]: nodes (tangent,
-    /// deflected).
-    pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vector3<S>) {
-        self.measure(entry(QUANTITIES, "cable_deflection"), name, over, &nodes, [("normal", normal.into())]);
     }
 }

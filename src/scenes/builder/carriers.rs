@@ -35,7 +35,7 @@ impl<S: Scalar> Carriers<S> {
         for (number, shell) in shells.iter().enumerate() {
             for (kind, nodes) in shell.faces() {
                 let own: Vec<(NodeId, Vector3<S>)> = nodes.iter().map(|&node| (node, m.position(node))).collect();
-                let nodes = own.iter().map(|(_, place)| place.map(Scalar::value).into()).collect();
+                let nodes = own.iter().map(|(_, place)| place.map(Scalar::value)).collect();
                 placed.push(PlacedFace { shape: kind.face.shape(), nodes });
                 faces.push(own);
                 shell_of.push(number);
@@ -123,8 +123,7 @@ struct Near {
 
 impl Near {
     fn new(shape: &FaceShape, [r, s]: [f64; 2], directions: &[[f64; 2]]) -> Self {
-        let [values, by_r, by_s] = shape_functions(shape, [r, s]);
-        let along = |way: &[f64; 2]| by_r.iter().zip(&by_s).map(|(r, s)| r * way[0] + s * way[1]).collect();
+        let [values, ..] = shape_functions(shape, [r, s]);
         // differences of polynomials of second degree are exact
         let slope_at = |r: f64, s: f64, way: &[f64; 2]| -> SmallVec<[f64; MOST_NODES]> {
             let [_, by_r, by_s] = shape_functions(shape, [r, s]);
@@ -135,7 +134,8 @@ impl Near {
             after.iter().zip(&before).map(|(a, b)| 0.5 * (a - b)).collect()
         };
         let bends = directions.iter().map(|first| directions.iter().map(|second| bend(first, second)).collect());
-        Near { slopes: directions.iter().map(along).collect(), bends: bends.collect(), values }
+        let slopes = directions.iter().map(|way| slope_at(r, s, way)).collect();
+        Near { slopes, bends: bends.collect(), values }
     }
 
     /// By how much along each direction the foot of a point is away; the matrix is that of the places where nodes stand.

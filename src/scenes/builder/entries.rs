@@ -5,13 +5,25 @@ use crate::assembly::{ElementId, NodeId};
 use crate::elements::entries::{Given, Made, Part, SpringPart, Type, Values, named};
 use crate::scalar::Scalar;
 
-/// What is wrong, with the key where that is one of it.
-pub(in crate::scenes) type Wrong = (Option<&'static str>, String);
-
 /// An entry of a list of the library.
 pub(super) fn entry<L: ?Sized>(list: &'static [Part<L>], name: &str) -> &'static Part<L> {
     named(list, name).unwrap_or_else(|| unreachable!("{name} is in no list of entries"))
 }
+
+/// Methods that add parts of a list by their entries: the name of the entry, arguments, what nodes it is on, and the arguments that are keys.
+macro_rules! methods_by_entry {
+    ($list:ident.$add:ident -> $id:ty;
+     $($(#[$doc:meta])* $method:ident $entry:literal ($($argument:tt: $type:ty),*) on $($on:expr),* => $($key:ident),*;)*) => {
+        #[allow(unused_parens)]
+        impl<S: Scalar> MechanismBuilder<S> {$(
+            $(#[$doc])*
+            pub fn $method(&mut self, name: &str $(, $argument: $type)*) -> $id {
+                self.$add(entry($list, $entry), name, $($on,)* [$((stringify!($key), $key.into())),*])
+            }
+        )*}
+    };
+}
+pub(super) use methods_by_entry;
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// What an entry, or what is like one, makes its parameters of.
@@ -20,26 +32,27 @@ impl<S: Scalar> MechanismBuilder<S> {
         Given::new(name, placed, values)
     }
 
-    /// Makes a part of its entry; nothing where a node is one of another mechanism.
+    /// Makes a part of its entry; what is wrong is told.
     pub(super) fn made<L: ?Sized + 'static>(
         &mut self,
         part: &Part<L>,
         name: &str,
         nodes: &[NodeId],
         values: Values<S>,
-    ) -> Result<Made<L, S>, Vec<Wrong>> {
+    ) -> Option<Made<L, S>> {
         if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
-            return Err(Vec::new());
+            return None;
         }
         let count = part.example.0.len();
         let is_on_elements = part.form.keys.first().is_some_and(|key| matches!(key.takes, Type::Item(_)));
         if nodes.len() != count && !is_on_elements {
-            return Err(vec![(None, format!("\"{name}\" needs {count} nodes, but {} were given", nodes.len()))]);
+            self.mistakes.push(format!("\"{name}\" needs {count} nodes, but {} were given", nodes.len()));
+            return None;
         }
         let keys = part.form.keys.iter().filter(|key| !key.takes.is_nodes()).map(|key| key.name);
         let known: Vec<&str> = keys.collect();
         let unknown = values.iter().filter(|(key, _)| !known.contains(key));
-        let mut wrong: Vec<Wrong> = unknown
+        let mut wrong: Vec<(Option<&'static str>, String)> = unknown
             .map(|(key, _)| {
                 (None, format!("\"{name}\", a {}, has no key {key}: it has {}", part.form.name, known.join(", ")))
             })
@@ -47,41 +60,26 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut given = self.given(name, nodes, values);
         let made = part.make(&mut given);
         wrong.extend(given.mistakes());
-        match made {
-            Ok(made) if wrong.is_empty() => Ok(made),
-            Ok(_) => Err(wrong),
-            Err(why) => Err(vec![(None, format!("\"{name}\": {why}"))]),
-        }
-    }
-
-    /// Adds a spring or damper by its entry.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn spring_part(
-        &mut self,
-        part: &SpringPart,
-        name: &str,
-        nodes: &[NodeId],
-        values: Values<S>,
-    ) -> Result<ElementId, Vec<Wrong>> {
-        let (law, p) = self.made(part, name, nodes, values)?;
-        Ok(self.add_element(name, nodes, law, &p))
+        let made = made.map_err(|why| wrong = vec![(None, format!("\"{name}\": {why}"))]).ok().filter(|_| wrong.is_empty());
+        self.tell(name, wrong);
+        made
     }
 
     /// Adds a spring or damper by its entry, one of a list or of your own: `m.spring(&SpringPart::of::<MySpring>(), "name", &[a, b], keys)`.
     pub fn spring(&mut self, part: &SpringPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ElementId {
-        self.spring_part(part, name, nodes, keys.into()).unwrap_or_else(|wrong| {
-            self.tell(name, wrong);
-            self.model.refused_element()
-        })
+        match self.made(part, name, nodes, keys.into()) {
+            Some((law, p)) => self.add_element(name, nodes, law, &p),
+            None => self.model.refused_element(),
+        }
     }
 
-    /// Keeps mistakes with those of the whole mechanism.
-    pub(in crate::scenes) fn tell(&mut self, name: &str, wrong: Vec<Wrong>) {
-        self.mistakes.extend(wrong.into_iter().map(|(key, text)| match key {
-            Some(key) => format!("\"{name}\", {key}: {text}"),
-            None => text,
-        }));
+    /// Keeps mistakes, those in values of keys apart.
+    pub(super) fn tell(&mut self, name: &str, wrong: Vec<(Option<&'static str>, String)>) {
+        for (key, text) in wrong {
+            match key {
+                Some(key) => self.wrong_keys.push((name.into(), key, text)),
+                None => self.mistakes.push(text),
+            }
+        }
     }
 }

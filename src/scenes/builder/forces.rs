@@ -1,11 +1,11 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
-use super::entries::{Wrong, entry};
+use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::entries::{GivenValue, SpringPart, Values};
-use crate::elements::forces::{DAMPERS, Gravity, LOADS, LoadFrame, SPRINGS};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::elements::forces::{DAMPERS, LOADS, LoadFrame, SPRINGS};
+use crate::scalar::{Quaternion, Scalar, Vector3};
 use crate::scenes::Signal;
 
 /// A force F = d f(t) \[N\] on a point of a node.
@@ -60,71 +60,15 @@ pub struct BushingRates<S> {
     pub damping_about: [S; 3],
 }
 
-impl<S: Scalar> SpringDamper<S> {
-    /// Values of its keys, with the name of that of the rest.
-    fn keys(self, rest: &'static str) -> [(&'static str, GivenValue<S>); 3] {
-        [("stiffness", self.stiffness.into()), ("damping", self.damping.into()), (rest, self.rest.into())]
-    }
-}
-
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Weight of every mass, beam, cable and shell, whether added before or after: g [m/s2]. Several calls add up.
-    pub fn gravity(&mut self, gravity: Vector3<S>) {
-        self.add_weights(gravity, [0; 4]);
-        let weighed = [self.masses.len(), self.heavy_beams.len(), self.heavy_cables.len(), self.heavy_shells.len()];
-        self.gravities.push((gravity, weighed));
-    }
-
-    /// Weight of all masses and elements of beams, cables and shells but the first ones.
-    pub(super) fn add_weights(&mut self, gravity: Vector3<S>, [masses, beams, cables, shells]: [usize; 4]) {
-        for place in masses..self.masses.len() {
-            let (node, mass, centre) = self.masses[place];
-            let name = format!("weight of {}", self.model.nodes[node.0].name);
-            let on = self.kind_in_space(&name, node);
-            let p: Vec<S> = [mass].into_iter().chain(gravity.components()).chain(centre.components()).collect();
-            self.add_element(&name, &[node], Gravity { on }.into(), &p);
-        }
-        self.beam_gravity(gravity, beams);
-        self.cable_gravity(gravity, cables);
-        self.shell_gravity(gravity, shells);
-    }
-
-    /// A spring along the line between world points of two nodes: stiffness [N/m], rest length \[m\].
-    pub fn line_spring(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        ends: [Vector3<S>; 2],
-        stiffness: S,
-        rest_length: S,
-    ) -> ElementId {
-        let keys = [("points", ends.into()), ("stiffness", stiffness.into()), ("rest_length", rest_length.into())];
-        self.spring(entry(SPRINGS, "line"), name, &nodes, keys)
-    }
-
-    /// A damper along the line between world points of two nodes [N s/m].
-    pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let keys = [("points", ends.into()), ("damping", damping.into())];
-        self.spring(entry(DAMPERS, "line"), name, &nodes, keys)
-    }
-
-    /// A damper on the whole relative velocity of world points of two nodes [N s/m].
-    pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let keys = [("points", ends.into()), ("damping", damping.into())];
-        self.spring(entry(DAMPERS, "vector"), name, &nodes, keys)
-    }
-
     /// Adds a load by its entry to nodes, or to those of each element of a member, with names.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn load_part(
-        &mut self,
-        part: &SpringPart,
-        on: &[(String, Vec<NodeId>)],
-        values: &Values<S>,
-    ) -> Result<(), Vec<Wrong>> {
-        on.iter().try_for_each(|(name, nodes)| self.spring_part(part, name, nodes, values.clone()).map(drop))
+    pub(in crate::scenes) fn load(&mut self, part: &SpringPart, on: &[(String, Vec<NodeId>)], values: &Values<S>) {
+        for (name, nodes) in on {
+            // what is wrong with one is so with all
+            if self.spring(part, name, nodes, values.clone()) == self.model.refused_element() {
+                break;
+            }
+        }
     }
 
     /// Values of the keys that all loads have.
@@ -146,35 +90,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.spring(entry(LOADS, "torque"), name, &[on], keys)
     }
 
-    /// A torsion spring and damper about a world axis; the angle is zero at the start.
-    pub fn torsion_spring_damper(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        axis: Vector3<S>,
-        own: SpringDamper<S>,
-    ) -> ElementId {
-        let keys = [&[("axis", axis.into())], &own.keys("rest_angle")[..]].concat();
-        self.spring(entry(SPRINGS, "torsion"), name, &nodes, keys)
-    }
-
-    /// A spring and damper along a world axis fixed in a, on the displacement of the world point of b from `origin`.
-    pub fn slide_spring_damper(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        [origin, point]: [Vector3<S>; 2],
-        axis: Vector3<S>,
-        own: SpringDamper<S>,
-    ) -> ElementId {
-        let places = [("origin", origin.into()), ("point", point.into()), ("axis", axis.into())];
-        let keys = [&places[..], &own.keys("rest_displacement")].concat();
-        self.spring(entry(SPRINGS, "slide"), name, &nodes, keys)
-    }
-
     /// A spring and damper on one coordinate of a node, such as a joint angle.
     pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, own: SpringDamper<S>) -> ElementId {
-        let keys = [&[("index", GivenValue::Count(index))], &own.keys("rest_angle")[..]].concat();
+        let SpringDamper { stiffness, damping, rest } = own;
+        let numbers = [("stiffness", stiffness), ("damping", damping), ("rest_angle", rest)];
+        let mut keys = vec![("index", GivenValue::Count(index))];
+        keys.extend(numbers.map(|(key, number)| (key, number.into())));
         self.spring(entry(SPRINGS, "angle"), name, &[node], keys)
     }
 
@@ -194,4 +115,28 @@ impl<S: Scalar> MechanismBuilder<S> {
         let keys = [&frame[..], &[("stiffness", stiffness), ("damping", damping)]].concat();
         self.spring(entry(SPRINGS, "bushing"), name, &nodes, keys)
     }
+}
+
+methods_by_entry! { SPRINGS.spring -> ElementId;
+    /// A spring along the line between world points of two nodes: stiffness [N/m], rest length \[m\].
+    line_spring "line" (nodes: [NodeId; 2], points: [Vector3<S>; 2], stiffness: S, rest_length: S)
+        on &nodes => points, stiffness, rest_length;
+    /// A torsion spring and damper about a world axis; the angle is zero at the start.
+    torsion_spring_damper "torsion"
+        (nodes: [NodeId; 2], axis: Vector3<S>, (SpringDamper { stiffness, damping, rest: rest_angle }): SpringDamper<S>)
+        on &nodes => axis, stiffness, damping, rest_angle;
+    /// A spring and damper along a world axis fixed in a, on the displacement of the world point of b from `origin`.
+    slide_spring_damper "slide" (
+        nodes: [NodeId; 2],
+        [origin, point]: [Vector3<S>; 2],
+        axis: Vector3<S>,
+        (SpringDamper { stiffness, damping, rest: rest_displacement }): SpringDamper<S>
+    ) on &nodes => origin, point, axis, stiffness, damping, rest_displacement;
+}
+
+methods_by_entry! { DAMPERS.spring -> ElementId;
+    /// A damper along the line between world points of two nodes [N s/m].
+    line_damper "line" (nodes: [NodeId; 2], points: [Vector3<S>; 2], damping: S) on &nodes => points, damping;
+    /// A damper on the whole relative velocity of world points of two nodes [N s/m].
+    vector_damper "vector" (nodes: [NodeId; 2], points: [Vector3<S>; 2], damping: S) on &nodes => points, damping;
 }

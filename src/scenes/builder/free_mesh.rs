@@ -58,8 +58,8 @@ pub struct FreeMesh<S> {
     pub(super) damping: Option<S>,
     /// Points may stand at the same place and are not joined.
     pub(super) may_coincide: bool,
-    /// Why it could not be joined to others.
-    unjoined: Option<String>,
+    /// Why it is no mesh that can be made or joined, in words that follow its name.
+    pub(super) unjoined: Option<String>,
     crease: f64,
     /// Points of faces of eight, whose middles are the last points.
     completed: Vec<Vec<usize>>,
@@ -67,6 +67,17 @@ pub struct FreeMesh<S> {
     odd: Vec<(usize, usize)>,
     /// The file that it is from, which has numbers of its own.
     data: Option<Arc<MeshData>>,
+    /// The grid that it is.
+    pub(super) grid: Option<Grid>,
+}
+
+/// A grid of points, whose points and faces are called by their places in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    /// Cells of three points along the first direction.
+    pub columns: usize,
+    /// Faces in place of each cell.
+    pub parts: usize,
 }
 
 impl<S: Scalar> FreeMesh<S> {
@@ -126,6 +137,7 @@ impl<S: Scalar> FreeMesh<S> {
             completed: Vec::new(),
             odd: Vec::new(),
             data: None,
+            grid: None,
         }
     }
 
@@ -194,6 +206,19 @@ impl<S: Scalar> FreeMesh<S> {
         }
     }
 
+    /// Lets a point be a node that is there, at its place, unless it is one already.
+    pub(super) fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
+        if self.given.iter().all(|(given, _)| *given != point) {
+            self.given.push((point, node));
+            self.points[point] = place;
+            self.complete();
+        }
+    }
+    /// Keeps why it is no mesh that can be joined, in words that follow its name.
+    pub(super) fn refuse(&mut self, why: String) {
+        self.unjoined.get_or_insert(why);
+    }
+
     /// Number of a point where users see it: that of the file; the middles of quadrilaterals of eight have none there.
     pub(super) fn point_number(&self, point: usize) -> String {
         let Some(data) = &self.data else { return point.to_string() };
@@ -206,6 +231,28 @@ impl<S: Scalar> FreeMesh<S> {
                 format!("in the middle of element {face}")
             }
         }
+    }
+    /// What the node at a point is called behind the name of the mesh.
+    pub(super) fn node_name(&self, point: usize) -> String {
+        let width = self.grid.map(|grid| 2 * grid.columns + 1);
+        let own = width.map(|width| format!("[{},{}]", point % width, point / width));
+        own.unwrap_or_else(|| format!("[{}]", self.point_number(point)))
+    }
+    /// What the element on a face is called.
+    pub(super) fn element_name(&self, face: usize) -> String {
+        let Some(Grid { columns, parts }) = self.grid else {
+            let own = self.data.as_ref().and_then(|data| data.face_numbers.get(face));
+            return format!("element {}", own.copied().unwrap_or(face));
+        };
+        let (cell, part) = (face / parts, face % parts + 1);
+        let (column, row) = (cell % columns + 1, cell / columns + 1);
+        if parts == 1 { format!("element {column}, {row}") } else { format!("element {column}, {row}, part {part}") }
+    }
+    /// The same for messages, with its place in a file if it is from one.
+    pub(super) fn element_place(&self, face: usize) -> String {
+        let name = self.element_name(face);
+        let place = self.data.as_ref().and_then(|data| Some((&data.file, data.face_places.get(face)?)));
+        place.map_or_else(|| name.clone(), |(file, place)| format!("{name} ({file}{place})"))
     }
     /// Diagonal of the box around its points \[m\].
     pub(super) fn size(&self) -> f64 {
@@ -273,7 +320,7 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// Faces of other kinds whose edges do not fit, in words: a middle of an edge is neither a corner nor left out by what lies beside.
-    fn hanging(&self, face_name: &dyn Fn(usize) -> String) -> Option<String> {
+    fn hanging(&self) -> Option<String> {
         let mut middles: HashMap<usize, (usize, [usize; 2])> = HashMap::new();
         let mut of_ends: HashMap<[usize; 2], (usize, Option<usize>)> = HashMap::new();
         for (number, face) in self.faces.iter().enumerate() {
@@ -285,7 +332,7 @@ impl<S: Scalar> FreeMesh<S> {
                 let middle = (edge.len() == 3).then(|| face.points[edge[1]]);
                 let &mut (other, beside) = of_ends.entry([from, to]).or_insert((number, middle));
                 if beside != middle {
-                    let [first, second] = [other, number].map(face_name);
+                    let [first, second] = [other, number].map(|face| self.element_place(face));
                     let [from, to] = [from, to].map(|point| self.point_number(point));
                     return Some(format!(
                         "{first} and {second} do not have the same points along their edge from point {from} to point {to}: faces of four \
@@ -302,7 +349,7 @@ impl<S: Scalar> FreeMesh<S> {
             .flat_map(|(number, face)| face.kind.shape().edges.iter().map(move |edge| (number, face.points[edge[0]])));
         corners.into_iter().find_map(|(number, point)| {
             let &(other, [from, to]) = middles.get(&point)?;
-            let [first, second] = [other, number].map(face_name);
+            let [first, second] = [other, number].map(|face| self.element_place(face));
             let [point, from, to] = [point, from, to].map(|point| self.point_number(point));
             Some(format!(
                 "point {point} is a corner of {second} and the middle of the edge of {first} from point {from} to point {to}: corners meet \
@@ -311,24 +358,24 @@ impl<S: Scalar> FreeMesh<S> {
         })
     }
 
-    /// What cannot be a shell, in words; each name stands for a face.
-    pub(super) fn mistakes_of(&self, face_name: &dyn Fn(usize) -> String) -> Vec<String> {
-        let mut all = self.mistakes_of_numbers(face_name);
+    /// What cannot be a shell, in words.
+    pub(super) fn mistakes(&self) -> Vec<String> {
+        let mut all = self.mistakes_of_numbers();
         // what follows looks at points and faces that are there
         if !all.is_empty() {
             return all;
         }
         let own_normals = self.own_normals();
-        all.extend(self.folded(&own_normals, face_name));
-        all.extend(self.hanging(face_name));
+        all.extend(self.folded(&own_normals));
+        all.extend(self.hanging());
         if all.is_empty() {
-            all.extend(self.gaps(&own_normals, face_name));
+            all.extend(self.gaps(&own_normals));
         }
-        if all.is_empty() { self.turned(face_name) } else { all }
+        if all.is_empty() { self.turned() } else { all }
     }
 
     /// Numbers of points and faces where there are none, and faces that are none.
-    fn mistakes_of_numbers(&self, face_name: &dyn Fn(usize) -> String) -> Vec<String> {
+    fn mistakes_of_numbers(&self) -> Vec<String> {
         let mut all = Vec::new();
         for &(number, count) in &self.odd {
             all.push(format!(
@@ -357,7 +404,7 @@ impl<S: Scalar> FreeMesh<S> {
             all.push(format!("its point {point} is held, but there are {count} points, counted from 0 on"));
         }
         for (number, face) in self.faces.iter().enumerate() {
-            let name = face_name(number);
+            let name = self.element_place(number);
             if let Some(point) = face.points.iter().find(|&&point| point >= count) {
                 all.push(format!("{name}: there is no point {point} among {count}, counted from 0 on"));
             } else if let Some(point) = repeated(&face.points) {
@@ -371,10 +418,10 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// The first face that is folded or has no area.
-    fn folded(&self, own_normals: &[Vec<Vector3<S>>], face_name: &dyn Fn(usize) -> String) -> Option<String> {
+    fn folded(&self, own_normals: &[Vec<Vector3<S>>]) -> Option<String> {
         let folded: Vec<(usize, usize, f64)> = own_normals.iter().enumerate().filter_map(fold_of).collect();
         let &(number, node, cosine) = folded.first()?;
-        let (name, point) = (face_name(number), self.point_number(self.faces[number].points[node]));
+        let (name, point) = (self.element_place(number), self.point_number(self.faces[number].points[node]));
         let more = match folded.len() - 1 {
             0 => String::new(),
             more => format!("; the same holds for {more} more"),
@@ -386,7 +433,7 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// Edges at which the normals of the faces point to different sides.
-    fn turned(&self, face_name: &dyn Fn(usize) -> String) -> Vec<String> {
+    fn turned(&self) -> Vec<String> {
         let mut all = Vec::new();
         let mut turned = 0;
         for MeshEdge { points, faces } in self.edges() {
@@ -398,7 +445,7 @@ impl<S: Scalar> FreeMesh<S> {
                     continue;
                 }
                 let [from, to] = [points[0], points[points.len() - 1]].map(|point| self.point_number(point));
-                let [first, second] = [first, second].map(face_name);
+                let [first, second] = [first, second].map(|face| self.element_place(face));
                 all.push(format!(
                     "{first} and {second} run along their edge from point {from} to point {to} in the same direction, so that their normals point \
                      to different sides: reverse one of them, or the group that it belongs to; a band that is twisted in itself has one side only, and \
@@ -439,36 +486,11 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
     fn free(&self) -> FreeMesh<S> {
         self.clone()
     }
-    fn node_name(&self, point: usize) -> String {
-        format!("[{}]", self.point_number(point))
-    }
-    fn element_name(&self, face: usize) -> String {
-        let own = self.data.as_ref().and_then(|data| data.face_numbers.get(face));
-        format!("element {}", own.copied().unwrap_or(face))
-    }
-    fn element_place(&self, face: usize) -> String {
-        let name = self.element_name(face);
-        let place = self.data.as_ref().and_then(|data| Some((&data.file, data.face_places.get(face)?)));
-        place.map_or_else(|| name.clone(), |(file, place)| format!("{name} ({file}{place})"))
+    fn free_mut(&mut self) -> &mut FreeMesh<S> {
+        self
     }
     fn place(&self, face: usize, node: usize) -> usize {
         self.faces[face].points[node]
-    }
-    fn lines(&self) -> Vec<Vec<usize>> {
-        self.edges().into_iter().map(|edge| edge.points).collect()
-    }
-    fn mistake(&self) -> Option<String> {
-        self.unjoined.clone()
-    }
-    fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
-        if self.given.iter().all(|(given, _)| *given != point) {
-            self.given.push((point, node));
-            self.points[point] = place;
-            self.complete();
-        }
-    }
-    fn refuse(&mut self, why: String) {
-        self.unjoined.get_or_insert(why);
     }
     fn member(self, shell: MeshedShell) -> MeshedShell {
         shell

@@ -1,7 +1,7 @@
 //! What is measured.
 
 use super::MechanismBuilder;
-use super::entries::{Wrong, entry};
+use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::entries::{GivenValue, Values};
 use crate::functionals::quantities::{QUANTITIES, Reaction, ReactionNorm};
@@ -9,49 +9,12 @@ use crate::functionals::{Functional, Measured, Over, QuantityPart};
 use crate::scalar::{Scalar, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Adds a functional of a quantity by its entry.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn quantity_part(
-        &mut self,
-        part: &QuantityPart,
-        name: &str,
-        over: Over,
-        nodes: &[NodeId],
-        values: Values<S>,
-    ) -> Result<(), Vec<Wrong>> {
-        let (quantity, p) = self.made(part, name, nodes, values)?;
-        self.add_functional(name, over, (nodes, &[]), quantity, &p);
-        Ok(())
-    }
-
     /// A functional of a quantity by its entry, one of [`QUANTITIES`] or of your own:
     /// `m.measure(&QuantityPart::of::<MyQuantity>(), "name", Over::Terminal, &[node], keys)`.
     pub fn measure(&mut self, part: &QuantityPart, name: &str, over: Over, nodes: &[NodeId], keys: impl Into<Values<S>>) {
-        self.quantity_part(part, name, over, nodes, keys.into()).unwrap_or_else(|wrong| self.tell(name, wrong));
-    }
-
-    /// A functional of the position of a world point of a node along a direction \[m\].
-    pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        let keys = [("point", point.into()), ("direction", direction.into())];
-        self.measure(entry(QUANTITIES, "position"), name, over, &[node], keys);
-    }
-
-    /// A functional of the velocity of a world point of a node along a direction [m/s].
-    pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        let keys = [("point", point.into()), ("direction", direction.into())];
-        self.measure(entry(QUANTITIES, "velocity"), name, over, &[node], keys);
-    }
-
-    /// A functional of the squared distance of a world point of a node from a target \[m2\].
-    pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>) {
-        self.measure(entry(QUANTITIES, "target"), name, over, &[node], [("point", point.into()), ("target", target.into())]);
-    }
-
-    /// A functional of the distance between world points of two nodes \[m\].
-    pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) {
-        self.measure(entry(QUANTITIES, "distance"), name, over, &nodes, [("points", points.into())]);
+        if let Some((quantity, p)) = self.made(part, name, nodes, keys.into()) {
+            self.add_functional(name, over, (nodes, &[]), quantity, &p);
+        }
     }
 
     /// A functional of a weighted sum of a joint's multipliers: forces \[N\], or moments [N m] of equations between axes and angles.
@@ -98,43 +61,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// A functional of the angle of b against a about a world axis, in (-pi, pi] and zero at the start \[rad\].
-    ///
-    /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
-    pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        self.measure(entry(QUANTITIES, "joint_angle"), name, over, &nodes, [("axis", axis.into())]);
-    }
-
-    /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
-    pub fn joint_rate_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        self.measure(entry(QUANTITIES, "joint_rate"), name, over, &nodes, [("axis", axis.into())]);
-    }
-
-    /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on \[m\].
-    pub fn joint_displacement_functional(
-        &mut self,
-        name: &str,
-        over: Over,
-        nodes: [NodeId; 2],
-        point: Vector3<S>,
-        axis: Vector3<S>,
-    ) {
-        let keys = [("point", point.into()), ("axis", axis.into())];
-        self.measure(entry(QUANTITIES, "joint_displacement"), name, over, &nodes, keys);
-    }
-
-    /// A functional of the rate of that displacement [m/s].
-    pub fn joint_speed_functional(
-        &mut self,
-        name: &str,
-        over: Over,
-        nodes: [NodeId; 2],
-        point: Vector3<S>,
-        axis: Vector3<S>,
-    ) {
-        self.measure(entry(QUANTITIES, "joint_speed"), name, over, &nodes, [("point", point.into()), ("axis", axis.into())]);
-    }
-
     /// A functional of one coordinate of a node.
     pub fn coordinate_functional(&mut self, name: &str, over: Over, node: NodeId, index: usize) {
         self.measure(entry(QUANTITIES, "coordinate"), name, over, &[node], [("index", GivenValue::Count(index))]);
@@ -144,4 +70,34 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn energy_functional(&mut self, name: &str, over: Over) {
         self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::energy(), over });
     }
+}
+
+methods_by_entry! { QUANTITIES.measure -> ();
+    /// A functional of the position of a world point of a node along a direction \[m\].
+    position_functional "position" (over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>)
+        on over, &[node] => point, direction;
+    /// A functional of the velocity of a world point of a node along a direction [m/s].
+    velocity_functional "velocity" (over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>)
+        on over, &[node] => point, direction;
+    /// A functional of the squared distance of a world point of a node from a target \[m2\].
+    target_functional "target" (over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>)
+        on over, &[node] => point, target;
+    /// A functional of the distance between world points of two nodes \[m\].
+    distance_functional "distance" (over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) on over, &nodes => points;
+    /// A functional of the angle of b against a about a world axis, in (-pi, pi] and zero at the start \[rad\].
+    ///
+    /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
+    joint_angle_functional "joint_angle" (over: Over, nodes: [NodeId; 2], axis: Vector3<S>) on over, &nodes => axis;
+    /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
+    joint_rate_functional "joint_rate" (over: Over, nodes: [NodeId; 2], axis: Vector3<S>) on over, &nodes => axis;
+    /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on \[m\].
+    joint_displacement_functional "joint_displacement" (over: Over, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>)
+        on over, &nodes => point, axis;
+    /// A functional of the rate of that displacement [m/s].
+    joint_speed_functional "joint_speed" (over: Over, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>)
+        on over, &nodes => point, axis;
+    /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal \[m\]: nodes (tangent,
+    /// deflected).
+    cable_deflection_functional "cable_deflection" (over: Over, nodes: [NodeId; 2], normal: Vector3<S>)
+        on over, &nodes => normal;
 }

@@ -1,7 +1,7 @@
 //! Joints and motion drivers, by their entries.
 
 use super::MechanismBuilder;
-use super::entries::{Wrong, entry};
+use super::entries::{entry, methods_by_entry};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::elements::TimeFunction;
 use crate::elements::entries::{GivenValue, JointPart, Values};
@@ -10,51 +10,12 @@ use crate::scalar::{Scalar, Vector3};
 use crate::scenes::Signal;
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Adds a joint or driver by its entry.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn rigid_part(
-        &mut self,
-        part: &JointPart,
-        name: &str,
-        nodes: &[NodeId],
-        values: Values<S>,
-    ) -> Result<ConstraintId, Vec<Wrong>> {
-        let (law, p) = self.made(part, name, nodes, values)?;
-        Ok(self.add_constraint(name, nodes, law.rigid(), &p))
-    }
-
-    /// Adds springs and dampers in place of the equations of a joint.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes, the values of its keys, or the numbers of stiffnesses and dampings.
-    pub(in crate::scenes) fn soft_part(
-        &mut self,
-        part: &JointPart,
-        name: &str,
-        nodes: &[NodeId],
-        values: Values<S>,
-        [stiffness, damping]: [&[S]; 2],
-    ) -> Result<ElementId, Vec<Wrong>> {
-        let (law, p) = self.made(part, name, nodes, values)?;
-        let count = law.equations();
-        if [stiffness.len(), damping.len()] != [count; 2] {
-            let (stiffnesses, dampings) = (stiffness.len(), damping.len());
-            let text = format!(
-                "\"{name}\" has {count} equations, but {stiffnesses} stiffnesses and {dampings} dampings were given"
-            );
-            return Err(vec![(None, text)]);
-        }
-        Ok(self.add_element(name, nodes, law.soft(), &[stiffness, damping, &p].concat()))
-    }
-
     /// Adds a joint or driver by its entry, one of a list or of your own: `m.joint(&JointPart::of::<MyJoint>(), "name", &[a, b], keys)`.
     pub fn joint(&mut self, part: &JointPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ConstraintId {
-        self.rigid_part(part, name, nodes, keys.into()).unwrap_or_else(|wrong| {
-            self.tell(name, wrong);
-            self.model.refused_constraint()
-        })
+        match self.made(part, name, nodes, keys.into()) {
+            Some((law, p)) => self.add_constraint(name, nodes, law.rigid(), &p),
+            None => self.model.refused_constraint(),
+        }
     }
 
     /// The same joint softly: springs and dampers with a stiffness and a damping for each of its equations
@@ -65,12 +26,18 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         nodes: &[NodeId],
         keys: impl Into<Values<S>>,
-        rates: [&[S]; 2],
+        [stiffness, damping]: [&[S]; 2],
     ) -> ElementId {
-        self.soft_part(part, name, nodes, keys.into(), rates).unwrap_or_else(|wrong| {
-            self.tell(name, wrong);
-            self.model.refused_element()
-        })
+        let Some((law, p)) = self.made(part, name, nodes, keys.into()) else { return self.model.refused_element() };
+        let count = law.equations();
+        if [stiffness.len(), damping.len()] != [count; 2] {
+            let (stiffnesses, dampings) = (stiffness.len(), damping.len());
+            self.mistakes.push(format!(
+                "\"{name}\" has {count} equations, but {stiffnesses} stiffnesses and {dampings} dampings were given"
+            ));
+            return self.model.refused_element();
+        }
+        self.add_element(name, nodes, law.soft(), &[stiffness, damping, &p].concat())
     }
 
     /// The value of a key that is a function of time; what is wrong with it is told with the other mistakes.
@@ -80,88 +47,6 @@ impl<S: Scalar> MechanismBuilder<S> {
             (TimeFunction::Constant, vec![S::zero()])
         });
         GivenValue::Function(function, numbers)
-    }
-
-    /// A spherical joint at a world point \[m\].
-    pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "spherical"), name, &nodes, [("point", point.into())])
-    }
-
-    /// A massless link between two world points \[m\], as long as they are apart at the start.
-    pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2]) -> ConstraintId {
-        self.joint(entry(JOINTS, "distance"), name, &nodes, [("points", ends.into())])
-    }
-
-    /// A revolute joint at a world point \[m\] about a world axis.
-    pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "revolute"), name, &nodes, [("point", point.into()), ("axis", axis.into())])
-    }
-
-    /// Two bodies welded together at a world point \[m\].
-    pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "fixed"), name, &nodes, [("point", point.into())])
-    }
-
-    /// Node b, a point or a body, carried along by body a as it stands at the start.
-    pub fn rigid_link(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        self.joint(entry(JOINTS, "rigid_link"), name, &nodes, [])
-    }
-
-    /// A prismatic joint: b slides along a world axis of a without turning; the world point \[m\] is where forces are measured.
-    pub fn prismatic(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "prismatic"), name, &nodes, [("point", point.into()), ("axis", axis.into())])
-    }
-
-    /// A cylindrical joint: b slides along and turns about a world axis through a world point \[m\].
-    pub fn cylindrical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "cylindrical"), name, &nodes, [("point", point.into()), ("axis", axis.into())])
-    }
-
-    /// A planar joint: b slides on the plane of a through a world point \[m\] with a world normal, and turns about the normal.
-    pub fn planar(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "planar"), name, &nodes, [("point", point.into()), ("normal", normal.into())])
-    }
-
-    /// A universal joint at a world point \[m\]; its cross has one pin in a and one in b, at right angles.
-    pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, pins: [Vector3<S>; 2]) -> ConstraintId {
-        let keys = [("point", point.into()), ("pin_a", pins[0].into()), ("pin_b", pins[1].into())];
-        self.joint(entry(JOINTS, "universal"), name, &nodes, keys)
-    }
-
-    /// A screw along a world axis through a world point \[m\]: b advances by the pitch [m per turn], negative for a left-handed thread.
-    pub fn helical(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        point: Vector3<S>,
-        axis: Vector3<S>,
-        pitch: S,
-    ) -> ConstraintId {
-        let keys = [("point", point.into()), ("axis", axis.into()), ("pitch", pitch.into())];
-        self.joint(entry(JOINTS, "helical"), name, &nodes, keys)
-    }
-
-    /// A world point \[m\] of b, a point or a body, on the line of a through it along a world direction.
-    pub fn point_on_line(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, along: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "point_on_line"), name, &nodes, [("point", point.into()), ("axis", along.into())])
-    }
-
-    /// A world point \[m\] of b, a point or a body, in the plane of a through it with a world normal.
-    pub fn point_in_plane(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "point_in_plane"), name, &nodes, [("point", point.into()), ("normal", normal.into())])
-    }
-
-    /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
-    /// touches the rack at `contact` \[m\]. Radius and direction follow; guide both by joints to the carrier.
-    pub fn rack_and_pinion(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 3],
-        [centre, contact]: [Vector3<S>; 2],
-        axis: Vector3<S>,
-    ) -> ConstraintId {
-        let keys = [("centre", centre.into()), ("contact", contact.into()), ("axis", axis.into())];
-        self.joint(entry(JOINTS, "rack_and_pinion"), name, &nodes, keys)
     }
 
     /// A coordinate that counts the angle of b against a about a world axis over any number of turns \[rad\], zero at the start.
@@ -238,14 +123,40 @@ impl<S: Scalar> MechanismBuilder<S> {
         };
         self.joint(entry(JOINTS, "cable_weld"), name, &nodes, [("holds", GivenValue::Word(held.into()))])
     }
+}
 
+methods_by_entry! { JOINTS.joint -> ConstraintId;
+    /// A spherical joint at a world point \[m\].
+    spherical "spherical" (nodes: [NodeId; 2], point: Vector3<S>) on &nodes => point;
+    /// A massless link between two world points \[m\], as long as they are apart at the start.
+    distance "distance" (nodes: [NodeId; 2], points: [Vector3<S>; 2]) on &nodes => points;
+    /// A revolute joint at a world point \[m\] about a world axis.
+    revolute "revolute" (nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) on &nodes => point, axis;
+    /// Two bodies welded together at a world point \[m\].
+    fixed "fixed" (nodes: [NodeId; 2], point: Vector3<S>) on &nodes => point;
+    /// Node b, a point or a body, carried along by body a as it stands at the start.
+    rigid_link "rigid_link" (nodes: [NodeId; 2]) on &nodes => ;
+    /// A prismatic joint: b slides along a world axis of a without turning; the world point \[m\] is where forces are measured.
+    prismatic "prismatic" (nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) on &nodes => point, axis;
+    /// A cylindrical joint: b slides along and turns about a world axis through a world point \[m\].
+    cylindrical "cylindrical" (nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) on &nodes => point, axis;
+    /// A planar joint: b slides on the plane of a through a world point \[m\] with a world normal, and turns about the normal.
+    planar "planar" (nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) on &nodes => point, normal;
+    /// A universal joint at a world point \[m\]; its cross has one pin in a and one in b, at right angles.
+    universal "universal" (nodes: [NodeId; 2], point: Vector3<S>, [pin_a, pin_b]: [Vector3<S>; 2])
+        on &nodes => point, pin_a, pin_b;
+    /// A screw along a world axis through a world point \[m\]: b advances by the pitch [m per turn], negative for a left-handed thread.
+    helical "helical" (nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>, pitch: S) on &nodes => point, axis, pitch;
+    /// A world point \[m\] of b, a point or a body, on the line of a through it along a world direction.
+    point_on_line "point_on_line" (nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) on &nodes => point, axis;
+    /// A world point \[m\] of b, a point or a body, in the plane of a through it with a world normal.
+    point_in_plane "point_in_plane" (nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) on &nodes => point, normal;
+    /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
+    /// touches the rack at `contact` \[m\]. Radius and direction follow; guide both by joints to the carrier.
+    rack_and_pinion "rack_and_pinion" (nodes: [NodeId; 3], [centre, contact]: [Vector3<S>; 2], axis: Vector3<S>)
+        on &nodes => centre, contact, axis;
     /// A cable's node on a hinge of a body about a world axis, which must be at right angles to the cable: nodes (body, cable's node).
-    pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> ConstraintId {
-        self.joint(entry(JOINTS, "cable_hinge"), name, &nodes, [("axis", axis.into())])
-    }
-
+    cable_hinge "cable_hinge" (nodes: [NodeId; 2], axis: Vector3<S>) on &nodes => axis;
     /// Nodes of two cables welded to each other as they stand at the start, at any angle but 0 and 180 degrees.
-    pub fn cable_corner(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        self.joint(entry(JOINTS, "cable_corner"), name, &nodes, [])
-    }
+    cable_corner "cable_corner" (nodes: [NodeId; 2]) on &nodes => ;
 }

@@ -61,8 +61,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let turns = body && frame == LoadFrame::Body;
         let direction = if turns { self.local_direction(on, direction) } else { direction };
         let p = [direction.components(), self.local_point(on, point).components()].concat();
-        let parameters = self.model.add_parameters(p.len());
-        self.numbers.p.extend(p);
+        let parameters = self.add_numbers(&p);
         let measured = Measured::Load { joint, parameters, load: JointLoad::new(kind, frame, node, held) };
         let unit = if moment { "N m" } else { "N" };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });

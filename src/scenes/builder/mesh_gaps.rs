@@ -1,20 +1,14 @@
 //! Meshes whose faces look joined and are not, or stand twice.
 
 use super::FreeMesh;
-use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, dot, length, minus, shown};
+use super::surface_search::{ALONG, PlaceIndex, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, shown};
 use crate::scalar::{Scalar, Vector3};
 use std::collections::{HashMap, HashSet};
-
-type FaceName<'n> = &'n dyn Fn(usize) -> String;
-
-fn cross([a, b, c]: Point, [x, y, z]: Point) -> Point {
-    [b * z - c * y, c * x - a * z, a * y - b * x]
-}
 
 impl<S: Scalar> FreeMesh<S> {
     /// Where a point stands \[m\].
     pub(super) fn value_of(&self, point: usize) -> Point {
-        self.points[point].map(Scalar::value).into()
+        self.points[point].map(Scalar::value)
     }
     /// Its faces with the places of their nodes.
     pub(super) fn placed(&self) -> Vec<PlacedFace> {
@@ -40,28 +34,16 @@ impl<S: Scalar> FreeMesh<S> {
         let mut used: Vec<usize> = self.faces.iter().flat_map(|face| face.points.iter().copied()).collect();
         used.sort_unstable();
         used.dedup();
-        // points of one place lie in one of neighbouring cells
-        let cell = |point: Point| point.map(|x| (x / near).floor() as i64);
-        let mut cells: HashMap<[i64; 3], usize> = HashMap::with_capacity(used.len());
-        for point in used {
-            let place = self.value_of(point);
-            let own = cell(place);
-            for neighbour in 0..27 {
-                let key = [neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1];
-                let key = [0, 1, 2].map(|axis| own[axis].saturating_add(key[axis]));
-                if let Some(&other) = cells.get(&key)
-                    && length(minus(self.value_of(other), place)) <= near
-                {
-                    return Some([other, point]);
-                }
-            }
-            cells.insert(own, point);
-        }
-        None
+        let mut by_place = PlaceIndex::new(near);
+        used.into_iter().find_map(|point| {
+            let other = by_place.find(self.value_of(point));
+            by_place.add(point, self.value_of(point));
+            Some([other?, point])
+        })
     }
 
     /// Faces that lie on each other: the directions from a common edge into both of them are the same.
-    fn doubled(&self, normals: &[Vec<Vector3<S>>], face_name: FaceName) -> Option<String> {
+    fn doubled(&self, normals: &[Vec<Vector3<S>>]) -> Option<String> {
         let inward = |face: usize, ends: [usize; 2]| -> Option<Point> {
             let own = &self.faces[face];
             let of_ends = |edge: &&&[usize]| {
@@ -70,16 +52,16 @@ impl<S: Scalar> FreeMesh<S> {
             };
             let edge = own.kind.shape().edges.iter().find(of_ends)?;
             let [from, to] = [edge[0], edge[edge.len() - 1]];
-            let [a, b] = [from, to].map(|place| normals[face][place].map(Scalar::value).into());
-            let along = minus(self.value_of(own.points[to]), self.value_of(own.points[from]));
-            Some(cross([0, 1, 2].map(|axis: usize| [a, b].iter().map(|own: &Point| own[axis]).sum()), along))
+            let [a, b] = [from, to].map(|place| normals[face][place].map(Scalar::value));
+            let along = self.value_of(own.points[to]) - self.value_of(own.points[from]);
+            Some((a + b).cross(&along))
         };
         for edge in self.edges().iter().filter(|edge| edge.faces.len() > 1) {
             let ends = [edge.points[0], edge.points[edge.points.len() - 1]];
             for (place, &(first, _)) in edge.faces.iter().enumerate() {
                 for &(second, _) in &edge.faces[..place] {
                     let ([Some(a), Some(b)], names) =
-                        ([inward(first, ends), inward(second, ends)], [second, first].map(face_name))
+                        ([inward(first, ends), inward(second, ends)], [second, first].map(|face| self.element_place(face)))
                     else {
                         continue;
                     };
@@ -105,7 +87,7 @@ impl<S: Scalar> FreeMesh<S> {
     }
 
     /// A point on the outer edges that lies on a face, or along an edge, to which it does not belong.
-    fn hanging_point(&self, face_name: FaceName) -> Option<String> {
+    fn hanging_point(&self) -> Option<String> {
         let edges = self.edges();
         let outer: Vec<_> = edges.iter().filter(|edge| edge.faces.len() == 1).collect();
         let mut at_point: HashMap<usize, Vec<(usize, usize)>> = HashMap::new();
@@ -116,7 +98,7 @@ impl<S: Scalar> FreeMesh<S> {
             }
         }
         let tells = |point: usize, face: usize, distance: f64| {
-            let (number, place, name) = (self.point_number(point), shown(self.value_of(point)), face_name(face));
+            let (number, place, name) = (self.point_number(point), shown(self.value_of(point)), self.element_place(face));
             format!(
                 "point {number} at {place} lies on {name}, {distance:.1e} m from its surface, and is no point of it, so that faces are not joined \
                  there: divide both sides alike, or let it with coincident = true (with_coincident_points) if it is a slit or a tie closes it"
@@ -129,15 +111,15 @@ impl<S: Scalar> FreeMesh<S> {
             let own = &at_point[&point];
             for (place, &(second, second_face)) in own.iter().enumerate() {
                 for &(first, first_face) in &own[..place] {
-                    let [a, b] = [first, second].map(|other| minus(self.value_of(other), self.value_of(point)));
+                    let [a, b] = [first, second].map(|other| self.value_of(other) - self.value_of(point));
                     let run_along = cosine(a, b) > ALONG.cos();
                     if first_face == second_face || !run_along || self.is_tip(point, own.len()) {
                         continue;
                     }
                     let (short, face, distance) = if length(a) < length(b) {
-                        (first, second_face, length(minus(a, b.map(|x| x * dot(a, b) / dot(b, b)))))
+                        (first, second_face, length(a - b * a.dot(&b) / b.dot(&b)))
                     } else {
-                        (second, first_face, length(minus(b, a.map(|x| x * dot(a, b) / dot(a, a)))))
+                        (second, first_face, length(b - a * a.dot(&b) / a.dot(&a)))
                     };
                     return Some(tells(short, face, distance));
                 }
@@ -156,15 +138,15 @@ impl<S: Scalar> FreeMesh<S> {
             let corners = &face.kind.shape().cyclic[..face.kind.shape().corners];
             let place = corners.iter().position(|&corner| face.points[corner] == point)?;
             let beside = [1, corners.len() - 1].map(|step| face.points[corners[(place + step) % corners.len()]]);
-            let [a, b] = beside.map(|other| minus(self.value_of(other), self.value_of(point)));
+            let [a, b] = beside.map(|other| self.value_of(other) - self.value_of(point));
             Some(cosine(a, b).clamp(-1.0, 1.0).acos())
         };
         outer == 2 && self.faces.iter().filter_map(angle).sum::<f64>() < std::f64::consts::FRAC_PI_2
     }
 
     /// Where it is not joined though it looks so, in words.
-    pub(super) fn gaps(&self, normals: &[Vec<Vector3<S>>], face_name: FaceName) -> Option<String> {
-        if let Some(doubled) = self.doubled(normals, face_name) {
+    pub(super) fn gaps(&self, normals: &[Vec<Vector3<S>>]) -> Option<String> {
+        if let Some(doubled) = self.doubled(normals) {
             return Some(doubled);
         }
         if self.may_coincide {
@@ -178,6 +160,6 @@ impl<S: Scalar> FreeMesh<S> {
                  in Gmsh), or let them with coincident = true (with_coincident_points) if it is a slit"
             ));
         }
-        self.hanging_point(face_name)
+        self.hanging_point()
     }
 }

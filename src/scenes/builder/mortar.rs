@@ -11,7 +11,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::carriers::{Carriers, Sum};
-use super::surface_search::{Foot, PlacedFace, Point, length, minus};
+use super::surface_search::{Foot, PlacedFace, Point, length};
 use crate::assembly::NodeId;
 use crate::elements::flexible::shape::weighed;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -98,7 +98,7 @@ impl<S: Scalar> TiedEdge<S> {
         let mut ends = vec![-1.0, 1.0];
         for face in faces.iter().filter(overlaps) {
             for edge in face.shape.edges {
-                let other: Vec<Vector3<f64>> = edge.iter().map(|&place| Vector3::from_f64(face.nodes[place])).collect();
+                let other: Vec<Vector3<f64>> = edge.iter().map(|&place| face.nodes[place]).collect();
                 ends.extend(crossing(&own, &other, reach));
             }
         }
@@ -123,7 +123,7 @@ impl<S: Scalar> TiedEdge<S> {
             let [half, middle] = [0.5 * (segment[1] - segment[0]), 0.5 * (segment[0] + segment[1])];
             for (place, weight) in GAUSS {
                 let xi = middle + half * place;
-                let point: Point = weighed(&own, &on_edge(own.len(), xi)[0]).into();
+                let point = weighed(&own, &on_edge(own.len(), xi)[0]);
                 // a face that the edge belongs to does not carry it
                 let foot = carriers.surfaces.nearest(point, |face| !carriers.has(face, &self.nodes)).ok_or(point)?;
                 points.push(EdgePoint { xi, weight: weight * half, foot });
@@ -226,6 +226,6 @@ fn crossing(own: &[Vector3<f64>], other: &[Vector3<f64>], reach: f64) -> Option<
         xi -= first.dot(&(x - y)) / first.dot(&first);
         xi = xi.clamp(-2.0, 2.0);
     }
-    let gap = minus(at(own, xi)[0].into(), at(other, eta)[0].into());
+    let gap = at(own, xi)[0] - at(other, eta)[0];
     (xi.abs() < 1.0 && length(gap) <= reach).then_some(xi)
 }

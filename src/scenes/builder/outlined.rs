@@ -4,7 +4,7 @@ use crate::elements::State;
 use crate::elements::flexible::{BeamField, CableStrain, Outline, STRAINS, TYING_POINTS};
 use crate::functionals::Quantity;
 use crate::functionals::quantities::{CableMeasure, CableQuantity, SectionMeasure, SectionQuantity};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, larger};
 
 /// The section of a beam or cable at one of its nodes.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ impl LineField {
         };
         let points = outline.points();
         let all = if matches!(self, LineField::Cable(_)) { &points[..1] } else { &points[..] };
-        Some(all.iter().map(|&point| stress(point).abs()).fold(0.0, |a, b| if b <= a || a.is_nan() { a } else { b }))
+        Some(all.iter().map(|&point| stress(point).abs()).fold(0.0, larger))
     }
 }
 

@@ -1,7 +1,6 @@
 //! Rolling contacts.
 
 use super::MechanismBuilder;
-use super::entries::Wrong;
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::entries::Values;
 use crate::elements::joints::contact_and_rolling;
@@ -9,34 +8,26 @@ use crate::scalar::{Scalar, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// What rolls, by its form: the contact, then the rolling.
-    ///
-    /// # Errors
-    /// What is wrong with its nodes or the values of its keys.
-    pub(in crate::scenes) fn rolling_part(
+    pub(in crate::scenes) fn rolls(
         &mut self,
         form: &str,
         names: [&str; 2],
         nodes: [NodeId; 2],
         values: Values<S>,
-    ) -> Result<[ConstraintId; 2], Vec<Wrong>> {
+    ) -> [ConstraintId; 2] {
+        let refused = [self.model.refused_constraint(); 2];
         if nodes.iter().any(|&node| self.kind_of(names[1], node).is_none()) {
-            return Err(Vec::new());
+            return refused;
         }
         let mut given = self.given(names[1], &nodes, values);
         let made = contact_and_rolling(form, &mut given);
         let wrong = given.mistakes();
         if !wrong.is_empty() {
-            return Err(wrong);
+            self.tell(names[1], wrong);
+            return refused;
         }
         let mut names = names.into_iter();
-        Ok(made.map(|(law, p)| self.add_constraint(names.next().unwrap_or_default(), &nodes, law, &p)))
-    }
-
-    fn rolls(&mut self, form: &str, names: [&str; 2], nodes: [NodeId; 2], values: Values<S>) -> [ConstraintId; 2] {
-        self.rolling_part(form, names, nodes, values).unwrap_or_else(|wrong| {
-            self.tell(names[1], wrong);
-            [self.model.refused_constraint(); 2]
-        })
+        made.map(|(law, p)| self.add_constraint(names.next().unwrap_or_default(), &nodes, law, &p))
     }
 
     /// A sphere rolls without sliding on a plane of another body: nodes (plane, sphere), world centre \[m\], world normal of the plane

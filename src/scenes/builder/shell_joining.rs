@@ -1,6 +1,7 @@
 //! Shells joined along edges to other shells and to bodies.
 
-use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, minus, shown};
+use super::carriers::Carriers;
+use super::surface_search::{ALONG, PlaceIndex, Point, SAME_PLACE, Surfaces, cosine, length, shown};
 use super::{FreeMesh, MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
@@ -12,39 +13,31 @@ use std::collections::HashMap;
 const REMEDY: &str = "divide both sides alike, so that all nodes there are common ones, or tie the edge instead (tie)";
 
 /// Shells that a mesh is to be joined to.
-struct Neighbours<'s> {
+struct Neighbours<'s, S> {
     shells: &'s [&'s MeshedShell],
-    /// All their faces: shell, and number in it.
-    faces: Vec<(usize, usize)>,
+    carriers: Carriers<S>,
     /// All their nodes with their places.
     places: HashMap<NodeId, Point>,
-    surfaces: Surfaces,
     /// Lines of nodes along which interpolations meet: edges, and the middle lines of faces of nine nodes.
     lines: HashMap<NodeId, Vec<Vec<NodeId>>>,
 }
 
-impl<'s> Neighbours<'s> {
-    fn new<S: Scalar>(m: &MechanismBuilder<S>, shells: &'s [&'s MeshedShell], near: f64) -> Self {
-        let (mut faces, mut placed, mut places) = (Vec::new(), Vec::new(), HashMap::new());
+impl<'s, S: Scalar> Neighbours<'s, S> {
+    fn new(m: &MechanismBuilder<S>, shells: &'s [&'s MeshedShell], near: f64) -> Self {
+        let carriers = Carriers::new(m, shells, near);
+        let places = carriers.nodes().map(|node| (node, m.position(node).map(Scalar::value))).collect();
         let mut lines: HashMap<NodeId, Vec<Vec<NodeId>>> = HashMap::new();
-        for (number, shell) in shells.iter().enumerate() {
-            for (face, (kind, nodes)) in shell.faces().enumerate() {
-                let shape = kind.face.shape();
-                let place = |node: &NodeId| -> Point { m.position(*node).map(Scalar::value).into() };
-                placed.push(PlacedFace { shape, nodes: nodes.iter().map(place).collect() });
-                places.extend(nodes.iter().map(|node| (*node, place(node))));
-                faces.push((number, face));
-                let middles: &[&[usize]] = if kind.face == FaceKind::Quad9 { &[&[1, 4, 7], &[3, 4, 5]] } else { &[] };
-                for line in shape.edges.iter().chain(middles) {
-                    let line: Vec<NodeId> = line.iter().map(|&place| nodes[place]).collect();
-                    line.iter().for_each(|node| lines.entry(*node).or_default().push(line.clone()));
-                }
+        for (kind, nodes) in shells.iter().flat_map(|shell| shell.faces()) {
+            let middles: &[&[usize]] = if kind.face == FaceKind::Quad9 { &[&[1, 4, 7], &[3, 4, 5]] } else { &[] };
+            for line in kind.face.shape().edges.iter().chain(middles) {
+                let line: Vec<NodeId> = line.iter().map(|&place| nodes[place]).collect();
+                line.iter().for_each(|node| lines.entry(*node).or_default().push(line.clone()));
             }
         }
-        Neighbours { shells, faces, places, surfaces: Surfaces::new(placed, near), lines }
+        Neighbours { shells, carriers, places, lines }
     }
-    fn shell_of(&self, face: usize) -> &str {
-        &self.shells[self.faces[face].0].name
+    fn shell_with(&self, node: NodeId) -> &str {
+        self.shells.iter().find(|shell| shell.nodes.contains(&node)).map_or("", |own| &own.name)
     }
     fn has_line(&self, line: &[Option<NodeId>]) -> bool {
         let Some(nodes) = line.iter().copied().collect::<Option<Vec<NodeId>>>() else { return false };
@@ -77,7 +70,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             first = range.end;
             if !list.is_empty() && !met[range].contains(&true) {
                 let why = self.gap_to(&mesh, list);
-                mesh.refuse(why);
+                mesh.free_mut().refuse(why);
             }
         }
         mesh
@@ -94,17 +87,18 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let mut nodes: HashMap<usize, NodeId> = free.given.iter().copied().collect();
         let mut met = vec![false; shells.len()];
-        let by_place = PlaceIndex::new(&neighbours.places, near);
+        let mut by_place = PlaceIndex::new(near);
+        neighbours.places.iter().for_each(|(node, place)| by_place.add(*node, *place));
         for point in free.outer_points() {
             let node = nodes.get(&point).copied().or_else(|| by_place.find(free.value_of(point)));
             let Some((node, own)) = node.and_then(|node| Some((node, owners.get(&node)?))) else { continue };
             own.iter().for_each(|&shell| met[shell] = true);
             if nodes.insert(point, node).is_none() {
-                mesh.take_over(point, node, self.position(node));
+                mesh.free_mut().take_over(point, node, self.position(node));
             }
         }
         if let Some(why) = divided_otherwise(&free, &nodes, &neighbours) {
-            mesh.refuse(why);
+            mesh.free_mut().refuse(why);
         }
         (mesh, met)
     }
@@ -114,7 +108,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let (free, neighbours) = (mesh.free(), Neighbours::new(self, shells, 0.0));
         let pairs = free.outer_points().into_iter().flat_map(|point| {
             let place = free.value_of(point);
-            neighbours.places.iter().map(move |(&node, &other)| (length(minus(other, place)), point, node))
+            neighbours.places.iter().map(move |(&node, &other)| (length(other - place), point, node))
         });
         let nearest = pairs.min_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2.0).cmp(&(b.1, b.2.0))));
         let name = &shells[0].name;
@@ -124,7 +118,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         format!(
             "is to be joined to \"{name}\", but no node of its edges stands where one of \"{name}\" does: the nearest are its node {} at {} and \
              \"{}\", {distance:.3e} m apart, and up to {:.1e} m are one place; a tie follows faces between their nodes",
-            mesh.node_name(point),
+            free.node_name(point),
             shown(free.value_of(point)),
             self.model.nodes[node.0].name,
             SAME_PLACE * free.size()
@@ -181,7 +175,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 fn divided_otherwise<S: Scalar>(
     free: &FreeMesh<S>,
     nodes: &HashMap<usize, NodeId>,
-    neighbours: &Neighbours,
+    neighbours: &Neighbours<S>,
 ) -> Option<String> {
     let near = SAME_PLACE * free.size();
     let unequal = |place: Point, shell: &str| {
@@ -200,11 +194,10 @@ fn divided_otherwise<S: Scalar>(
             let from = free.value_of(point);
             let Some(lines) = node.and_then(|node| neighbours.lines.get(&node)) else { continue };
             for other in lines.iter().flatten().filter(|other| Some(**other) != *node) {
-                let along = minus(neighbours.places[other], from);
-                let runs = |&&end: &&usize| end != point && cosine(minus(free.value_of(end), from), along) > ALONG.cos();
+                let along = neighbours.places[other] - from;
+                let runs = |&&end: &&usize| end != point && cosine(free.value_of(end) - from, along) > ALONG.cos();
                 if let Some(&end) = edge.points.iter().find(runs) {
-                    let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(other));
-                    return Some(unequal(free.value_of(end), shell.map_or("", |own| &own.name)));
+                    return Some(unequal(free.value_of(end), neighbours.shell_with(*other)));
                 }
             }
         }
@@ -213,18 +206,18 @@ fn divided_otherwise<S: Scalar>(
             let ends = [edge.points[0], edge.points[edge.points.len() - 1]].map(|point| free.value_of(point));
             let middle = match edge.points[..] {
                 [_, middle, _] => free.value_of(middle),
-                _ => [0, 1, 2].map(|axis: usize| 0.5 * (ends[0][axis] + ends[1][axis])),
+                _ => (ends[0] + ends[1]) * 0.5,
             };
-            if let Some(foot) = neighbours.surfaces.nearest(middle, |_| true) {
-                return Some(unequal(middle, neighbours.shell_of(foot.face)));
+            if let Some(foot) = neighbours.carriers.surfaces.nearest(middle, |_| true) {
+                return Some(unequal(middle, neighbours.carriers.shell_of(foot.face)));
             }
         }
     }
     // nodes on faces, of either
     for point in free.outer_points().into_iter().filter(|point| !nodes.contains_key(point)) {
         let place = free.value_of(point);
-        if let Some(foot) = neighbours.surfaces.nearest(place, |_| true) {
-            return Some(unequal(place, neighbours.shell_of(foot.face)));
+        if let Some(foot) = neighbours.carriers.surfaces.nearest(place, |_| true) {
+            return Some(unequal(place, neighbours.carriers.shell_of(foot.face)));
         }
     }
     let own = Surfaces::new(free.placed(), near);
@@ -233,36 +226,6 @@ fn divided_otherwise<S: Scalar>(
     others.sort_unstable_by_key(|own| own.0.0);
     others.into_iter().find_map(|(node, &place)| {
         own.nearest(place, |_| true)?;
-        let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(node))?;
-        Some(unequal(place, &shell.name))
+        Some(unequal(place, neighbours.shell_with(*node)))
     })
-}
-
-/// Nodes by their places.
-struct PlaceIndex<'p> {
-    cells: HashMap<[i64; 3], Vec<NodeId>>,
-    places: &'p HashMap<NodeId, Point>,
-    near: f64,
-}
-
-impl<'p> PlaceIndex<'p> {
-    fn cell(near: f64, place: Point) -> [i64; 3] {
-        place.map(|x| (x / (2.0 * near).max(f64::MIN_POSITIVE)).floor() as i64)
-    }
-    fn new(places: &'p HashMap<NodeId, Point>, near: f64) -> Self {
-        let mut cells: HashMap<[i64; 3], Vec<NodeId>> = HashMap::new();
-        for (&node, &place) in places {
-            cells.entry(Self::cell(near, place)).or_default().push(node);
-        }
-        PlaceIndex { cells, places, near }
-    }
-    /// The nearest node at a place.
-    fn find(&self, place: Point) -> Option<NodeId> {
-        let own = Self::cell(self.near, place);
-        let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
-        let cells = around.map(|step| [0, 1, 2].map(|axis: usize| own[axis].saturating_add(step[axis])));
-        let nodes = cells.filter_map(|cell| self.cells.get(&cell)).flatten();
-        let gaps = nodes.map(|node| (*node, length(minus(self.places[node], place))));
-        gaps.filter(|own| own.1 <= self.near).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.0.cmp(&b.0.0))).map(|own| own.0)
-    }
 }

@@ -1,7 +1,7 @@
 //! Meshes of shells: a grid of nodes on a surface, two for each element and one, along each of its two directions.
 
 use super::SurfaceMesh;
-use super::free_mesh::{FreeMesh, MeshFace};
+use super::free_mesh::{FreeMesh, Grid, MeshFace};
 use super::shells::{MeshedShell, ShellMember};
 use crate::assembly::NodeId;
 use crate::elements::flexible::faces::FaceKind;
@@ -25,6 +25,17 @@ impl Edge {
     /// Their names, in this order.
     pub(crate) const NAMES: [&str; 4] = ["first_start", "first_end", "second_start", "second_end"];
 
+    /// What stands along it on a grid of so many elements, from places (i, j).
+    pub(super) fn along<T>(self, elements: [usize; 2], at: impl Fn(usize, usize) -> T) -> Vec<T> {
+        let [first, second] = elements.map(|count| 2 * count);
+        match self {
+            Edge::FirstStart => (0..=second).map(|j| at(0, j)).collect(),
+            Edge::FirstEnd => (0..=second).map(|j| at(first, j)).collect(),
+            Edge::SecondStart => (0..=first).map(|i| at(i, 0)).collect(),
+            Edge::SecondEnd => (0..=first).map(|i| at(i, second)).collect(),
+        }
+    }
+
     /// The one of a name.
     #[cfg(feature = "files")]
     pub(crate) fn named(name: &str) -> Self {
@@ -41,22 +52,13 @@ impl Edge {
 #[derive(Clone, Debug)]
 pub struct ShellMesh<S> {
     /// Elements along both directions.
-    pub(super) elements: [usize; 2],
-    pub(super) points: Vec<Vector3<S>>,
-    pub(super) normals: Vec<Vector3<S>>,
+    elements: [usize; 2],
     /// What each nine nodes are made of.
     kind: FaceKind,
     /// The first direction ends in the nodes where it starts.
-    pub(super) closed: bool,
-    /// Nodes that never move.
-    pub(super) clamped: Vec<usize>,
-    /// Nodes that are there already.
-    pub(super) given: Vec<(usize, NodeId)>,
-    /// Damping proportional to stiffness \[s\].
-    pub(super) damping: Option<S>,
-    may_coincide: bool,
-    /// Why it is no mesh that can be made or joined.
-    refused: Option<String>,
+    closed: bool,
+    /// Points and what is said of them; their faces follow from the grid.
+    free: FreeMesh<S>,
 }
 
 impl<S: Scalar> ShellMesh<S> {
@@ -71,18 +73,9 @@ impl<S: Scalar> ShellMesh<S> {
                 (point, normal.unit())
             })
             .unzip();
-        ShellMesh {
-            elements,
-            points,
-            normals,
-            kind: FaceKind::Quad9,
-            closed: false,
-            clamped: Vec::new(),
-            given: Vec::new(),
-            damping: None,
-            may_coincide: false,
-            refused: None,
-        }
+        let mut free = FreeMesh::of_points(points);
+        free.normals = Some(normals);
+        ShellMesh { elements, kind: FaceKind::Quad9, closed: false, free }
     }
 
     /// A flat plate: a corner \[m\] and the edges that start there \[m\].
@@ -146,27 +139,27 @@ impl<S: Scalar> ShellMesh<S> {
     /// Damping proportional to stiffness: strain rates times eta \[s\] add to the strains in all stresses.
     #[must_use]
     pub fn damped(mut self, damping: S) -> Self {
-        self.damping = Some(damping);
+        self.free.damping = Some(damping);
         self
     }
     /// The nodes of an edge never move.
     #[must_use]
     pub fn clamped(mut self, edge: Edge) -> Self {
         let nodes = self.places(edge);
-        self.clamped.extend(nodes);
+        self.free.clamped.extend(nodes);
         self
     }
     /// Node (i, j) is one that is there: of another shell, a beam or a rigid body, with its frame at this place.
     #[must_use]
     pub fn with_node(mut self, i: usize, j: usize, node: NodeId) -> Self {
         let place = self.place(i, j);
-        self.given.push((place, node));
+        self.free.given.push((place, node));
         self
     }
     /// Nodes may stand at the same place, or on other elements, where these are not to be joined: a slit.
     #[must_use]
     pub fn with_coincident_points(mut self) -> Self {
-        self.may_coincide = true;
+        self.free.may_coincide = true;
         self
     }
     /// The nodes of an edge are those that are there, in this order.
@@ -175,36 +168,30 @@ impl<S: Scalar> ShellMesh<S> {
         let places = self.places(edge);
         if places.len() != nodes.len() {
             let why = format!("has {} nodes on an edge that is given {}; give one for each", places.len(), nodes.len());
-            self.refused.get_or_insert(why);
+            self.free.refuse(why);
         }
-        self.given.extend(places.into_iter().zip(nodes.iter().copied()));
+        self.free.given.extend(places.into_iter().zip(nodes.iter().copied()));
         self
     }
     /// Moves the nodes, from position and number (i, j) to another position \[m\]; normals stay.
     #[must_use]
     pub fn moved(mut self, to: impl Fn(Vector3<S>, usize, usize) -> Vector3<S>) -> Self {
         let width = 2 * self.elements[0] + 1;
-        for (place, point) in self.points.iter_mut().enumerate() {
+        for (place, point) in self.free.points.iter_mut().enumerate() {
             *point = to(*point, place % width, place / width);
         }
         self
     }
 
     /// Number of node (i, j) in the lists.
-    pub(super) fn place(&self, i: usize, j: usize) -> usize {
+    fn place(&self, i: usize, j: usize) -> usize {
         let last = 2 * self.elements[0];
         let i = if self.closed && i == last { 0 } else { i };
         i + j * (last + 1)
     }
     /// Numbers of the nodes of an edge.
-    pub(super) fn places(&self, edge: Edge) -> Vec<usize> {
-        let [first, second] = self.elements.map(|count| 2 * count);
-        match edge {
-            Edge::FirstStart => (0..=second).map(|j| self.place(0, j)).collect(),
-            Edge::FirstEnd => (0..=second).map(|j| self.place(first, j)).collect(),
-            Edge::SecondStart => (0..=first).map(|i| self.place(i, 0)).collect(),
-            Edge::SecondEnd => (0..=first).map(|i| self.place(i, second)).collect(),
-        }
+    fn places(&self, edge: Edge) -> Vec<usize> {
+        edge.along(self.elements, |i, j| self.place(i, j))
     }
     /// Nodes (a, b) of the faces among nine.
     fn division(&self) -> &'static [&'static [[usize; 2]]] {
@@ -235,9 +222,12 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
     type Place = [f64; 2];
 
     fn free(&self) -> FreeMesh<S> {
-        let mut free = FreeMesh::of_points(self.points.clone());
-        free.normals = Some(self.normals.clone());
-        let count = self.elements[0] * self.elements[1] * self.division().len();
+        let mut free = self.free.clone();
+        let ([first, second], parts) = (self.elements, self.division().len());
+        free.grid = Some(Grid { columns: first, parts });
+        if first == 0 || second == 0 {
+            free.unjoined = Some(format!("has {first} x {second} elements; a shell needs at least 1 x 1"));
+        }
         let face = |face: usize| {
             let point = |node: usize| {
                 let [i, j] = self.grid_place(face, node);
@@ -245,26 +235,11 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
             };
             MeshFace { kind: self.kind, points: (0..self.kind.shape().nodes).map(point).collect() }
         };
-        free.faces = (0..count).map(face).collect();
-        (free.clamped, free.given, free.damping) = (self.clamped.clone(), self.given.clone(), self.damping);
-        free.may_coincide = self.may_coincide;
+        free.faces = (0..first * second * parts).map(face).collect();
         free
     }
-    fn mistake(&self) -> Option<String> {
-        let [first, second] = self.elements;
-        let is_empty = first == 0 || second == 0;
-        let why = is_empty.then(|| format!("has {first} x {second} elements; a shell needs at least 1 x 1"));
-        why.or_else(|| self.refused.clone())
-    }
-    fn node_name(&self, point: usize) -> String {
-        let width = 2 * self.elements[0] + 1;
-        format!("[{},{}]", point % width, point / width)
-    }
-    fn element_name(&self, face: usize) -> String {
-        let parts = self.division().len();
-        let (cell, part) = (face / parts, face % parts + 1);
-        let (column, row) = (cell % self.elements[0] + 1, cell / self.elements[0] + 1);
-        if parts == 1 { format!("element {column}, {row}") } else { format!("element {column}, {row}, part {part}") }
+    fn free_mut(&mut self) -> &mut FreeMesh<S> {
+        &mut self.free
     }
     fn place(&self, face: usize, node: usize) -> [f64; 2] {
         let last = self.elements.map(|count| (2 * count).max(1) as f64);
@@ -279,15 +254,6 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
         let lines = (0..=second).step_by(2).map(|j| (0..=first).map(|i| self.place(i, j)).collect());
         let across = (0..=first).step_by(2).map(|i| (0..=second).map(|j| self.place(i, j)).collect());
         lines.chain(across).collect()
-    }
-    fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
-        if self.given.iter().all(|(given, _)| *given != point) {
-            self.given.push((point, node));
-            self.points[point] = place;
-        }
-    }
-    fn refuse(&mut self, why: String) {
-        self.refused.get_or_insert(why);
     }
     fn member(self, shell: MeshedShell) -> ShellMember {
         let [first, second] = self.elements.map(|count| 2 * count);

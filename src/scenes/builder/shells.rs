@@ -4,8 +4,9 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::entries::entry;
+use super::weights::Heavy;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
-use crate::assembly::{ElementId, NodeId};
+use crate::assembly::{ElementId, Node, NodeId};
 use crate::elements::NodeKind;
 use crate::elements::flexible::shape::weighed;
 use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection};
@@ -29,8 +30,8 @@ pub struct MeshedShell {
     /// In the order of the faces.
     pub elements: Vec<ElementId>,
     faces: Vec<(ShellKind, Vec<NodeId>)>,
-    /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\]; of others not a number.
-    layers: Vec<[f64; 2]>,
+    /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\].
+    layers: Vec<Option<[f64; 2]>>,
     of_point: Vec<Option<NodeId>>,
     groups: Vec<(String, Vec<usize>)>,
     node_sets: Vec<(String, Vec<usize>)>,
@@ -79,7 +80,7 @@ impl MeshedShell {
     }
     /// Of each element of plies where these begin and end along the normal, from the nodes on \[m\].
     pub(crate) fn layers(&self) -> impl Iterator<Item = Option<[f64; 2]>> {
-        self.layers.iter().map(|&own| Some(own).filter(|[below, above]| below.is_finite() && above.is_finite()))
+        self.layers.iter().copied()
     }
     /// What each element is, with its nodes in their order.
     pub fn faces(&self) -> impl Iterator<Item = (ShellKind, &[NodeId])> {
@@ -132,18 +133,18 @@ impl ShellMember {
     }
     /// Nodes of an edge, in the order of the grid.
     pub fn edge(&self, edge: Edge) -> Vec<NodeId> {
-        let [first, second] = self.counts.map(|count| 2 * count);
-        match edge {
-            Edge::FirstStart => (0..=second).map(|j| self.node(0, j)).collect(),
-            Edge::FirstEnd => (0..=second).map(|j| self.node(first, j)).collect(),
-            Edge::SecondStart => (0..=first).map(|i| self.node(i, 0)).collect(),
-            Edge::SecondEnd => (0..=first).map(|i| self.node(i, second)).collect(),
-        }
+        edge.along(self.counts, |i, j| self.node(i, j))
     }
 }
 
-/// What a section is, its parameters at the nodes of an element, from its number and that of its nodes, and its plies if it has some.
-pub(super) type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>, Option<&'f Laminate<S>>);
+/// The section of some faces of a shell.
+pub enum ShellPart<'p, S, P = usize> {
+    /// One material, with the thickness \[m\] at the number of a face and the place of its node: of a grid the share (u, v) of both directions, of
+    /// a free mesh the number of its point. Continuous if it does not depend on the face.
+    Isotropic(Material<S>, &'p dyn Fn(usize, P) -> S),
+    /// Plies, with the direction of their axis 1 in the world, projected on the surface.
+    Laminate(&'p Laminate<S>, Vector3<S>),
+}
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A shell of one material and thickness \[m\] on a mesh, its nodes in the middle of its thickness.
@@ -153,8 +154,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.tapered_shell(name, mesh, material, |_, _| thickness)
     }
 
-    /// A shell whose thickness \[m\] depends on the number of the element and on the place of the node: of a grid its share (u, v) of both
-    /// directions, of a free mesh the number of its point. Continuous if it does not depend on the element.
+    /// A shell whose thickness \[m\] depends on the number of the element and on the place of the node: see [`ShellPart::Isotropic`].
     pub fn tapered_shell<M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
@@ -162,15 +162,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         material: &Material<S>,
         thickness: impl Fn(usize, M::Place) -> S,
     ) -> M::Member {
-        let Material { young, poisson, density } = *material;
-        self.check_poisson(name, poisson);
-        let free = mesh.free();
-        let section = |element: usize, nodes: usize| -> Vec<S> {
-            let own = (0..nodes).map(|node| thickness(element, mesh.place(element, node)));
-            own.chain([young, poisson, density]).collect()
-        };
-        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Isotropic, &section, None)], &|_| 0);
-        mesh.member(shell)
+        self.shell_of_parts(name, mesh, &[ShellPart::Isotropic(*material, &thickness)], |_| 0)
     }
 
     /// A shell of plies; axis 1 of its surface lies along `direction` in the world, projected on it.
@@ -181,47 +173,67 @@ impl<S: Scalar> MechanismBuilder<S> {
         laminate: &Laminate<S>,
         direction: Vector3<S>,
     ) -> M::Member {
+        self.shell_of_parts(name, mesh, &[ShellPart::Laminate(laminate, direction)], |_| 0)
+    }
+
+    /// A shell whose faces have sections of their own: which of `parts`, from the number of the face.
+    pub fn shell_of_parts<M: SurfaceMesh<S>>(
+        &mut self,
+        name: &str,
+        mesh: M,
+        parts: &[ShellPart<S, M::Place>],
+        part_of: impl Fn(usize) -> usize,
+    ) -> M::Member {
         let free = mesh.free();
-        let numbers = self.laminate_numbers(name, &free, laminate, direction);
+        if let Some(face) = (0..free.faces.len()).find(|&face| part_of(face) >= parts.len()) {
+            let (count, face_name, own) = (parts.len(), free.element_place(face), part_of(face));
+            self.mistakes.push(format!("\"{name}\", {face_name} has part {own}, but there are {count}, counted from 0"));
+        }
+        let rotation = self.rotation_of(&free);
+        let numbers: Vec<Vec<S>> = parts.iter().map(|part| self.part_numbers(name, part, rotation)).collect();
         let before = self.mistakes.len();
-        let section: SectionOf<S> = (ShellSection::Laminate, &|_, _| numbers.clone(), Some(laminate));
-        let shell = self.add_shell(name, &mesh, &free, &[section], &|_| 0);
+        let section = |face: usize, nodes: usize| match parts.get(part_of(face)) {
+            Some(ShellPart::Isotropic(_, thickness)) => {
+                let own = (0..nodes).map(|node| thickness(face, mesh.place(face, node)));
+                (ShellSection::Isotropic, own.chain(numbers[part_of(face)].iter().copied()).collect(), None)
+            }
+            Some(ShellPart::Laminate(plies, _)) => (ShellSection::Laminate, numbers[part_of(face)].clone(), Some(*plies)),
+            // a mechanism with mistakes is not made: its faces may have any section
+            None => (ShellSection::Isotropic, vec![S::one(); nodes + 3], None),
+        };
+        let shell = self.add_shell(name, (&free, mesh.lines()), &section);
         if self.mistakes.len() == before {
-            self.check_axis(name, direction, free.directors().into_iter().flatten());
+            let directors = free.directors();
+            for (number, part) in parts.iter().enumerate() {
+                let ShellPart::Laminate(_, direction) = part else { continue };
+                let axis = direction.unit();
+                let mut own = directors.iter().enumerate().filter(|(face, _)| part_of(*face) == number);
+                if own.any(|(_, all)| all.iter().any(|normal| !(normal.cross(&axis).length().value() > 1e-3))) {
+                    self.mistakes.push(format!(
+                        "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
+                    ));
+                }
+            }
         }
         mesh.member(shell)
     }
 
-    /// Refuses a Poisson's ratio with which a sheet has no stiffness.
-    pub(super) fn check_poisson(&mut self, name: &str, poisson: S) {
-        let value = poisson.value();
-        if !(value > -1.0 && value < 1.0) {
-            self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
-        }
-    }
-
-    /// Parameters of the section of a shell of plies.
-    pub(super) fn laminate_numbers(
-        &mut self,
-        name: &str,
-        mesh: &FreeMesh<S>,
-        laminate: &Laminate<S>,
-        direction: Vector3<S>,
-    ) -> Vec<S> {
-        if let Some(why) = laminate.mistake() {
-            self.mistakes.push(format!("the laminate of \"{name}\": {why}"));
-        }
-        let axis = self.unit(name, direction);
-        [laminate.numbers(), self.rotation_of(mesh).rotate_back(axis).components().to_vec()].concat()
-    }
-
-    /// Refuses a direction of plies that has no projection on the surface.
-    pub(super) fn check_axis(&mut self, name: &str, direction: Vector3<S>, mut normals: impl Iterator<Item = Vector3<S>>) {
-        let axis = direction.unit();
-        if normals.any(|normal| !(normal.cross(&axis).length().value() > 1e-3)) {
-            self.mistakes.push(format!(
-                "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
-            ));
+    /// Parameters of a section beside thicknesses; refuses a Poisson's ratio with which a sheet has no stiffness.
+    fn part_numbers<P>(&mut self, name: &str, part: &ShellPart<S, P>, rotation: Quaternion<S>) -> Vec<S> {
+        match part {
+            ShellPart::Isotropic(Material { young, poisson, density }, _) => {
+                let value = poisson.value();
+                if !(value > -1.0 && value < 1.0) {
+                    self.mistakes
+                        .push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
+                }
+                vec![*young, *poisson, *density]
+            }
+            ShellPart::Laminate(laminate, direction) => {
+                self.mistakes.extend(laminate.mistake().map(|why| format!("the laminate of \"{name}\": {why}")));
+                let axis = self.unit(name, *direction);
+                [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat()
+            }
         }
     }
 
@@ -230,23 +242,24 @@ impl<S: Scalar> MechanismBuilder<S> {
         mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node))
     }
 
-    /// A shell of elements each of which has one of some sections.
-    pub(super) fn add_shell<M: SurfaceMesh<S>>(
+    /// A shell with the section of each element: what it is, its parameters, from its number and that of its nodes, and its plies if it has some.
+    fn add_shell<'l>(
         &mut self,
         name: &str,
-        mesh: &M,
-        free: &FreeMesh<S>,
-        sections: &[SectionOf<S>],
-        section_of: &dyn Fn(usize) -> usize,
-    ) -> MeshedShell {
+        (free, lines): (&FreeMesh<S>, Vec<Vec<usize>>),
+        section: &dyn Fn(usize, usize) -> (ShellSection, Vec<S>, Option<&'l Laminate<S>>),
+    ) -> MeshedShell
+    where
+        S: 'l,
+    {
         let damped = free.damping.is_some();
         let (groups, node_sets) = (free.groups.clone(), free.node_sets.clone());
         let (nodes, elements, faces, layers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let of_point = vec![None; free.points.len()];
         let mut shell = MeshedShell { name: name.into(), nodes, elements, faces, layers, of_point, groups, node_sets };
-        let sound = self.check_mesh(name, mesh, free);
+        let sound = self.check_mesh(name, free);
         let rotation = self.rotation_of(free);
-        self.add_shell_nodes(mesh, free, &mut shell);
+        self.add_shell_nodes(free, &mut shell);
         if !sound {
             return shell;
         }
@@ -254,7 +267,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut first: HashMap<ShellKind, ElementId> = HashMap::new();
         for (element, (face, directors)) in free.faces.iter().zip(free.directors()).enumerate() {
             let nodes: Vec<NodeId> = face.points.iter().filter_map(|&point| shell.of_point[point]).collect();
-            let (section, numbers, laminate) = sections[section_of(element)];
+            let (section, numbers, laminate) = section(element, nodes.len());
             let kind = ShellKind { face: face.kind, section, damped };
             let mut p = Vec::new();
             for (&point, director) in face.points.iter().zip(directors) {
@@ -262,11 +275,11 @@ impl<S: Scalar> MechanismBuilder<S> {
                     p.extend(rotation.rotate_back(vector).components());
                 }
             }
-            p.extend(numbers(element, nodes.len()));
+            p.extend(numbers);
             p.push(S::from(DRILLING));
             p.extend([S::zero(); 3]);
             p.extend(free.damping);
-            let own = format!("{name}, {}", mesh.element_name(element));
+            let own = format!("{name}, {}", free.element_name(element));
             let added = match first.get(&kind) {
                 Some(&like)
                     if self.model.find_element(like).is_some()
@@ -281,11 +294,10 @@ impl<S: Scalar> MechanismBuilder<S> {
             first.entry(kind).or_insert(added);
             shell.elements.push(added);
             shell.faces.push((kind, nodes));
-            let layers = laminate.map(|own| [-0.5, 0.5].map(|side| (own.offset + own.thickness() * side).value()));
-            shell.layers.push(layers.unwrap_or([f64::NAN; 2]));
-            self.heavy_shells.push((added, kind.drilling() + 1));
+            shell.layers.push(laminate.map(|own| [-0.5, 0.5].map(|side| (own.offset + own.thickness() * side).value())));
+            self.heavy.push(Heavy::Own(added, kind.drilling() + 1));
         }
-        for line in mesh.lines() {
+        for line in lines {
             let points = line.into_iter().filter_map(|point| Some((shell.node(point)?, [0.0; 3]))).collect();
             self.drawings.push(Drawing { drawn: Drawn::Shell, points });
         }
@@ -294,7 +306,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// The nodes of a shell, those of others among them.
-    fn add_shell_nodes<M: SurfaceMesh<S>>(&mut self, mesh: &M, free: &FreeMesh<S>, shell: &mut MeshedShell) {
+    fn add_shell_nodes(&mut self, free: &FreeMesh<S>, shell: &mut MeshedShell) {
         let rotation = self.rotation_of(free);
         // of a mesh without faces, which is refused, all points may be asked for
         let mut used = vec![free.faces.is_empty(); free.points.len()];
@@ -307,7 +319,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let node = given.get(&point).copied().unwrap_or_else(|| {
                 let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
                 let fixed = clamped.contains(&point);
-                self.add_node(&format!("{}{}", shell.name, mesh.node_name(point)), NodeKind::Body, fixed, &q)
+                self.add_node(&format!("{}{}", shell.name, free.node_name(point)), NodeKind::Body, fixed, &q)
             });
             shell.nodes.push(node);
             shell.of_point[point] = Some(node);
@@ -320,17 +332,16 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// normal to the deformed surface and acts on its area.
     pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: Signal<S>) {
         let keys = self.load_keys(name, frame, size).to_vec();
-        let made = self.load_part(entry(LOADS, "pressure"), &shell.carriers(name, &shell.group()), &keys);
-        made.unwrap_or_else(|wrong| self.tell(name, wrong));
+        self.load(entry(LOADS, "pressure"), &shell.carriers(name, &shell.group()), &keys);
     }
 
-    fn check_mesh<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) -> bool {
+    fn check_mesh(&mut self, name: &str, free: &FreeMesh<S>) -> bool {
         let mistakes = self.mistakes.len();
-        if let Some(mistake) = mesh.mistake() {
+        if let Some(mistake) = &free.unjoined {
             self.mistakes.push(format!("\"{name}\" {mistake}"));
             return false;
         }
-        let of_mesh = free.mistakes_of(&|face| mesh.element_place(face));
+        let of_mesh = free.mistakes();
         if !of_mesh.is_empty() {
             self.mistakes.extend(of_mesh.into_iter().map(|mistake| format!("\"{name}\": {mistake}")));
             return false;
@@ -341,7 +352,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let normal = weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s));
                 let cosine = normal.unit().dot(&director).value();
                 if !(cosine > 0.5) {
-                    let (element, node) = (mesh.element_place(element), node + 1);
+                    let (element, node) = (free.element_place(element), node + 1);
                     self.mistakes.push(format!(
                         "\"{name}\", {element}: at its node {node} the surface and the normal enclose an angle whose cosine is \
                          {cosine:.3}; nodes must lie apart, and the normal points to where the first direction is turned to the second \
@@ -351,21 +362,23 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
         }
-        self.check_given(name, mesh, free);
+        self.check_given(name, free);
         self.mistakes.len() == mistakes
     }
 
     /// Nodes of others at points of a mesh: they are bodies, lie there and start alike.
-    fn check_given<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) {
+    fn check_given(&mut self, name: &str, free: &FreeMesh<S>) {
         let size = free.size();
-        let mut rotation: Option<[f64; 4]> = None;
+        let mut start = None;
         let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
         let mut first: HashMap<usize, NodeId> = HashMap::new();
         for &(place, node) in &free.given {
-            let Some(kind) = self.kind_of(name, node) else { continue };
-            let own = self.model.nodes[node.0].name.clone();
-            let at = format!("node {}", mesh.node_name(place));
-            if clamped.contains(&place) && !self.model.nodes[node.0].fixed {
+            let Some(Node { name: own, fixed, .. }) = self.model.find_node(node).cloned() else {
+                self.refuse_stranger(name, "a node");
+                continue;
+            };
+            let at = format!("node {}", free.node_name(place));
+            if clamped.contains(&place) && !fixed {
                 self.mistakes.push(format!(
                     "\"{name}\" is clamped at its {at}, which is the node \"{own}\" that moves: clamp that one, or leave it out here"
                 ));
@@ -375,36 +388,41 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let before = &self.model.nodes[before.0].name;
                 self.mistakes.push(format!("\"{name}\" is given two nodes for its {at}: \"{before}\" and \"{own}\""));
             }
-            if kind != NodeKind::Body {
-                self.mistakes.push(format!("\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none"));
-                continue;
-            }
-            let gap = (self.position(node) - free.points[place]).length().value();
-            if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
-                self.mistakes.push(format!(
-                    "\"{name}\" lies {gap:.3e} m from its node \"{own}\": a shell takes hold of the origin of a body's frame"
-                ));
-            }
-            let e = self.rotation(node).0.map(Scalar::value);
-            let before = *rotation.get_or_insert(e);
-            if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
-                self.mistakes.push(format!(
-                    "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
-                     or join nodes of its own by fixed joints"
-                ));
-            }
+            self.check_given_node(name, node, (free.points[place], size), &mut start);
         }
     }
 
-    /// Weight of the elements of shells from one of them on.
-    pub(super) fn shell_gravity(&mut self, gravity: Vector3<S>, first: usize) {
-        for &(element, place) in &self.heavy_shells[first..] {
-            // an element that was refused has been reported already
-            let Some(element) = self.model.find_element(element) else { continue };
-            let first = element.parameters.start + place;
-            for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
-                *own += component;
-            }
+    /// A node that a beam or shell of some size \[m\] is given: a body, which stands at its place and starts with the rotation of those before.
+    pub(super) fn check_given_node(
+        &mut self,
+        name: &str,
+        node: NodeId,
+        (place, size): (Vector3<S>, f64),
+        start: &mut Option<[f64; 4]>,
+    ) {
+        let Some(kind) = self.kind_of(name, node) else { return };
+        let own = &self.model.nodes[node.0].name;
+        if kind != NodeKind::Body {
+            self.mistakes.push(format!(
+                "\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none: make it a body, or leave a node of \"{name}\" there and \
+                 join both"
+            ));
+            return;
+        }
+        let gap = (self.position(node) - place).length().value();
+        if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
+            self.mistakes.push(format!(
+                "\"{name}\" lies {gap:.3e} m from its node \"{own}\": it takes hold of the origin of a body's frame; leave a node of its own there and \
+                 add a fixed joint, or move the frame"
+            ));
+        }
+        let e = self.rotation(node).0.map(Scalar::value);
+        let before = *start.get_or_insert(e);
+        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
+            self.mistakes.push(format!(
+                "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
+                 or join nodes of its own by fixed joints"
+            ));
         }
     }
 }

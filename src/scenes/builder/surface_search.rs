@@ -1,6 +1,8 @@
 //! Faces near points: where nodes of one mesh lie on the surface of another.
 
 use crate::elements::flexible::faces::{FaceShape, MOST_NODES};
+use crate::elements::flexible::shape::weighed;
+use crate::scalar::{SpatialVector, Vector3};
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
@@ -14,24 +16,18 @@ const MOST_CELLS: usize = 512;
 /// Corrections of a place on a face.
 const CORRECTIONS: usize = 30;
 
-pub(super) type Point = [f64; 3];
+pub(super) type Point = Vector3<f64>;
 
-pub(super) fn minus(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-pub(super) fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
 pub(super) fn length(a: Point) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 /// Cosine of the angle between two directions; not a number for one of length zero.
 pub(super) fn cosine(a: Point, b: Point) -> f64 {
-    dot(a, b) / (length(a) * length(b))
+    a.dot(&b) / (length(a) * length(b))
 }
 /// A place for messages.
 pub(super) fn shown(point: Point) -> String {
-    let [x, y, z] = point.map(|own| crate::design::shortest(own + 0.0));
+    let [x, y, z] = point.components().map(|own| crate::design::shortest(own + 0.0));
     format!("({x}, {y}, {z}) m")
 }
 
@@ -58,11 +54,6 @@ pub(super) fn shape_functions(shape: &FaceShape, [r, s]: [f64; 2]) -> [SmallVec<
     [n(0.0, 0.0), half(n(1.0, 0.0), n(-1.0, 0.0)), half(n(0.0, 1.0), n(0.0, -1.0))]
 }
 
-fn combine(weights: &[f64], nodes: &[Point]) -> Point {
-    let sum = |axis: usize| weights.iter().zip(nodes).map(|(weight, node)| weight * node[axis]).sum();
-    [sum(0), sum(1), sum(2)]
-}
-
 impl PlacedFace {
     pub fn is_triangle(&self) -> bool {
         self.shape.corners == 3
@@ -78,11 +69,10 @@ impl PlacedFace {
         [r / sum, s / sum]
     }
     pub fn box_around(&self) -> [Point; 2] {
-        let bound = |axis: usize, pick: fn(f64, f64) -> f64, from| self.nodes.iter().map(|node| node[axis]).fold(from, pick);
-        let all = |pick, from| [bound(0, pick, from), bound(1, pick, from), bound(2, pick, from)];
-        let (least, most) = (all(f64::min, f64::INFINITY), all(f64::max, f64::NEG_INFINITY));
+        let nodes = self.nodes.iter();
+        let (least, most) = nodes.fold((self.nodes[0], self.nodes[0]), |(least, most), own| (least.inf(own), most.sup(own)));
         // faces bulge beyond their nodes
-        let bulge = 0.1 * length(minus(most, least));
+        let bulge = 0.1 * length(most - least);
         [least.map(|own| own - bulge), most.map(|own| own + bulge)]
     }
     /// The place nearest to a point and its distance: by Gauss and Newton's method from places all over the face, kept inside.
@@ -95,14 +85,14 @@ impl PlacedFace {
         for &start in starts {
             let mut at = start;
             for _ in 0..CORRECTIONS {
-                let [own, first, second] = shape_functions(self.shape, at).map(|weights| combine(&weights, &self.nodes));
-                let gap = minus(own, point);
+                let [own, first, second] = shape_functions(self.shape, at).map(|weights| weighed(&self.nodes, &weights));
+                let gap = own - point;
                 if length(gap) < nearest.1 {
                     nearest = (at, length(gap));
                 }
                 let tangents = [first, second];
-                let [[a, b], [_, d]] = tangents.map(|first| tangents.map(|second| dot(first, second)));
-                let (r, s) = (dot(gap, tangents[0]), dot(gap, tangents[1]));
+                let [[a, b], [_, d]] = tangents.map(|first| tangents.map(|second| first.dot(&second)));
+                let (r, s) = (gap.dot(&tangents[0]), gap.dot(&tangents[1]));
                 let determinant = a * d - b * b;
                 let next = self.inside([at[0] - (d * r - b * s) / determinant, at[1] - (a * s - b * r) / determinant]);
                 if !(next[0].is_finite() && next[1].is_finite()) {
@@ -133,7 +123,7 @@ impl Surfaces {
     /// Faces that are found from points up to `reach` \[m\] away.
     pub fn new(faces: Vec<PlacedFace>, reach: f64) -> Self {
         let boxes: Vec<[Point; 2]> = faces.iter().map(PlacedFace::box_around).collect();
-        let mean = boxes.iter().map(|[least, most]| length(minus(*most, *least))).sum::<f64>() / boxes.len().max(1) as f64;
+        let mean = boxes.iter().map(|[least, most]| length(most - least)).sum::<f64>() / boxes.len().max(1) as f64;
         let cell = mean.max(2.0 * reach).max(f64::MIN_POSITIVE);
         let mut own = Surfaces { faces, boxes, cells: HashMap::new(), large: Vec::new(), cell, reach };
         for face in 0..own.faces.len() {
@@ -153,7 +143,7 @@ impl Surfaces {
         own
     }
     fn cell_of(&self, point: Point) -> [i64; 3] {
-        point.map(|x| (x / self.cell).floor() as i64)
+        point.map(|x| (x / self.cell).floor() as i64).into()
     }
     /// The nearest foot within reach on faces that are wanted.
     pub fn nearest(&self, point: Point, is_wanted: impl Fn(usize) -> bool) -> Option<Foot> {
@@ -186,5 +176,33 @@ impl Surfaces {
     /// How far away points find them \[m\].
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+}
+
+/// Items by their places.
+pub(super) struct PlaceIndex<T> {
+    cells: HashMap<[i64; 3], Vec<(T, Point)>>,
+    near: f64,
+}
+
+impl<T: Copy + Ord> PlaceIndex<T> {
+    /// Items that are found from places up to `near` \[m\] away.
+    pub fn new(near: f64) -> Self {
+        PlaceIndex { cells: HashMap::new(), near }
+    }
+    fn cell(&self, place: Point) -> [i64; 3] {
+        place.map(|x| (x / (2.0 * self.near).max(f64::MIN_POSITIVE)).floor() as i64).into()
+    }
+    pub fn add(&mut self, item: T, place: Point) {
+        self.cells.entry(self.cell(place)).or_default().push((item, place));
+    }
+    /// The nearest item at a place.
+    pub fn find(&self, place: Point) -> Option<T> {
+        let own = self.cell(place);
+        let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
+        let cells = around.map(|step| [0, 1, 2].map(|axis: usize| own[axis].saturating_add(step[axis])));
+        let items = cells.filter_map(|cell| self.cells.get(&cell)).flatten();
+        let gaps = items.map(|(item, other)| (*item, length(other - place))).filter(|own| own.1 <= self.near);
+        gaps.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))).map(|own| own.0)
     }
 }

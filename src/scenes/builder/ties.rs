@@ -5,7 +5,7 @@
 
 use super::carriers::{Carriers, Shares, Sum};
 use super::mortar::{EdgePoint, TiedEdge};
-use super::surface_search::{Point, SAME_PLACE, length, minus, shown};
+use super::surface_search::{Point, SAME_PLACE, length, shown};
 use super::{MechanismBuilder, MeshedShell};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::joints::TiedNode;
@@ -285,15 +285,13 @@ impl<'n, S: Scalar> Tie<'n, S> {
 }
 
 fn place_of<S: Scalar>(m: &MechanismBuilder<S>, node: NodeId) -> Point {
-    m.position(node).map(Scalar::value).into()
+    m.position(node).map(Scalar::value)
 }
 
 /// Diagonal of the box around some places \[m\].
 fn diagonal(places: impl Iterator<Item = Point>) -> f64 {
-    let around = places.map(|place| (place, place)).reduce(|(least, most), (own, _)| {
-        ([0, 1, 2].map(|axis: usize| least[axis].min(own[axis])), [0, 1, 2].map(|axis: usize| most[axis].max(own[axis])))
-    });
-    around.map_or(0.0, |(least, most)| length(minus(most, least)))
+    let around = places.map(|place| (place, place)).reduce(|(least, most), (own, _)| (least.inf(&own), most.sup(&own)));
+    around.map_or(0.0, |(least, most)| length(most - least))
 }
 
 /// Edges of shells with one face whose nodes are all among some nodes.

@@ -4,7 +4,6 @@ use super::known::{Builder, Entry, Found, Made};
 use super::mistake::Mistake;
 use crate::elements::entries::{Forms, Given, GivenValue, Key, Type, Values};
 use crate::program::Recorded;
-use crate::scenes::builder::Wrong;
 
 fn value(e: Entry, key: &Key) -> Found<GivenValue<Recorded>> {
     Ok(match key.takes {
@@ -49,11 +48,10 @@ pub(super) fn given(e: Entry, forms: &Forms) -> Found<Given<Recorded>> {
 }
 
 /// What was made of an entry, or where in the file what is wrong stands.
-pub(super) fn located(made: Result<Made, Vec<Wrong>>, e: Entry, m: &mut Builder) -> Found<Made> {
-    made.or_else(|wrong| {
-        let (keys, others): (Vec<Wrong>, Vec<Wrong>) = wrong.into_iter().partition(|(key, _)| key.is_some());
-        m.tell(e.name(), others);
-        let first = keys.into_iter().find_map(|(key, what)| Some(Mistake::new(e.place(key?), what)));
-        first.map_or(Ok(Made::Nothing), Err)
-    })
+pub(super) fn located(made: Made, e: Entry, m: &mut Builder) -> Found<Made> {
+    match (m.take_wrong_keys().into_iter().next(), made) {
+        (Some((_, key, what)), _) => Err(Mistake::new(e.place(key), what)),
+        (None, Made::Joint(own)) if m.model.find_constraint(own).is_none() => Ok(Made::Nothing),
+        (None, made) => Ok(made),
+    }
 }

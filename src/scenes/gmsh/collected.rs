@@ -2,8 +2,7 @@
 
 use super::input::{Found, Wrong};
 use super::kinds::Kind;
-use super::lowered::Lowered;
-use super::raised::raise;
+use super::second_order::Middles;
 use crate::scenes::mesh_data::{FilePlace, MeshData, reverse};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -31,7 +30,7 @@ pub(super) struct Collected {
     left_out: BTreeMap<Kind, usize>,
     /// Elements of third order and higher.
     lowered_kinds: BTreeMap<Kind, usize>,
-    lowered: Lowered,
+    middles: Middles,
     mesh: MeshData,
 }
 
@@ -58,7 +57,7 @@ impl Collected {
         let mut points = self.points_of(&element)?;
         if element.kind.order > 2 {
             *self.lowered_kinds.entry(element.kind).or_default() += 1;
-            points = self.lowered.lower(element.kind, &points, &mut self.mesh.points);
+            points = self.middles.lower(element.kind, &points, &mut self.mesh.points);
         }
         if dimension < 2 {
             for group in groups {
@@ -133,7 +132,8 @@ impl Collected {
         let lowered =
             self.lowered_kinds.iter().map(|(kind, count)| format!("{} lowered to second order ({count})", kind.words()));
         let mut changes: Vec<String> = lowered.collect();
-        changes.extend(raise(&mut self.mesh, self.sets.values_mut().flatten()));
+        let middles = std::mem::take(&mut self.middles);
+        changes.extend(middles.raise(&mut self.mesh, self.sets.values_mut().flatten()));
         if changes.is_empty() {
             return Ok(None);
         }

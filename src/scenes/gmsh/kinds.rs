@@ -21,65 +21,36 @@ impl Kind {
     }
 }
 
-/// Kinds by their numbers in the file that are read: faces, lines and points that become node sets, and solids that are left out.
+/// Kinds that differ in their order: name, dimension, corners, nodes by the order, the least order, and the numbers of this and the following
+/// ones in the file.
+type Family = (&'static str, i32, usize, fn(usize) -> usize, usize, &'static [i32]);
+
+/// What is read: faces, lines and points that become node sets, and solids that are left out.
 ///
 /// Source: Gmsh reference manual, "MSH file format", list of element types; those of higher order from Gmsh's `GmshDefines.h`.
+const FAMILIES: [Family; 13] = [
+    ("points", 0, 1, |_| 1, 1, &[15]),
+    ("lines", 1, 2, |p| p + 1, 1, &[1, 8, 26, 27, 28, 62, 63, 64, 65, 66]),
+    ("triangles", 2, 3, |p| (p + 1) * (p + 2) / 2, 1, &[2, 9, 21, 23, 25, 42, 43, 44, 45, 46]),
+    // with nodes on their edges alone
+    ("triangles", 2, 3, |p| 3 * p, 3, &[20, 22, 24, 52, 53, 54, 55, 56]),
+    ("quadrilaterals", 2, 4, |p| (p + 1) * (p + 1), 1, &[3, 10, 36, 37, 38, 47, 48, 49, 50, 51]),
+    ("quadrilaterals", 2, 4, |p| 4 * p, 2, &[16, 39, 40, 41, 57, 58, 59, 60, 61]),
+    ("tetrahedra", 3, 4, |p| (p + 1) * (p + 2) * (p + 3) / 6, 1, &[4, 11, 29, 30, 31, 71, 72, 73, 74, 75]),
+    ("hexahedra", 3, 8, |p| (p + 1) * (p + 1) * (p + 1), 1, &[5, 12, 92, 93, 94, 95, 96, 97, 98]),
+    ("hexahedra", 3, 8, |_| 20, 2, &[17]),
+    ("prisms", 3, 6, |p| (p + 1) * (p + 1) * (p + 2) / 2, 1, &[6, 13, 90, 91, 106, 107, 108, 109, 110]),
+    ("prisms", 3, 6, |_| 15, 2, &[18]),
+    ("pyramids", 3, 5, |p| (p + 1) * (p + 2) * (2 * p + 3) / 6, 1, &[7, 14, 118, 119, 120, 121, 122, 123, 124]),
+    ("pyramids", 3, 5, |_| 13, 2, &[19]),
+];
+
+/// The kind of a number in the file, if it is read.
 pub(super) fn kind(number: i32) -> Option<Kind> {
-    let of = |dimension, corners, order: i32, nodes: fn(usize) -> usize, name| {
-        let order = order as usize;
+    FAMILIES.iter().find_map(|&(name, dimension, corners, nodes, first, numbers)| {
+        let order = first + numbers.iter().position(|own| *own == number)?;
         Some(Kind { dimension, corners, order, nodes: nodes(order), name })
-    };
-    let line = |order| of(1, 2, order, |p| p + 1, "lines");
-    let triangle = |order| of(2, 3, order, |p| (p + 1) * (p + 2) / 2, "triangles");
-    let triangle_of_edges = |order| of(2, 3, order, |p| 3 * p, "triangles");
-    let quadrilateral = |order| of(2, 4, order, |p| (p + 1) * (p + 1), "quadrilaterals");
-    let quadrilateral_of_edges = |order| of(2, 4, order, |p| 4 * p, "quadrilaterals");
-    let tetrahedron = |order| of(3, 4, order, |p| (p + 1) * (p + 2) * (p + 3) / 6, "tetrahedra");
-    let hexahedron = |order| of(3, 8, order, |p| (p + 1) * (p + 1) * (p + 1), "hexahedra");
-    let prism = |order| of(3, 6, order, |p| (p + 1) * (p + 1) * (p + 2) / 2, "prisms");
-    let pyramid = |order| of(3, 5, order, |p| (p + 1) * (p + 2) * (2 * p + 3) / 6, "pyramids");
-    match number {
-        15 => of(0, 1, 1, |_| 1, "points"),
-        1 => line(1),
-        8 => line(2),
-        26..=28 => line(number - 23),
-        62..=66 => line(number - 56),
-        2 => triangle(1),
-        9 => triangle(2),
-        21 => triangle(3),
-        23 => triangle(4),
-        25 => triangle(5),
-        42..=46 => triangle(number - 36),
-        20 => triangle_of_edges(3),
-        22 => triangle_of_edges(4),
-        24 => triangle_of_edges(5),
-        52..=56 => triangle_of_edges(number - 46),
-        3 => quadrilateral(1),
-        10 => quadrilateral(2),
-        36..=38 => quadrilateral(number - 33),
-        47..=51 => quadrilateral(number - 41),
-        16 => quadrilateral_of_edges(2),
-        39..=41 => quadrilateral_of_edges(number - 36),
-        57..=61 => quadrilateral_of_edges(number - 51),
-        4 => tetrahedron(1),
-        11 => tetrahedron(2),
-        29..=31 => tetrahedron(number - 26),
-        71..=75 => tetrahedron(number - 65),
-        5 => hexahedron(1),
-        12 => hexahedron(2),
-        92..=98 => hexahedron(number - 89),
-        17 => of(3, 8, 2, |_| 20, "hexahedra"),
-        6 => prism(1),
-        13 => prism(2),
-        90 | 91 => prism(number - 87),
-        106..=110 => prism(number - 101),
-        18 => of(3, 6, 2, |_| 15, "prisms"),
-        7 => pyramid(1),
-        14 => pyramid(2),
-        118..=124 => pyramid(number - 115),
-        19 => of(3, 5, 2, |_| 13, "pyramids"),
-        _ => None,
-    }
+    })
 }
 
 /// Why kinds of another number are not read, and what to do.

@@ -3,8 +3,7 @@
 mod collected;
 mod input;
 mod kinds;
-mod lowered;
-mod raised;
+mod second_order;
 mod version2;
 mod version4;
 

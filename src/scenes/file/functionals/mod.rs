@@ -62,8 +62,8 @@ pub(super) const SECTION: Section = Section {
 fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     if let Some(part) = e.known.own.quantity_named(e.form) {
         let (nodes, values) = (e.nodes_of_part(m)?, values(e, part.form.keys)?);
-        let made = m.quantity_part(part, e.name(), over(&e), &nodes, values).map(|()| Made::Nothing);
-        return located(made, e, m);
+        m.measure(part, e.name(), over(&e), &nodes, values);
+        return located(Made::Nothing, e, m);
     }
     let own = MEASURANDS.iter().find(|own| own.form.name == e.form);
     own.map_or(Ok(()), |own| (own.add)(e, over(&e), m)).map(|()| Made::Nothing)

@@ -55,9 +55,10 @@ fn by_entry(part: &JointPart, e: Entry, m: &mut Builder) -> Found<Made> {
     let (nodes, values) = (e.different_nodes_of_part(m)?, values(e, part.form.keys)?);
     let made = match rates(e)? {
         Some([stiffness, damping]) => {
-            m.soft_part(part, e.name(), &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
+            m.soft_joint(part, e.name(), &nodes, values, [&stiffness, &damping]);
+            Made::SoftJoint
         }
-        None => m.rigid_part(part, e.name(), &nodes, values).map(Made::Joint),
+        None => Made::Joint(m.joint(part, e.name(), &nodes, values)),
     };
     located(made, e, m)
 }
@@ -133,6 +134,6 @@ fn rolling(e: Entry, m: &mut Builder) -> Found<Made> {
         return e.wrong_key(key, "what rolls cannot be soft: leave this out");
     }
     let (nodes, values) = (e.different_nodes(m)?, values(e, ROLLING.keys(e.form))?);
-    let made = m.rolling_part(e.form, [&format!("contact of {}", e.name()), e.name()], nodes, values);
-    located(made.map(|own| Made::Joint(own[1])), e, m)
+    let [_, rolling] = m.rolls(e.form, [&format!("contact of {}", e.name()), e.name()], nodes, values);
+    located(Made::Joint(rolling), e, m)
 }

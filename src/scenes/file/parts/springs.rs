@@ -47,6 +47,6 @@ fn element(part: Option<&SpringPart>, e: Entry, m: &mut Builder) -> Found<Made> 
             _ => {}
         });
     }
-    let made = m.load_part(part, &on, &values).map(|()| Made::Nothing);
-    located(made, e, m)
+    m.load(part, &on, &values);
+    located(Made::Nothing, e, m)
 }
