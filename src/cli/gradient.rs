@@ -570,7 +570,7 @@ mod tests {
         let x = [2.0, 1e5, 0.0];
         let right = [3.0, 4e-5, 0.0];
         let measure = |value: f64, round_off: f64, rows: [&[f64; 3]; 2]| {
-            let measure = Measure { variables: &variables(), x: &x, value, round_off };
+            let measure = Measure { variables: &variables(), x: &x, value, round_off, terms: 0.0 };
             largest_of(&[measure.differences(rows.map(|row| &row[..]))])
         };
         let compare = |adjoint: [f64; 3]| measure(1e-9, 0.0, [&adjoint, &right]);
