@@ -111,9 +111,6 @@ impl<'p> Columns<'p> {
     }
 
     /// The places of the time and of what some names stand for; of all columns if there are no names.
-    ///
-    /// # Errors
-    /// A name that has no column.
     pub fn chosen(&self, names: &[String]) -> Result<Vec<usize>, String> {
         let all = self.all();
         if names.is_empty() {

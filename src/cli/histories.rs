@@ -5,9 +5,6 @@ use costate::history::Keep;
 use std::path::Path;
 
 /// What `--history` and `--resume` say together.
-///
-/// # Errors
-/// Nothing to go on with but a file.
 pub fn resumed(keep: Keep, resume: bool) -> Result<Keep, Failure> {
     match keep {
         keep if !resume => Ok(keep),
@@ -17,9 +14,6 @@ pub fn resumed(keep: Keep, resume: bool) -> Result<Keep, Failure> {
 }
 
 /// What `--history` says.
-///
-/// # Errors
-/// What it may say.
 pub fn keep(text: &str) -> Result<Keep, String> {
     let megabytes = |text: &str| text.parse::<f64>().ok().filter(|size| *size > 0.0 && size.is_finite());
     match text.split_once(':') {
@@ -38,9 +32,6 @@ pub fn keep(text: &str) -> Result<Keep, String> {
 }
 
 /// Refuses to keep the steps of several runs in one file.
-///
-/// # Errors
-/// A file for the scenarios of a scene.
 pub fn check_one_history(keep: &Keep, runs: usize) -> Result<(), Failure> {
     match keep {
         Keep::File(path) | Keep::Resumed(path) if runs > 1 => Err(Failure::input(format!(
@@ -55,9 +46,6 @@ pub fn check_one_history(keep: &Keep, runs: usize) -> Result<(), Failure> {
 const RESULTS: [&str; 5] = ["arrow", "csv", "html", "json", "svg"];
 
 /// Refuses to keep steps where a result of the same run will stand.
-///
-/// # Errors
-/// Another ending is asked for.
 pub fn check_history(keep: &Keep, folder: &Path) -> Result<(), Failure> {
     let (Keep::File(path) | Keep::Resumed(path)) = keep else { return Ok(()) };
     let is_result = path.extension().is_some_and(|ending| RESULTS.iter().any(|result| ending == *result));

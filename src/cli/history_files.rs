@@ -19,9 +19,6 @@ pub struct HistoryFiles {
 
 impl HistoryFiles {
     /// Begins the files in a folder.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn create(folder: &Path, names: &[String]) -> Result<Self, IoError> {
         Ok(HistoryFiles {
             folder: folder.to_path_buf(),
@@ -32,9 +29,6 @@ impl HistoryFiles {
     }
 
     /// Adds a row.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn row(&mut self, row: &[f64]) -> Result<(), IoError> {
         self.csv.row(row)?;
         #[cfg(feature = "arrow")]

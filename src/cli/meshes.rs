@@ -78,18 +78,12 @@ impl<'p> Meshes<'p> {
     }
 
     /// Writes the mesh at a sample.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn add(&mut self, sample: &Sample<f64>) -> Result<(), IoError> {
         let mesh = self.mesh(sample);
         self.series.add(sample.t, &mesh)
     }
 
     /// Writes the file that names all others.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn finish(&self) -> Result<(), IoError> {
         self.series.finish().map(drop)
     }
@@ -207,9 +201,6 @@ impl<'p> Meshes<'p> {
 
 /// Writes the derivatives of all functionals by the thickness of each shell element, given those by parameters, on the mesh of the start;
 /// nothing without shells.
-///
-/// # Errors
-/// A file that cannot be written.
 pub fn write_gradients(prepared: &Prepared, by_parameters: &[Vec<f64>], folder: &Path) -> Result<Option<PathBuf>, IoError> {
     let meshes = Meshes::new(prepared, folder);
     if meshes.surfaces.iter().all(|surface| surface.thicknesses().is_none()) {

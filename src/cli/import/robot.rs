@@ -182,9 +182,6 @@ fn joint(node: Node) -> Result<Joint, String> {
 
 impl Robot {
     /// Reads a description.
-    ///
-    /// # Errors
-    /// What is wrong, with the line where it stands.
     pub fn parse(text: &str) -> Result<Self, String> {
         let document = Document::parse(text).map_err(|why| format!("it is no XML: {why}"))?;
         let root = document.root_element();

@@ -311,9 +311,6 @@ fn angle_name(joint: &str) -> String {
 }
 
 /// The text of a scene, and what it leaves out or changes.
-///
-/// # Errors
-/// A path that cannot be found.
 pub fn write(robot: &Robot, file: &Path, target: &Path, free: bool) -> Result<(String, Vec<String>), String> {
     let folder = |path: &Path| {
         let own = path.parent().filter(|own| !own.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -67,9 +67,6 @@ pub struct Variation {
 
 impl Variation {
     /// What `--vary`, `--samples`, `--sampling` and `--seed` say together.
-    ///
-    /// # Errors
-    /// The option, what it says, and what it may say.
     pub fn of(options: &SweepOptions, variables: &[DesignVariable], set: &[usize]) -> Result<Self, Failure> {
         let Some(samples) = options.samples else { return Self::grid(options, variables, set) };
         let mut axes = axes(&options.vary, variables, set)?;

@@ -313,9 +313,6 @@ impl MadeEntry for Law {
 }
 
 /// The part of a description in JSON.
-///
-/// # Errors
-/// A description that `costate.parts` cannot have made.
 pub fn part(text: &str) -> PyResult<&'static Law> {
     static PARTS: Mutex<Option<HashMap<String, &'static Law>>> = Mutex::new(None);
     let mut parts = PARTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -330,9 +327,6 @@ pub fn part(text: &str) -> PyResult<&'static Law> {
 }
 
 /// Parts for the reader of scene files.
-///
-/// # Errors
-/// As [`part`].
 pub fn own_parts(texts: &[String]) -> PyResult<OwnParts> {
     texts.iter().try_fold(OwnParts::default(), |parts, text| {
         let own = part(text)?;

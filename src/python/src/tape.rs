@@ -27,9 +27,6 @@ impl Tape {
     }
 
     /// The recording of a formula of so many arguments and results.
-    ///
-    /// # Errors
-    /// Other numbers of them, and what Python cannot have recorded.
     pub fn recorded(&self, arguments: usize, results: usize) -> Result<Replay, String> {
         let counts = [(self.arguments, arguments, "arguments"), (self.results.len(), results, "results")];
         if let Some((own, wanted, what)) = counts.into_iter().find(|(own, wanted, _)| own != wanted) {
