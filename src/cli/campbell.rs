@@ -1,6 +1,6 @@
 //! `costate modes --speed`: modes over the rate of a steady turn, followed by their shapes through crossings.
 
-use super::console::{json_number, print};
+use super::console::print;
 use super::failure::Failure;
 use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv};
 use costate::integrators::Mode;
@@ -103,8 +103,8 @@ impl Branches {
     /// Prints the frequencies.
     pub fn print(&self) {
         let names: Vec<String> = (1..=self.count().min(SHOWN)).map(|own| format!("mode {own}")).collect();
-        let header: Vec<&str> = ["rate [rad/s]"].into_iter().chain(names.iter().map(String::as_str)).collect();
-        let mut table = Table::new(&header);
+        let mut table =
+            Table::new(&["rate [rad/s]"].into_iter().chain(names.iter().map(String::as_str)).collect::<Vec<_>>());
         for (row, rate) in self.rates.iter().enumerate() {
             let cell = |branch: usize| match self.at(row, branch) {
                 Some(mode) if mode.is_unstable() => format!("{} (grows)", number(mode.frequency)),
@@ -133,11 +133,10 @@ impl Branches {
 
     /// The same as JSON.
     pub fn json(&self) -> Value {
-        let of_mode =
-            |mode: &Mode| json!({"omega_rad_s": json_number(mode.frequency), "growth_1_s": json_number(mode.growth)});
+        let of_mode = |mode: &Mode| json!({"omega_rad_s": mode.frequency, "growth_1_s": mode.growth});
         let rows = self.rates.iter().zip(&self.modes).map(|(rate, row)| {
             let modes: Vec<Value> = row.iter().map(|mode| mode.as_ref().map_or(Value::Null, of_mode)).collect();
-            json!({"rate_rad_s": json_number(*rate), "modes": modes})
+            json!({"rate_rad_s": *rate, "modes": modes})
         });
         rows.collect()
     }

@@ -1,6 +1,5 @@
 //! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
 
-use super::console::json_number;
 use super::measured_moments::ENERGY_ROUNDING;
 use crate::io::number;
 use costate::assembly::{ConstraintId, Model, last_bit};
@@ -47,7 +46,7 @@ impl EnergyBalance {
 
     /// As JSON.
     pub fn json(&self) -> Value {
-        let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()].map(json_number);
+        let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()];
         json!({"change": change, "forces": forces, "drivers": drivers, "left": left})
     }
 

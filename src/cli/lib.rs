@@ -75,6 +75,7 @@ mod snapshot;
 mod stability;
 mod still;
 mod study;
+mod summary;
 mod sweep;
 mod table_ranges;
 mod verify;
@@ -178,9 +179,6 @@ fn lines(text: &str, columns: usize) -> String {
 }
 
 /// Starts the threads that share work, which would start with the first of it, and panic where the system refuses one.
-///
-/// # Errors
-/// That refusal.
 fn start_threads() -> Result<(), Failure> {
     let failed = rayon::ThreadPoolBuilder::new().build_global().err();
     // a program of one's own may have started them
@@ -263,9 +261,6 @@ impl<'p> CommandLine<'p> {
     }
 
     /// Of commands that several ranks run, each does all, but for what they share.
-    ///
-    /// # Errors
-    /// Bad input where other processes would do the same for nothing.
     fn check_ranks(&self, command: &Command) -> Result<(), Failure> {
         let is_for_ranks = |name: &str| self.studies.iter().any(|study| study.name() == name && study.is_for_ranks());
         match command {

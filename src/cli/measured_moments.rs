@@ -48,6 +48,19 @@ impl EnergyCourse {
     }
 }
 
+/// What was measured in a run.
+#[derive(Default)]
+pub struct MeasuredRun {
+    /// So many moments as a page can show.
+    pub moments: Vec<Snapshot>,
+    /// Histories.
+    pub charts: Vec<Chart>,
+    /// How the energy changed, where it should be constant.
+    pub energy: Option<EnergyCourse>,
+    /// Warnings where tables were read beyond their points.
+    pub left_tables: Vec<String>,
+}
+
 /// The moments of a run while it goes on, or is read again.
 pub struct MeasuredMoments<'p> {
     prepared: &'p Prepared<'p>,
@@ -56,7 +69,7 @@ pub struct MeasuredMoments<'p> {
     /// All columns of the latest moment.
     pub row: Vec<f64>,
     /// How the energy changed, where it should be constant.
-    pub energy: Option<EnergyCourse>,
+    energy: Option<EnergyCourse>,
     tables: TableWatch<'p>,
     is_conservative: bool,
     measured_energy: Measured,
@@ -107,15 +120,10 @@ impl<'p> MeasuredMoments<'p> {
         });
     }
 
-    /// Warnings where tables were read beyond their points.
-    pub fn left_tables(&self) -> Vec<String> {
-        self.tables.in_words()
-    }
-
-    /// So many of them as a page can show, and histories as charts.
-    pub fn finish(self) -> (Vec<Snapshot>, Vec<Chart>) {
-        let moments = self.kept.finish();
+    /// What is left of them.
+    pub fn finish(self) -> MeasuredRun {
+        let (left_tables, moments) = (self.tables.in_words(), self.kept.finish());
         let charts = charts(self.prepared, &moments, &self.columns);
-        (moments, charts)
+        MeasuredRun { moments, charts, energy: self.energy, left_tables }
     }
 }

@@ -21,23 +21,23 @@ pub struct SceneOptions {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// End of the motion [s] [default: the scene's]
-    #[arg(long, value_name = "T", value_parser = positive_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     end: Option<f64>,
     /// Number of steps [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = step_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole_number::<MOST_STEPS>, allow_negative_numbers = true)]
     steps: Option<usize>,
     /// Choose steps by their error: tolerance of coordinates and velocities, relative and absolute (methods with an error
     /// estimate); load steps of --method static by the success of Newton's method, whatever the number
-    #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, conflicts_with = "steps")]
+    #[arg(long, value_name = "TOL", value_parser = positive, allow_negative_numbers = true, conflicts_with = "steps")]
     tolerance: Option<f64>,
     /// The same for velocities alone [default: that of --tolerance]
-    #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, requires = "tolerance")]
+    #[arg(long, value_name = "TOL", value_parser = positive, allow_negative_numbers = true, requires = "tolerance")]
     velocity_tolerance: Option<f64>,
     /// Longest step that --tolerance may choose [s]
-    #[arg(long, value_name = "H", value_parser = positive_seconds, allow_negative_numbers = true, requires = "tolerance")]
+    #[arg(long, value_name = "H", value_parser = positive, allow_negative_numbers = true, requires = "tolerance")]
     longest_step: Option<f64>,
     /// Write histories at multiples of this time instead of at the steps [s]
-    #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DT", value_parser = positive, allow_negative_numbers = true)]
     output_step: Option<f64>,
     /// Write meshes for ParaView: fields.pvd, with a .vtu file for each row of the histories, and with `gradient` gradients.vtu, the
     /// derivatives by the thickness of each shell element
@@ -82,25 +82,15 @@ pub struct SceneOptions {
     pub json: bool,
 }
 
-fn positive_number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("it must be a number above 0, as in 1e-6".into()),
-    }
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
+    number.ok_or_else(|| "it must be a number above 0, as in 1e-6".into())
 }
 
-fn positive_seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("it must be a number of seconds above 0".into()),
-    }
-}
-
-fn step_count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(steps) if (1..=MOST_STEPS).contains(&steps) => Ok(steps),
-        _ => Err(format!("it must be a whole number from 1 to {MOST_STEPS}")),
-    }
+/// A whole number from 1 to `MOST`.
+pub(super) fn whole_number<const MOST: usize>(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().filter(|number| (1..=MOST).contains(number));
+    number.ok_or_else(|| format!("it must be a whole number from 1 to {MOST}"))
 }
 
 /// True for the path of a scene file.
@@ -115,9 +105,6 @@ pub(super) enum FoundScene<'p> {
 }
 
 /// What is run: the scene itself, or scenarios of it.
-///
-/// # Errors
-/// A scenario that the scene has not.
 fn chosen_scenarios<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<Vec<Scenario<'s>>, Failure> {
     let Some(name) = chosen else { return Ok(Scenario::all_of(scene)) };
     let all = scene.scenarios();
@@ -130,9 +117,6 @@ fn chosen_scenarios<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result
 }
 
 /// The one scene or scenario that is run.
-///
-/// # Errors
-/// Several scenarios of which none is chosen, or one that the scene has not.
 pub(super) fn only_scenario<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<&'s dyn AnyScene, Failure> {
     match &chosen_scenarios(scene, chosen)?[..] {
         [only] => Ok(only.scene),
@@ -160,17 +144,11 @@ impl<'p> CommandLine<'p> {
     }
 
     /// Its scenes.
-    ///
-    /// # Errors
-    /// What is wrong in one that is built in.
     pub(super) fn all_scenes(&self) -> Result<Vec<&'p dyn AnyScene>, Failure> {
         self.scenes.iter().map(|&scene| Ok(scene)).chain(self.built_in.iter().map(|name| read_built_in(name))).collect()
     }
 
     /// The scene of this name, unless it is that of a file.
-    ///
-    /// # Errors
-    /// What is wrong in one that is built in.
     pub(super) fn own_scene(&self, name: &str) -> Result<Option<&'p dyn AnyScene>, Failure> {
         match self.scenes.iter().copied().find(|scene| scene.name() == name) {
             None if self.built_in.contains(&name) => read_built_in(name).map(Some),
@@ -208,9 +186,6 @@ fn check_names(scene: &dyn AnyScene) -> Result<(), Failure> {
 }
 
 /// The place of a design variable.
-///
-/// # Errors
-/// A name that the scene has not, with the nearest one.
 pub(super) fn variable_named(variables: &[DesignVariable], name: &str) -> Result<usize, String> {
     let known = || variables.iter().map(|variable| variable.name.clone()).collect::<Vec<_>>();
     let place = variables.iter().position(|variable| variable.name == name);
@@ -291,17 +266,11 @@ fn chosen<T: Copy, const N: usize>(
 
 impl SceneOptions {
     /// The scene.
-    ///
-    /// # Errors
-    /// An unknown name.
     pub fn scene<'p>(&self, program: &CommandLine<'p>) -> Result<FoundScene<'p>, Failure> {
         program.find_scene(&self.scene)
     }
 
     /// What of it is run: itself, its scenarios, or the one that is chosen.
-    ///
-    /// # Errors
-    /// A scenario that it has not.
     pub fn scenarios<'s>(&self, scene: &'s dyn AnyScene) -> Result<Vec<Scenario<'s>>, Failure> {
         chosen_scenarios(scene, self.scenario.as_deref())
     }
@@ -313,17 +282,11 @@ impl SceneOptions {
     }
 
     /// The one that is run, for a command that runs no more.
-    ///
-    /// # Errors
-    /// Several scenarios of which none is chosen, or one that the scene has not.
     pub fn only_scenario<'s>(&self, scene: &'s dyn AnyScene) -> Result<&'s dyn AnyScene, Failure> {
         only_scenario(scene, self.scenario.as_deref())
     }
 
     /// The scene at the chosen design with the chosen method and steps.
-    ///
-    /// # Errors
-    /// The option, its value and what is allowed; or why the scene cannot start.
     pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
         let (method, settings) = self.simulation(scene)?;
         let x = self.design(scene)?;
@@ -337,9 +300,6 @@ impl SceneOptions {
     }
 
     /// The design that `--set` asks for.
-    ///
-    /// # Errors
-    /// A name or a value that makes no sense.
     pub fn design(&self, scene: &dyn AnyScene) -> Result<Vec<f64>, Failure> {
         changed_design(&scene.variables(), &self.set)
     }
@@ -356,9 +316,6 @@ impl SceneOptions {
     }
 
     /// The chosen method, duration and steps.
-    ///
-    /// # Errors
-    /// The option, its value and what is allowed.
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
         if self.film {
             return Err(Failure::input("--film: the report plays the motion, report.html among the results"));
@@ -395,9 +352,6 @@ impl SceneOptions {
     }
 
     /// The method for gradients: Newton's method to round-off where the scene leaves it more.
-    ///
-    /// # Errors
-    /// An option that asks for less.
     pub fn differentiable(&self, mut method: Method) -> Result<Method, Failure> {
         if method.tolerance == NewtonTolerance::Scaled {
             let why = "what Newton's method leaves of a system by the error of its step has no exact derivative";
@@ -430,9 +384,6 @@ impl SceneOptions {
     }
 
     /// Refuses what is written for one motion alone.
-    ///
-    /// # Errors
-    /// An option that asks for it; `what` has none.
     pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
         let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
         given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {

@@ -2,10 +2,9 @@
 
 use super::failure::Failure;
 use super::history_files::HistoryFiles;
-use super::measured_moments::{EnergyCourse, MeasuredMoments};
+use super::measured_moments::{MeasuredMoments, MeasuredRun};
 use super::meshes::Meshes;
-use super::snapshot::Snapshot;
-use crate::io::{Chart, write_file};
+use crate::io::write_file;
 use costate::assembly::VectorsAvq;
 use costate::design::shortest;
 use costate::functionals::{Sample, StepEnds};
@@ -15,9 +14,6 @@ use costate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
 
 /// Makes sure that the folder can take files, before anything is computed.
-///
-/// # Errors
-/// Bad input that names the folder and the cause.
 pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     let probe = folder.join(format!(".probe-{}", std::process::id()));
     let written = write_file(&probe, b"");
@@ -48,15 +44,14 @@ pub struct Results<'p> {
 }
 
 /// What is left of a run when its files are written.
+#[derive(Default)]
 pub struct Finished {
     /// Files written.
     pub files: Vec<PathBuf>,
     /// Why others could not be.
     pub unwritten: Option<Failure>,
-    /// Histories as charts.
-    pub charts: Vec<Chart>,
-    /// The moments that a page shows.
-    pub moments: Vec<Snapshot>,
+    /// What was measured.
+    pub measured: MeasuredRun,
 }
 
 /// At which times there are rows.
@@ -69,9 +64,6 @@ enum Rows {
 
 impl<'p> Results<'p> {
     /// Begins the files in a folder.
-    ///
-    /// # Errors
-    /// A history that the scene does not have; a file that cannot be written.
     pub fn begin(prepared: &'p Prepared<'p>, output: &Output, folder: &Path) -> Result<Self, Failure> {
         let measured = MeasuredMoments::new(prepared);
         let written = measured.columns.chosen(&output.histories).map_err(Failure::input)?;
@@ -149,22 +141,12 @@ impl<'p> Results<'p> {
         self.add_sample(last)
     }
 
-    /// Warnings where tables were read beyond their points.
-    pub fn left_tables(&self) -> Vec<String> {
-        self.measured.left_tables()
-    }
-
-    /// How the energy changed, where it should be constant.
-    pub fn energy_course(&self) -> Option<EnergyCourse> {
-        self.measured.energy
-    }
-
     /// Finishes all files, of which there are none without a finished step.
     pub fn finish(mut self) -> Finished {
-        let (mut files, mut unwritten) = (Vec::new(), None);
         if self.steps == 0 {
-            return Finished { files, unwritten, charts: Vec::new(), moments: Vec::new() };
+            return Finished::default();
         }
+        let (mut files, mut unwritten) = (Vec::new(), None);
         let mut keep = |written: Result<(), Failure>, own: &[PathBuf]| match written {
             Ok(()) => files.extend_from_slice(own),
             Err(failure) => unwritten = unwritten.take().or(Some(failure)),
@@ -178,8 +160,7 @@ impl<'p> Results<'p> {
         if let Some(meshes) = &self.meshes {
             keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
         }
-        let (moments, charts) = self.measured.finish();
-        Finished { files, unwritten, charts, moments }
+        Finished { files, unwritten, measured: self.measured.finish() }
     }
 }
 
@@ -288,7 +269,7 @@ mod tests {
             let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
             let prepared = Prepared::new(&scene).unwrap();
             let results = ran(&prepared, &folder);
-            assert_eq!(view(&prepared, &results.measured.finish().0), Some(expected), "{velocity:?}");
+            assert_eq!(view(&prepared, &results.measured.finish().moments), Some(expected), "{velocity:?}");
         }
     }
 
@@ -296,8 +277,8 @@ mod tests {
     fn a_scene_without_a_place_in_space_has_histories() {
         let (scene, folder) = (Thrown(None), Folder::new("free"));
         let prepared = Prepared::new(&scene).unwrap();
-        let Finished { files, unwritten, moments, .. } = ran(&prepared, &folder).finish();
-        assert_eq!(view(&prepared, &moments), None);
+        let Finished { files, unwritten, measured } = ran(&prepared, &folder).finish();
+        assert_eq!(view(&prepared, &measured.moments), None);
         assert!(unwritten.is_none(), "{unwritten:?}");
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         let arrow = cfg!(feature = "arrow").then_some("histories.arrow");
@@ -316,7 +297,7 @@ mod tests {
         let (steps, method) = (5 * MOST_POINTS + 7, Prepared::default_method());
         let prepared = Prepared::with(&scene, &[], method, Settings::new(1.0, steps)).unwrap();
         let results = ran(&prepared, &folder);
-        let Finished { moments, unwritten, .. } = results.finish();
+        let Finished { measured: MeasuredRun { moments, .. }, unwritten, .. } = results.finish();
         assert!(unwritten.is_none());
         assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&moments.len()), "{} moments", moments.len());
         let stride = steps / moments.len() + 1;

@@ -54,14 +54,14 @@ fn run_one(
     let mut simulation = simulate(&prepared, options)?;
     let page = options.reports().then(|| {
         let mut page = Page::by_command(scene, "simulation").with_simulation(&prepared, &simulation.shown(&prepared));
-        simulation.modes.show(&prepared, &mut page);
+        simulation.modes.summary(&prepared).show(&mut page);
         page.design(&prepared.variables, &prepared.x);
         page
     });
-    simulation.conclude(page, simulation.json(&prepared).into());
+    simulation.conclude(page, simulation.json(&prepared));
     report(&simulation, &prepared);
     show(&prepared, &simulation);
-    print_json(options.json, &simulation.json(&prepared).into());
+    print_json(options.json, &simulation.json(&prepared));
     simulation.stopped.or(simulation.unwritten).map_or(Ok(()), Err)
 }
 
@@ -69,7 +69,7 @@ fn run_one(
 pub fn report(simulation: &Simulation, prepared: &Prepared) {
     if simulation.stopped.is_none() {
         simulation.print_functionals(prepared);
-        simulation.modes.print(prepared);
+        simulation.modes.summary(prepared).print();
         simulation.print_resolution(prepared);
     } else {
         let done = simulation.forward.history.steps();
@@ -80,6 +80,6 @@ pub fn report(simulation: &Simulation, prepared: &Prepared) {
         }
         print("");
     }
-    print_work(&[("simulation", simulation.work())]);
+    print_work(&[("simulation", simulation.work(prepared))]);
     simulation.print_files();
 }

@@ -39,6 +39,11 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), IoError> {
     write_with(path, |out| out.write_all(contents))
 }
 
+/// The same of a JSON object, for people to read, too.
+pub fn write_json(path: &Path, object: &serde_json::Value) -> Result<(), IoError> {
+    write_file(path, format!("{object:#}\n").as_bytes())
+}
+
 /// Lets `fill` stream into `path`, creating missing folders; the file appears whole or not at all.
 ///
 /// # Errors

@@ -9,11 +9,10 @@ mod sections;
 
 pub use clip::Clip;
 pub use run_report::RunReport;
-pub use sections::{GradientRows, Shown};
+pub use sections::Shown;
 
-use super::console::json_number;
 use super::failure::Failure;
-use crate::io::{Chart, Series, base64, write_file};
+use crate::io::{Chart, Series, Table, base64, write_file};
 use costate::scenes::AnyScene;
 use flate2::read::GzDecoder;
 use serde_json::{Map, Value, json};
@@ -113,15 +112,14 @@ impl Page {
         }
     }
 
-    /// A table: a heading, column names, and rows of texts and numbers.
-    pub fn table(&mut self, heading: &str, columns: &[&str], rows: Vec<Vec<Value>>) {
-        self.push("tables", json!({"heading": heading, "columns": columns, "rows": rows}));
+    /// A table below a heading.
+    pub fn table(&mut self, heading: &str, table: &Table) {
+        self.push("tables", table.for_page(heading));
     }
 
     /// Bars to both sides of zero below a heading, with what they show; a number that is not finite has none.
     pub fn bars(&mut self, heading: &str, label: &str, bars: &[(String, f64)]) {
         if bars.iter().any(|(_, value)| value.is_finite()) {
-            let bars: Vec<_> = bars.iter().map(|(name, value)| json!([name, json_number(*value)])).collect();
             self.push("bars", json!({"heading": heading, "label": label, "bars": bars}));
         }
     }
@@ -152,9 +150,6 @@ impl Page {
     }
 
     /// Writes the page, with links to the files that belong to it.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn write(mut self, path: &Path, files: &[PathBuf]) -> Result<(), Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = files.iter().filter(|file| *file != path).filter_map(|file| file.strip_prefix(folder).ok());

@@ -11,11 +11,11 @@ use super::console::{count, print, print_files, print_json};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
-use super::options::SceneOptions;
+use super::options::{SceneOptions, whole_number};
 use super::results::check_folder;
 use super::simulation::{steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
-use crate::io::{Progress, write_file};
+use crate::io::{Progress, write_json};
 use clap::Args;
 use costate::exchange::{is_first, of_first_at_work, see_work, world};
 use costate::history::{Keep, Watch};
@@ -38,7 +38,7 @@ pub struct SweepOptions {
     #[arg(long, value_name = "NAME=VALUES")]
     vary: Vec<String>,
     /// Draw N designs in the ranges of --vary, or without it within the bounds of all variables but those of --set
-    #[arg(long, value_name = "N", value_parser = design_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole_number::<MOST_DESIGNS>, allow_negative_numbers = true)]
     samples: Option<usize>,
     /// How designs are drawn: a Latin hypercube, or Sobol's sequence in up to 21 variables
     #[arg(long, value_enum, value_name = "WAY", default_value_t = Sampling::LatinHypercube, requires = "samples")]
@@ -47,7 +47,7 @@ pub struct SweepOptions {
     #[arg(long, value_name = "SEED", requires = "samples")]
     seed: Option<u64>,
     /// Threads: as many designs are run at once [default: all]
-    #[arg(long, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole_number::<MOST_THREADS>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Each design also gets the derivatives of all functionals by the variables that vary, by the adjoint: a column for each,
     /// d FUNCTIONAL / d VARIABLE
@@ -61,21 +61,6 @@ pub struct SweepOptions {
 
 /// Most threads.
 const MOST_THREADS: usize = 4096;
-
-fn whole_number(text: &str, most: usize) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(number) if (1..=most).contains(&number) => Ok(number),
-        _ => Err(format!("it must be a whole number from 1 to {most}")),
-    }
-}
-
-fn design_count(text: &str) -> Result<usize, String> {
-    whole_number(text, MOST_DESIGNS)
-}
-
-fn thread_count(text: &str) -> Result<usize, String> {
-    whole_number(text, MOST_THREADS)
-}
 
 /// What is run.
 struct Sweep<'s> {
@@ -120,7 +105,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     files.extend(summary.draw(&folder)?);
     files.push(folder.join("sweep.json"));
     let json = summary.json(&files);
-    write_file(&files[files.len() - 1], format!("{json:#}\n").as_bytes())?;
+    write_json(&files[files.len() - 1], &json)?;
     summary.print();
     print_files(&files);
     print_json(options.scene.json, &json);
