@@ -87,7 +87,7 @@ impl Comparison {
         let [file, report] = COMPARISON.map(|name| options.folder(scene).join(name));
         write_json(&file, &summary)?;
         print_files(&[&file]);
-        if options.reports() {
+        if !options.no_report {
             let mut page = Page::by_command(scene, "comparison of its scenarios");
             page.table("Functionals", &table);
             page.charts("Histories", &self.charts);

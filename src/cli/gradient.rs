@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{brief, print, print_json};
+use super::console::{brief, print, print_files, print_json};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::influences::{gradients, insert_gradient};
@@ -136,7 +136,7 @@ fn run_one(
     let mut simulation = simulate(&prepared, &options.scene)?;
     let output = options.scene.output(scene);
     let begun = || Page::by_command(scene, "simulation and gradient");
-    let mut page = options.scene.reports().then(|| begun().with_simulation(&prepared, &simulation.shown(&prepared)));
+    let mut page = (!options.scene.no_report).then(|| begun().with_simulation(&prepared, &simulation.shown(&prepared)));
     if simulation.stopped.is_some() {
         simulation.conclude(page, simulation.json(&prepared));
         report(&simulation, &prepared);
@@ -156,18 +156,18 @@ fn run_one(
         by_parameters = rows;
         Ok(gradient)
     });
-    let adjoint = adjoint.inspect_err(|_| simulation.print_files())?;
+    let adjoint = adjoint.inspect_err(|_| print_files(&simulation.files))?;
     if let Err(error) = simulation.modes.differentiate(&prepared) {
-        simulation.print_files();
+        print_files(&simulation.files);
         return Err(error.into());
     }
     let (forward, check) = (&simulation.forward, options.check);
-    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| simulation.print_files())?;
+    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| print_files(&simulation.files))?;
     let behind: Vec<&str> =
         switched.iter().filter(|own| own.refused().is_some()).map(|own| own.functional.as_str()).collect();
     let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
         gradients(&prepared, &forward.values, &adjoint.gradient.rows, None).print();
-        simulation.print_files();
+        print_files(&simulation.files);
     })?;
 
     set_last_words(None);
@@ -198,7 +198,7 @@ fn run_one(
     }
     let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind);
     simulation.conclude(page, summary);
-    simulation.print_files();
+    print_files(&simulation.files);
     print_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
     switched.iter().find_map(SwitchError::refused).map_or(Ok(()), |why| Err(Failure::run(why)))?;
     check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;

@@ -54,7 +54,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
 
 fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError) -> Failure) -> Result<(), Failure> {
     let scene = prepared.scene;
-    let folder = options.still.folder(scene);
+    let folder = options.still.of.folder(scene);
     let spins = prepared.spin_rate().is_some();
     let mut kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
     let found = if options.periodic {
@@ -129,7 +129,7 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
         "files": names(&files),
     });
     write_json(&json, &object)?;
-    print_json(options.still.json, &object);
+    print_json(options.still.of.json, &object);
     Ok(())
 }
 

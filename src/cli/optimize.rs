@@ -137,7 +137,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let folder = options.scene.folder(&*scene);
     let path = folder.join("optimization.csv");
     let start = start(options, &optimization)?;
-    if options.resume && (options.starts > 1 || options.restart.is_some() || options.scene.sets_design()) {
+    if options.resume && (options.starts > 1 || options.restart.is_some() || !options.scene.set.is_empty()) {
         return Err(Failure::input(
             "--resume goes on from the start of the earlier optimization; leave --starts, --restart and --set out",
         ));
@@ -278,7 +278,7 @@ impl CommandLine<'_> {
 fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f64>, Failure> {
     let Some(file) = &options.restart else { return options.scene.design(optimization.scene) };
     let named = |message: String| Failure::input(format!("--restart {}: {message}", file.display()));
-    if options.scene.sets_design() {
+    if !options.scene.set.is_empty() {
         return Err(named("the design comes from the file; leave --set out".into()));
     }
     let (header, rows) = read_csv(file).map_err(named)?;

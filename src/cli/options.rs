@@ -4,7 +4,7 @@ use super::failure::Failure;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
 use costate::integrators::{
-    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
+    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, StepControl, table_named, table_names,
 };
 use costate::linalg::Backend;
 use costate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
@@ -12,14 +12,30 @@ use costate::scenes::{check_folders, unknown};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-/// What is simulated, and how.
+/// Which scene at which design, and where results go.
 #[derive(Args, Clone, Debug)]
-pub struct SceneOptions {
+pub struct DesignOptions {
     /// Name of a scene (see `list`), or path of a scene file (.toml)
     scene: String,
     /// Folder for the results [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// One of the scenarios of the scene; without it `run`, `gradient` and `optimize` take all of them
+    #[arg(long, value_name = "NAME")]
+    scenario: Option<String>,
+    /// Change a design variable; may be given once for each
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Print one JSON object with all figures on the last line of stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What is simulated, and how.
+#[derive(Args, Clone, Debug)]
+pub struct SceneOptions {
+    #[command(flatten)]
+    of: DesignOptions,
     /// End of the motion [s] [default: the scene's]
     #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     end: Option<f64>,
@@ -48,7 +64,7 @@ pub struct SceneOptions {
     film: bool,
     /// Write no report.html, and differentiate by nothing that only its colours show
     #[arg(long)]
-    no_report: bool,
+    pub no_report: bool,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
     /// bdf2, bdf3, variational; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8, variational:1 its quadrature point at
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
@@ -65,21 +81,19 @@ pub struct SceneOptions {
     /// [default: the scene's, else automatic]
     #[arg(long, value_name = "NAME")]
     solver: Option<String>,
-    /// One of the scenarios of the scene; without it all of them, one after the other
-    #[arg(long, value_name = "NAME")]
-    scenario: Option<String>,
-    /// Change a design variable; may be given once for each
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
     /// Project an inconsistent start onto the constraints instead of refusing it
     #[arg(long)]
     project_start: bool,
     /// End with an error where the last equilibrium of --method static, or that at which the motion begins, is unstable, or not known to be stable
     #[arg(long)]
-    stable: bool,
-    /// Print one JSON object with all figures on the last line of stdout
-    #[arg(long)]
-    pub json: bool,
+    pub stable: bool,
+}
+
+impl Deref for SceneOptions {
+    type Target = DesignOptions;
+    fn deref(&self) -> &DesignOptions {
+        &self.of
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -102,29 +116,6 @@ pub(super) fn is_path(name: &str) -> bool {
 pub(super) enum FoundScene<'p> {
     Own(&'p dyn AnyScene),
     File(Box<FileScene>),
-}
-
-/// What is run: the scene itself, or scenarios of it.
-fn chosen_scenarios<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<Vec<Scenario<'s>>, Failure> {
-    let Some(name) = chosen else { return Ok(Scenario::all_of(scene)) };
-    let all = scene.scenarios();
-    let known: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
-    if known.is_empty() {
-        return Err(Failure::input(format!("--scenario {name}: the scene \"{}\" has no scenarios", scene.name())));
-    }
-    let found = all.into_iter().find(|own| own.name == name);
-    found.map(|own| vec![own]).ok_or_else(|| Failure::input(unknown("--scenario", name, &known)))
-}
-
-/// The one scene or scenario that is run.
-pub(super) fn only_scenario<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<&'s dyn AnyScene, Failure> {
-    match &chosen_scenarios(scene, chosen)?[..] {
-        [only] => Ok(only.scene),
-        several => {
-            let names: Vec<&str> = several.iter().map(|own| own.name.as_str()).collect();
-            Err(Failure::input(format!("the scene has the scenarios {}: choose one with --scenario", names.join(", "))))
-        }
-    }
 }
 
 impl<'p> Deref for FoundScene<'p> {
@@ -192,37 +183,6 @@ pub(super) fn variable_named(variables: &[DesignVariable], name: &str) -> Result
     place.ok_or_else(|| unknown("design variable", name, &known()))
 }
 
-/// The initial design with the changes of `--set`.
-pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
-    let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-    let mut seen: Vec<&str> = Vec::new();
-    for change in changes {
-        let Some((name, value)) = change.split_once('=') else {
-            return Err(Failure::input(format!(
-                "--set \"{change}\": it must read NAME=VALUE, as in --set {}",
-                example(variables)
-            )));
-        };
-        let (name, value) = (name.trim(), value.trim());
-        let index =
-            variable_named(variables, name).map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
-        if seen.contains(&name) {
-            return Err(Failure::input(format!("--set {change}: \"{name}\" was already set; give it once")));
-        }
-        seen.push(name);
-        let DesignVariable { lower, upper, unit, .. } = &variables[index];
-        let [lower, upper] = [*lower, *upper].map(shortest);
-        x[index] = value.parse().map_err(|_| {
-            Failure::input(format!(
-                "--set {change}: \"{value}\" is not a number; it must lie between {lower} and {upper} {unit}"
-            ))
-        })?;
-        check_design(&variables[index..=index], &x[index..=index])
-            .map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
-    }
-    Ok(x)
-}
-
 fn example(variables: &[DesignVariable]) -> String {
     variables
         .first()
@@ -264,7 +224,7 @@ fn chosen<T: Copy, const N: usize>(
     found.map(Some).ok_or_else(|| Failure::input(unknown(option, given, &known())))
 }
 
-impl SceneOptions {
+impl DesignOptions {
     /// The scene.
     pub fn scene<'p>(&self, program: &CommandLine<'p>) -> Result<FoundScene<'p>, Failure> {
         program.find_scene(&self.scene)
@@ -272,18 +232,81 @@ impl SceneOptions {
 
     /// What of it is run: itself, its scenarios, or the one that is chosen.
     pub fn scenarios<'s>(&self, scene: &'s dyn AnyScene) -> Result<Vec<Scenario<'s>>, Failure> {
-        chosen_scenarios(scene, self.scenario.as_deref())
-    }
-
-    /// The same options for one of several scenarios: results of each stand in a folder of its own.
-    pub fn of_scenario(&self, name: &str, count: usize) -> Self {
-        let own_folder = |folder: &PathBuf| if count > 1 { folder.join(name) } else { folder.clone() };
-        SceneOptions { out: self.out.as_ref().map(own_folder), ..self.clone() }
+        let Some(name) = &self.scenario else { return Ok(Scenario::all_of(scene)) };
+        let all = scene.scenarios();
+        let known: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
+        if known.is_empty() {
+            return Err(Failure::input(format!("--scenario {name}: the scene \"{}\" has no scenarios", scene.name())));
+        }
+        let found = all.into_iter().find(|own| own.name == *name);
+        found.map(|own| vec![own]).ok_or_else(|| Failure::input(unknown("--scenario", name, &known)))
     }
 
     /// The one that is run, for a command that runs no more.
     pub fn only_scenario<'s>(&self, scene: &'s dyn AnyScene) -> Result<&'s dyn AnyScene, Failure> {
-        only_scenario(scene, self.scenario.as_deref())
+        match &self.scenarios(scene)?[..] {
+            [only] => Ok(only.scene),
+            several => {
+                let names: Vec<&str> = several.iter().map(|own| own.name.as_str()).collect();
+                Err(Failure::input(format!("the scene has the scenarios {}: choose one with --scenario", names.join(", "))))
+            }
+        }
+    }
+
+    /// The initial design with the changes of `--set`.
+    pub fn design(&self, scene: &dyn AnyScene) -> Result<Vec<f64>, Failure> {
+        let variables = scene.variables();
+        let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
+        let mut seen: Vec<&str> = Vec::new();
+        for change in &self.set {
+            let Some((name, value)) = change.split_once('=') else {
+                return Err(Failure::input(format!(
+                    "--set \"{change}\": it must read NAME=VALUE, as in --set {}",
+                    example(&variables)
+                )));
+            };
+            let (name, value) = (name.trim(), value.trim());
+            let index =
+                variable_named(&variables, name).map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
+            if seen.contains(&name) {
+                return Err(Failure::input(format!("--set {change}: \"{name}\" was already set; give it once")));
+            }
+            seen.push(name);
+            let DesignVariable { lower, upper, unit, .. } = &variables[index];
+            let [lower, upper] = [*lower, *upper].map(shortest);
+            x[index] = value.parse().map_err(|_| {
+                Failure::input(format!(
+                    "--set {change}: \"{value}\" is not a number; it must lie between {lower} and {upper} {unit}"
+                ))
+            })?;
+            check_design(&variables[index..=index], &x[index..=index])
+                .map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
+        }
+        Ok(x)
+    }
+
+    /// Places of the variables that `--set` names.
+    pub fn set_places(&self, variables: &[DesignVariable]) -> Vec<usize> {
+        let names = self.set.iter().filter_map(|change| change.split_once('=')).map(|(name, _)| name.trim());
+        names.filter_map(|name| variable_named(variables, name).ok()).collect()
+    }
+
+    /// A failure, with the scene and the place in its text.
+    pub fn located(&self, scene: &dyn AnyScene, failure: impl Into<Failure>) -> Failure {
+        located(scene, &self.scene, failure.into())
+    }
+
+    /// The folder for the results.
+    pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()))
+    }
+}
+
+impl SceneOptions {
+    /// The same options for one of several scenarios: results of each stand in a folder of its own.
+    pub fn of_scenario(&self, name: &str, count: usize) -> Self {
+        let own_folder = |folder: &PathBuf| if count > 1 { folder.join(name) } else { folder.clone() };
+        SceneOptions { of: DesignOptions { out: self.out.as_ref().map(own_folder), ..self.of.clone() }, ..self.clone() }
     }
 
     /// The scene at the chosen design with the chosen method and steps.
@@ -292,27 +315,6 @@ impl SceneOptions {
         let x = self.design(scene)?;
         let prepared = Prepared::with(scene, &x, method, settings);
         prepared.map_err(|error| self.located(scene, error))
-    }
-
-    /// The failure of an error, with the scene and the place in its text.
-    pub fn located(&self, scene: &dyn AnyScene, error: RunError) -> Failure {
-        located(scene, &self.scene, error.into())
-    }
-
-    /// The design that `--set` asks for.
-    pub fn design(&self, scene: &dyn AnyScene) -> Result<Vec<f64>, Failure> {
-        changed_design(&scene.variables(), &self.set)
-    }
-
-    /// Whether `--set` was given.
-    pub fn sets_design(&self) -> bool {
-        !self.set.is_empty()
-    }
-
-    /// Places of the variables that `--set` names.
-    pub fn set_places(&self, variables: &[DesignVariable]) -> Vec<usize> {
-        let names = self.set.iter().filter_map(|change| change.split_once('=')).map(|(name, _)| name.trim());
-        names.filter_map(|name| variable_named(variables, name).ok()).collect()
     }
 
     /// The chosen method, duration and steps.
@@ -373,27 +375,12 @@ impl SceneOptions {
         Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, ..own }
     }
 
-    /// Whether equilibria have to be stable.
-    pub fn requires_stability(&self) -> bool {
-        self.stable
-    }
-
-    /// Whether a report is written.
-    pub fn reports(&self) -> bool {
-        !self.no_report
-    }
-
     /// Refuses what is written for one motion alone.
     pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
         let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
         given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {
             Err(Failure::input(format!("{option}: {what} writes no histories of motions; leave it out")))
         })
-    }
-
-    /// The folder for the results.
-    pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()))
     }
 }
 

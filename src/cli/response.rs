@@ -84,7 +84,7 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         table.row(cells![&own.name, &own.unit, own.amplitude(0), own.amplitude(peak), rate, rate / TAU, phase]);
     }
     print(format_args!("{table}\n"));
-    let folder = options.still.folder(scene);
+    let folder = options.still.of.folder(scene);
     let mut files =
         write(&answers, (rates, options.rates.are_logarithmic), &format!("{}: by {}", scene.name(), options.by), &folder)?;
     let summary = folder.join("response.json");
@@ -102,7 +102,7 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         "files": names(&files),
     });
     write_json(&summary, &object)?;
-    print_json(options.still.json, &object);
+    print_json(options.still.of.json, &object);
     Ok(())
 }
 

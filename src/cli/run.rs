@@ -1,6 +1,6 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{print, print_json};
+use super::console::{print, print_files, print_json};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
 use super::options::SceneOptions;
@@ -52,7 +52,7 @@ fn run_one(
     let mut prepared = options.prepare(scene)?;
     prepared.keep = keep;
     let mut simulation = simulate(&prepared, options)?;
-    let page = options.reports().then(|| {
+    let page = (!options.no_report).then(|| {
         let mut page = Page::by_command(scene, "simulation").with_simulation(&prepared, &simulation.shown(&prepared));
         simulation.modes.summary(&prepared).show(&mut page);
         page.design(&prepared.variables, &prepared.x);
@@ -81,5 +81,5 @@ pub fn report(simulation: &Simulation, prepared: &Prepared) {
         print("");
     }
     print_work(&[("simulation", simulation.work(prepared))]);
-    simulation.print_files();
+    print_files(&simulation.files);
 }

@@ -1,4 +1,4 @@
-use super::console::{count, print, print_files, seconds, warn};
+use super::console::{count, print, seconds, warn};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
@@ -105,7 +105,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         print("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
     let Watched { results, start, balance, progress, .. } = watched;
-    progress.finish();
+    drop(progress);
     start.iter().for_each(|start| start.summary().print());
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
@@ -116,7 +116,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
     let stands = || match stability::statement(prepared, &forward) {
-        Some(Statement::Warning(message)) if options.requires_stability() => Some(Failure::run(message)),
+        Some(Statement::Warning(message)) if options.stable => Some(Failure::run(message)),
         _ => None,
     };
     let stopped = stopped.map(|error| with_hint(error, prepared)).or_else(stands);
@@ -327,11 +327,6 @@ impl Simulation {
         if !self.files.is_empty() {
             let _ = write_json(&self.folder.join("summary.json"), summary);
         }
-    }
-
-    /// Prints the files.
-    pub fn print_files(&self) {
-        print_files(&self.files);
     }
 
     /// The parts of the JSON object that every simulation has, without those of which there is nothing to say.

@@ -224,7 +224,7 @@ impl<'s> Sweep<'s> {
             let mut modes = MeasuredModes::of(&prepared)?;
             let values: Vec<f64> = forward.values.iter().chain(&modes.values).copied().collect();
             match statement(&prepared, &forward) {
-                Some(Statement::Warning(message)) if self.options.scene.requires_stability() => Err(Failure::run(message)),
+                Some(Statement::Warning(message)) if self.options.scene.stable => Err(Failure::run(message)),
                 _ if self.options.gradient => {
                     modes.differentiate(&prepared)?;
                     let of_modes = modes.rows.iter().flatten().cloned();
