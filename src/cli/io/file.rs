@@ -149,14 +149,6 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn missing_folders_are_created() {
-        let folder = Folder::new("create");
-        let path = folder.0.join("a/b/c.txt");
-        write_file(&path, b"text").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"text");
-    }
-
-    #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         let folder = Folder::new("failed");
         let path = folder.0.join("result.csv");
