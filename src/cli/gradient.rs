@@ -207,8 +207,7 @@ fn run_one(
 
 /// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.
 fn print_simulated(simulation: &Simulation, prepared: &Prepared, as_json: bool) {
-    simulation.print_functionals(prepared);
-    simulation.print_resolution(prepared);
+    simulation.shown(prepared).summary(prepared).print();
     print_checkpoints(prepared, &simulation.forward);
     let mut simulated = simulation.json(prepared);
     simulated["error"] = json!("interrupted before the gradient was there");

@@ -68,9 +68,8 @@ fn run_one(
 /// Prints what a simulation gave; of one that stopped early only what holds for the finished steps.
 pub fn report(simulation: &Simulation, prepared: &Prepared) {
     if simulation.stopped.is_none() {
-        simulation.print_functionals(prepared);
+        simulation.shown(prepared).summary(prepared).print();
         simulation.modes.summary(prepared).print();
-        simulation.print_resolution(prepared);
     } else {
         let done = simulation.forward.history.steps();
         let planned = if prepared.control.is_some() { String::new() } else { format!(" of {}", prepared.grid.steps()) };

@@ -1,4 +1,4 @@
-use super::console::{count, print, seconds, warn};
+use super::console::{count, print, seconds};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
@@ -227,14 +227,6 @@ pub fn functionals(prepared: &Prepared, forward: &Forward) -> Table {
 }
 
 impl Simulation {
-    /// Prints the values of the functionals.
-    pub fn print_functionals(&self, prepared: &Prepared) {
-        match prepared.functionals().is_empty() {
-            true => print("the scene has no functional\n"),
-            false => print(format_args!("{}\n", functionals(prepared, &self.forward))),
-        }
-    }
-
     /// What the simulation cost.
     pub fn work(&self, prepared: &Prepared) -> Work {
         let Counters { systems, iterations, residuals, factorizations, solves, choices, .. } = self.forward.counters;
@@ -269,34 +261,20 @@ impl Simulation {
         work
     }
 
-    /// Says how well equal steps resolve the motion, or whether an equilibrium stands, and warns where they hardly do.
-    pub fn print_resolution(&self, prepared: &Prepared) {
-        if let Some((error, _)) = error_in_words(prepared, &self.forward) {
-            print(format_args!("largest estimated error of a step: {error}\n"));
-        }
-        if let Some(balance) = &self.balance {
-            print(format_args!("{}\n", balance.in_words()));
-        }
-        if let Some(Statement::Stable(words)) = stability::statement(prepared, &self.forward) {
-            print(format_args!("{words}\n"));
-        }
-        self.resolution(prepared).iter().for_each(|warning| warn(warning));
-    }
-
-    /// What a page shows of it.
+    /// What is told of it.
     pub fn shown(&self, prepared: &Prepared) -> Shown<'_> {
         Shown {
             forward: &self.forward,
             measured: &self.measured,
             start: self.start.as_ref(),
             balance: self.balance,
-            warnings: self.resolution(prepared),
+            warnings: self.warnings(prepared),
             stopped: self.stopped.as_ref().map(|failure| failure.message.as_str()),
         }
     }
 
     /// Warnings where the steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does not stand.
-    pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
+    fn warnings(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings = warnings(prepared, &self.forward);
         warnings.extend(energy_in_words(self.measured.energy));
         warnings.extend_from_slice(&self.measured.left_tables);
@@ -442,7 +420,7 @@ fn beside_ends(prepared: &Prepared, forward: &Forward) -> Vec<String> {
 }
 
 /// The largest estimated error of a step, and the warning that it is large.
-fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Option<String>)> {
+pub fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Option<String>)> {
     let StepError { share, step, t, dof, in_velocity } = forward.error?;
     let of = if in_velocity { "largest velocity" } else { "model's length" };
     let name = prepared.model().dof_name(dof);

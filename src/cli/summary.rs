@@ -16,6 +16,8 @@ enum Part {
     /// With its heading on a page, which has none where that is empty.
     Table(String, Table),
     Warning(String),
+    /// A name and what is said of it: a line on the terminal, and below the title of a page.
+    Fact(&'static str, String),
     /// For a page alone: heading, label, names and numbers.
     Bars(String, &'static str, Vec<(String, f64)>),
 }
@@ -38,6 +40,11 @@ impl Summary {
         self.0.extend(all.into_iter().map(Part::Warning));
     }
 
+    /// Adds a name and what is said of it.
+    pub fn fact(&mut self, name: &'static str, words: impl Into<String>) {
+        self.0.push(Part::Fact(name, words.into()));
+    }
+
     /// Adds bars to both sides of zero, which only a page shows.
     pub fn bars(&mut self, heading: String, label: &'static str, bars: Vec<(String, f64)>) {
         self.0.push(Part::Bars(heading, label, bars));
@@ -50,6 +57,7 @@ impl Summary {
                 Part::Words(words) => print(words),
                 Part::Table(_, table) => print(format_args!("{table}\n")),
                 Part::Warning(words) => warn(words),
+                Part::Fact(name, words) => print(format_args!("{name}: {words}\n")),
                 Part::Bars(..) => {}
             }
         }
@@ -61,6 +69,7 @@ impl Summary {
             match part {
                 Part::Table(heading, table) if !heading.is_empty() => page.table(heading, table),
                 Part::Warning(words) => page.warning(words),
+                Part::Fact(name, words) => page.fact(name, words),
                 Part::Bars(heading, label, bars) => page.bars(heading, label, bars),
                 _ => {}
             }

@@ -6,11 +6,12 @@ use crate::io::{Table, cells, number};
 use crate::measured_moments::MeasuredRun;
 use crate::motions::view;
 use crate::projected_start::ProjectedStart;
-use crate::simulation::functionals;
+use crate::simulation::{error_in_words, functionals};
 use crate::snapshot::Snapshot;
 use crate::stability::{Statement, statement};
+use crate::summary::Summary;
 use costate::design::DesignVariable;
-use costate::integrators::{NewtonTolerance, StepError};
+use costate::integrators::NewtonTolerance;
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
 
@@ -30,13 +31,66 @@ pub struct Shown<'s> {
     pub stopped: Option<&'s str>,
 }
 
+impl Shown<'_> {
+    /// Values of the functionals, if the run came to its end, how well the steps resolve the motion, and what speaks against it.
+    pub fn summary(&self, prepared: &Prepared) -> Summary {
+        let mut summary = Summary::default();
+        if self.stopped.is_none() {
+            summary.table("Functionals", functionals(prepared, self.forward));
+            if prepared.functionals().is_empty() {
+                summary.words("the scene has no functional\n");
+            }
+        }
+        if let Some((error, _)) = error_in_words(prepared, self.forward) {
+            summary.fact("largest estimated error of a step", error);
+        }
+        if let Some([(growth, _), (loss, _)]) = self.measured.energy.map(|energy| energy.shares()) {
+            let changes = [("grows", growth), ("falls", loss)].into_iter().filter(|(_, share)| *share > 0.0);
+            let changes: Vec<_> = changes.map(|(word, share)| format!("{word} by up to {share:.1e}")).collect();
+            let words = match changes.is_empty() {
+                true => "is constant".into(),
+                false => format!("{} of the largest kinetic energy", changes.join(", ")),
+            };
+            summary.fact("energy", words);
+        }
+        if let Some(balance) = &self.balance {
+            summary.fact("balance", balance.in_words());
+        }
+        if let Some(Statement::Stable(words)) = statement(prepared, self.forward) {
+            summary.fact("stability", words);
+        }
+        summary.warnings(self.warnings.iter().cloned());
+        summary
+    }
+}
+
 impl Page {
     /// All that a simulation gave, before what others add to it.
     #[must_use]
     pub fn with_simulation(mut self, prepared: &Prepared, simulation: &Shown) -> Self {
-        self.simulation(prepared, simulation);
-        if simulation.stopped.is_none() && !prepared.functionals().is_empty() {
-            self.table("Functionals", &functionals(prepared, simulation.forward));
+        let (method, end) = (&prepared.method, prepared.grid.times[prepared.grid.steps()]);
+        let is_static = method.table.is_static();
+        self.fact("method", method.table.name.to_string());
+        if !is_static {
+            self.fact("constraints", format!("{} level", method.constraint_level().name()));
+        }
+        if method.tolerance != NewtonTolerance::RoundOff {
+            self.fact("Newton's method", format!("by the rule \"{}\"", method.tolerance.name()));
+        }
+        let steps = simulation.forward.history.steps();
+        match prepared.control {
+            Some(control) if !is_static => {
+                self.fact("steps", format!("{steps}, chosen for a tolerance of {:e}", control.coordinates.relative));
+            }
+            _ => self.fact("steps", steps.to_string()),
+        }
+        match is_static {
+            true => self.fact("load factor", number(end)),
+            false => self.fact("duration", format!("{} s", number(end))),
+        }
+        simulation.summary(prepared).show(&mut self);
+        if let Some(why) = simulation.stopped {
+            self.warning(format!("{why}; what is shown are the finished steps"));
         }
         self.motion(prepared, &simulation.measured.moments);
         self.charts("Histories", &simulation.measured.charts);
@@ -50,53 +104,6 @@ impl Page {
         let moments = moments.iter().map(|moment| (moment.t, &moment.q[..])).collect();
         let clip = Clip { name: "motion".into(), swings: false, moments };
         self.space(&prepared.mechanism.solids(), view, &[clip]);
-    }
-
-    /// How a scene was integrated, and how well.
-    fn simulation(&mut self, prepared: &Prepared, simulation: &Shown) {
-        let end = prepared.grid.times[prepared.grid.steps()];
-        let is_static = prepared.method.table.is_static();
-        self.fact("method", prepared.method.table.name.to_string());
-        if !is_static {
-            self.fact("constraints", format!("{} level", prepared.method.constraint_level().name()));
-        }
-        if prepared.method.tolerance != NewtonTolerance::RoundOff {
-            self.fact("Newton's method", format!("by the rule \"{}\"", prepared.method.tolerance.name()));
-        }
-        let steps = simulation.forward.history.steps();
-        match prepared.control {
-            Some(control) if !is_static => {
-                self.fact("steps", format!("{steps}, chosen for a tolerance of {:e}", control.coordinates.relative));
-            }
-            _ => self.fact("steps", steps.to_string()),
-        }
-        self.fact(
-            if is_static { "load factor" } else { "duration" },
-            if is_static { number(end) } else { format!("{} s", number(end)) },
-        );
-        if let Some(StepError { share, t, in_velocity, .. }) = simulation.forward.error {
-            let of = if in_velocity { "largest velocity" } else { "model's length" };
-            self.fact("estimated error of a step", format!("at most {share:.1e} of the {of}, at t = {} s", number(t)));
-        }
-        if let Some([(growth, _), (loss, _)]) = simulation.measured.energy.map(|energy| energy.shares()) {
-            let changes = [("grows", growth), ("falls", loss)].into_iter().filter(|(_, share)| *share > 0.0);
-            let changes: Vec<_> = changes.map(|(word, share)| format!("{word} by up to {share:.1e}")).collect();
-            let words = match changes.is_empty() {
-                true => "is constant".into(),
-                false => format!("{} of the largest kinetic energy", changes.join(", ")),
-            };
-            self.fact("energy", words);
-        }
-        if let Some(balance) = &simulation.balance {
-            self.fact("balance", balance.in_words());
-        }
-        if let Some(Statement::Stable(words)) = statement(prepared, simulation.forward) {
-            self.fact("stability", words);
-        }
-        simulation.warnings.iter().for_each(|warning| self.warning(warning));
-        if let Some(why) = simulation.stopped {
-            self.warning(format!("{why}; what is shown are the finished steps"));
-        }
     }
 
     /// Design variables, where there is no gradient that shows them.
