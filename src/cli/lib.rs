@@ -44,7 +44,6 @@ mod failure;
 mod gradient;
 mod histories;
 mod history_charts;
-mod history_files;
 mod import;
 mod influences;
 mod interrupt;

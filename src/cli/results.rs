@@ -1,10 +1,11 @@
-//! The files of a run: histories.csv, fields.pvd with its .vtu files.
+//! The files of a run: histories.csv, with the feature `arrow` histories.arrow beside it, fields.pvd with its .vtu files.
 
 use super::failure::Failure;
-use super::history_files::HistoryFiles;
 use super::measured_moments::{MeasuredMoments, MeasuredRun};
 use super::meshes::Meshes;
-use crate::io::write_file;
+#[cfg(feature = "arrow")]
+use crate::io::ArrowFile;
+use crate::io::{CsvFile, write_file};
 use costate::assembly::VectorsAvq;
 use costate::design::shortest;
 use costate::functionals::{Sample, StepEnds};
@@ -12,6 +13,12 @@ use costate::history::{Dense, Observer};
 use costate::integrators::{RunError, StartRecord, StepRecord};
 use costate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
+
+/// Name of the table of states.
+const HISTORIES: &str = "histories.csv";
+/// The same as columns.
+#[cfg(feature = "arrow")]
+const COLUMNS: &str = "histories.arrow";
 
 /// Makes sure that the folder can take files, before anything is computed.
 pub fn check_folder(folder: &Path) -> Result<(), Failure> {
@@ -27,7 +34,10 @@ pub fn check_folder(folder: &Path) -> Result<(), Failure> {
 pub struct Results<'p> {
     prepared: &'p Prepared<'p>,
     folder: PathBuf,
-    histories: HistoryFiles,
+    histories: CsvFile,
+    /// The same as columns.
+    #[cfg(feature = "arrow")]
+    columns: ArrowFile,
     meshes: Option<Meshes<'p>>,
     measured: MeasuredMoments<'p>,
     /// Columns that are written.
@@ -69,11 +79,12 @@ impl<'p> Results<'p> {
         let written = measured.columns.chosen(&output.histories).map_err(Failure::input)?;
         let names = measured.columns.names();
         let names: Vec<String> = written.iter().map(|&place| names[place].clone()).collect();
-        let histories = HistoryFiles::create(folder, &names)?;
         Ok(Results {
             prepared,
             folder: folder.to_path_buf(),
-            histories,
+            histories: CsvFile::create(&folder.join(HISTORIES), &names)?,
+            #[cfg(feature = "arrow")]
+            columns: ArrowFile::create(&folder.join(COLUMNS), &names)?,
             meshes: output.meshes.then(|| Meshes::new(prepared, folder)),
             measured,
             written,
@@ -103,6 +114,8 @@ impl<'p> Results<'p> {
         if self.unwritten.is_none() {
             let row: Vec<f64> = self.written.iter().map(|&place| self.measured.row[place]).collect();
             let written = self.histories.row(&row);
+            #[cfg(feature = "arrow")]
+            let written = written.and_then(|()| self.columns.row(&row));
             let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
             let place =
                 if self.steps == 0 { "start".into() } else { format!("step {} (t = {} s)", self.steps, shortest(t)) };
@@ -154,9 +167,9 @@ impl<'p> Results<'p> {
         keep(self.add_end().map_err(Failure::from), &[]);
         keep(self.unwritten.take().map_or(Ok(()), Err), &[]);
         let folder = self.folder;
-        for (file, written) in self.histories.finish() {
-            keep(written.map_err(Failure::from), &[file]);
-        }
+        keep(self.histories.finish_cut().map_err(Failure::from), &[folder.join(HISTORIES)]);
+        #[cfg(feature = "arrow")]
+        keep(self.columns.finish().map_err(Failure::from), &[folder.join(COLUMNS)]);
         if let Some(meshes) = &self.meshes {
             keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
         }
@@ -191,7 +204,6 @@ impl Observer for Results<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::history_files::HISTORIES;
     use crate::motions::{View, view};
     use crate::snapshot::MOST_POINTS;
     use costate::design::DesignVariable;
