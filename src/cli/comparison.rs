@@ -26,11 +26,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Adds what a scenario gave; of one that stopped early nothing can be compared.
+    /// Adds what a scenario gave.
     pub fn add(&mut self, name: &str, prepared: &Prepared, simulation: &Simulation) {
-        if simulation.stopped.is_some() {
-            return;
-        }
         let place = self.scenarios.len();
         self.scenarios.push(name.into());
         for (functional, &value) in prepared.functionals().iter().zip(&simulation.forward.values) {

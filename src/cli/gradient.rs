@@ -1,15 +1,14 @@
 use super::CommandLine;
-use super::comparison::Comparison;
 use super::console::{brief, print, print_files, print_json};
 use super::failure::Failure;
-use super::histories::{check_history, check_one_history, keep, resumed};
+use super::histories::{keep, resumed};
 use super::influences::{gradients, insert_gradient};
 use super::interrupt::set_last_words;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
 use super::report::Page;
-use super::run::report;
+use super::run::{each_scenario, report};
 use super::simulation::{Simulation, Work, print_work, simulate};
 use super::summary::by_name;
 use crate::io::{Progress, number};
@@ -18,13 +17,13 @@ use costate::design::DesignVariable;
 use costate::history::Keep;
 use costate::integrators::{Counters, RunError};
 use costate::program::making_time;
-use costate::scenes::{AnyScene, OF_QUOTIENTS, Prepared, SCATTER, Scenario};
+use costate::scenes::{OF_QUOTIENTS, Prepared, SCATTER};
 use costate::sensitivity::{Forward, Gradient, SwitchError};
 use serde_json::{Value, json};
 use std::time::Instant;
 
 /// Options of `costate gradient`.
-#[derive(Args, Clone)]
+#[derive(Args)]
 pub struct GradientOptions {
     #[command(flatten)]
     scene: SceneOptions,
@@ -111,42 +110,29 @@ struct Check {
 
 /// `costate gradient`: simulates, writes, differentiates, checks, prints.
 pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failure> {
-    let scene = options.scene.scene(program)?;
-    let scenarios = options.scene.scenarios(&*scene)?;
-    let count = scenarios.len();
-    check_one_history(&options.history, count)?;
-    let mut comparison = Comparison::default();
-    scenarios.into_iter().try_for_each(|Scenario { name, scene }| {
-        let own = GradientOptions { scene: options.scene.of_scenario(&name, count), ..options.clone() };
-        run_one(&own, scene, |prepared, simulation| comparison.add(&name, prepared, simulation))
-    })?;
-    comparison.conclude(&*scene, &options.scene)
+    let keep = resumed(options.history.clone(), options.resume)?;
+    each_scenario(&options.scene, &keep, program, |own, prepared| {
+        prepared.method = own.differentiable(prepared.method.clone())?;
+        differentiated(own, prepared, options.check)
+    })
 }
 
-/// The gradient of a scene or a scenario; shows what the simulation gave.
-fn run_one(
-    options: &GradientOptions,
-    scene: &dyn AnyScene,
-    show: impl FnOnce(&Prepared, &Simulation),
-) -> Result<(), Failure> {
-    let mut prepared = options.scene.prepare(scene)?;
-    prepared.method = options.scene.differentiable(prepared.method)?;
-    prepared.keep = resumed(options.history.clone(), options.resume)?;
-    check_history(&prepared.keep, &options.scene.folder(scene))?;
-    let mut simulation = simulate(&prepared, &options.scene)?;
-    let output = options.scene.output(scene);
+/// A simulation with its gradient.
+fn differentiated(options: &SceneOptions, prepared: &Prepared, check: Option<CheckWay>) -> Result<Simulation, Failure> {
+    let scene = prepared.scene;
+    let mut simulation = simulate(prepared, options)?;
+    let output = options.output(scene);
     let begun = || Page::by_command(scene, "simulation and gradient");
-    let mut page = (!options.scene.no_report).then(|| begun().with_simulation(&prepared, &simulation.shown(&prepared)));
+    let mut page = (!options.no_report).then(|| begun().with_simulation(prepared, &simulation.shown(prepared)));
     if simulation.stopped.is_some() {
-        simulation.conclude(page, simulation.json(&prepared));
-        report(&simulation, &prepared);
-        print_json(options.scene.json, &simulation.json(&prepared));
-        return simulation.stopped.map_or(Ok(()), Err);
+        let json = simulation.conclude(page, simulation.json(prepared));
+        report(&simulation, prepared);
+        print_json(options.json, &json);
+        return simulation.verdict();
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
-    show(&prepared, &simulation);
-    print_simulated(&simulation, &prepared, options.scene.json);
-    let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
+    print_simulated(&simulation, prepared, options.json);
+    let parts = PartSensitivities::of(prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
         if parts.asked.is_empty() {
@@ -157,52 +143,52 @@ fn run_one(
         Ok(gradient)
     });
     let adjoint = adjoint.inspect_err(|_| print_files(&simulation.files))?;
-    if let Err(error) = simulation.modes.differentiate(&prepared) {
+    if let Err(error) = simulation.modes.differentiate(prepared) {
         print_files(&simulation.files);
         return Err(error.into());
     }
-    let (forward, check) = (&simulation.forward, options.check);
+    let forward = &simulation.forward;
     let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| print_files(&simulation.files))?;
     let behind: Vec<&str> =
         switched.iter().filter(|own| own.refused().is_some()).map(|own| own.functional.as_str()).collect();
-    let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
-        gradients(&prepared, &forward.values, &adjoint.gradient.rows, None).print();
+    let check = check.map(|way| Check::by(way, prepared, forward, &adjoint)).transpose().inspect_err(|_| {
+        gradients(prepared, &forward.values, &adjoint.gradient.rows, None).print();
         print_files(&simulation.files);
     })?;
 
     set_last_words(None);
     let other = check.as_ref().map(|own| (own.way.words(), [&own.other.gradient.rows[..], &own.differences]));
     let (gradients, modes) =
-        (gradients(&prepared, &forward.values, &adjoint.gradient.rows, other), simulation.modes.summary(&prepared));
+        (gradients(prepared, &forward.values, &adjoint.gradient.rows, other), simulation.modes.summary(prepared));
     gradients.print();
     modes.print();
-    let mut work = vec![("simulation", simulation.work(&prepared)), ("adjoint", adjoint_work(&adjoint))];
+    let mut work = vec![("simulation", simulation.work(prepared)), ("adjoint", adjoint_work(&adjoint))];
     work.extend(check.iter().map(|Check { way, other, .. }| (way.words(), work_of_check(*way, other))));
     print_work(&work);
     let ratio = adjoint.seconds / simulation.seconds;
     print(format_args!("adjoint time / forward time: {}", number(ratio)));
-    check.iter().for_each(|check| check.print(&behind, &prepared));
+    check.iter().for_each(|check| check.print(&behind, prepared));
     print("");
     if output.meshes {
-        let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(scene));
+        let written = write_gradients(prepared, &by_parameters, &options.folder(scene));
         match written {
             Ok(path) => simulation.files.extend(path),
             Err(error) => simulation.unwritten = simulation.unwritten.or(Some(error.into())),
         }
     }
     if let Some(page) = &mut page {
-        parts.colour(&prepared, &by_parameters, page);
+        parts.colour(prepared, &by_parameters, page);
         modes.show(page);
         gradients.show(page);
-        check.iter().for_each(|check| page.fact("gradient", check.in_words(&behind, &prepared)));
+        check.iter().for_each(|check| page.fact("gradient", check.in_words(&behind, prepared)));
     }
-    let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind);
-    simulation.conclude(page, summary);
+    let summary = json_of(&simulation, prepared, &adjoint, check.as_ref(), &behind);
+    let summary = simulation.conclude(page, summary);
     print_files(&simulation.files);
-    print_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
+    print_json(options.json, &summary);
     switched.iter().find_map(SwitchError::refused).map_or(Ok(()), |why| Err(Failure::run(why)))?;
-    check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
-    simulation.unwritten.map_or(Ok(()), Err)
+    check.map_or(Ok(()), |check| check.verdict(&behind, prepared))?;
+    simulation.verdict()
 }
 
 /// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.

@@ -285,18 +285,28 @@ impl Simulation {
         warnings
     }
 
-    /// Writes the report, if there is one, and the summary, the last files of a run.
-    pub fn conclude(&mut self, page: Option<Page>, mut summary: Value) {
+    /// Writes the report, if there is one, and the summary, the last files of a run, and returns the summary with all files.
+    pub fn conclude(&mut self, page: Option<Page>, mut summary: Value) -> Value {
         let [summary_file, report] = ["summary.json", "report.html"].map(|name| self.folder.join(name));
         if self.files.is_empty() {
-            return;
+            return summary;
         }
         let beside = [&self.files[..], std::slice::from_ref(&summary_file)].concat();
         let reported = page.map_or(Ok(()), |page| page.write(&report, &beside).map(|()| self.files.push(report)));
-        summary["files"] = names(&[&self.files[..], std::slice::from_ref(&summary_file)].concat());
-        let summarized = write_json(&summary_file, &summary);
-        self.files.extend(summarized.is_ok().then_some(summary_file));
+        self.files.push(summary_file);
+        summary["files"] = names(&self.files);
+        let summarized = write_json(&self.files[self.files.len() - 1], &summary);
+        if summarized.is_err() {
+            self.files.pop();
+            summary["files"] = names(&self.files);
+        }
         self.unwritten = self.unwritten.take().or(reported.err()).or(summarized.err().map(Failure::from));
+        summary
+    }
+
+    /// What the program ends with: the simulation, unless it stopped early or files could not be written.
+    pub fn verdict(mut self) -> Result<Self, Failure> {
+        self.stopped.take().or(self.unwritten.take()).map_or(Ok(self), Err)
     }
 
     /// Writes the summary of what is there already, before work that may be stopped; [`Simulation::conclude`] replaces it, and says what
