@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// Multiples of the rate that are drawn beside the modes: where a blade passes, loads come so often.
 const ORDERS: [usize; 4] = [1, 2, 3, 4];
-/// Branches of the printed table.
 const SHOWN: usize = 8;
 
 /// Modes at each rate, in the order of branches; `None` where a branch has none.
@@ -30,7 +29,6 @@ fn likeness(one: &Mode, other: &Mode) -> f64 {
 }
 
 impl Branches {
-    /// Follows `count` modes over rates.
     pub fn follow(prepared: &mut Prepared, rates: &[f64], count: usize) -> Result<Self, Failure> {
         let mut branches = Branches { rates: rates.to_vec(), modes: Vec::new() };
         let own = prepared.spin_rate();
@@ -100,7 +98,6 @@ impl Branches {
         }
     }
 
-    /// Prints the frequencies.
     pub fn print(&self) {
         let names: Vec<String> = (1..=self.count().min(SHOWN)).map(|own| format!("mode {own}")).collect();
         let mut table =
@@ -116,7 +113,6 @@ impl Branches {
         print(format_args!("frequencies in the frame that turns [rad/s]\n\n{table}\n"));
     }
 
-    /// Writes campbell.csv and campbell.svg.
     pub fn write(&self, title: String, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let of_branch = |branch: usize| [format!("frequency {branch} [rad/s]"), format!("growth {branch} [1/s]")];
         let header: Vec<String> =
@@ -131,7 +127,6 @@ impl Branches {
         Ok(files.to_vec())
     }
 
-    /// The same as JSON.
     pub fn json(&self) -> Value {
         let of_mode = |mode: &Mode| json!({"omega_rad_s": mode.frequency, "growth_1_s": mode.growth});
         let rows = self.rates.iter().zip(&self.modes).map(|(rate, row)| {

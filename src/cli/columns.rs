@@ -27,7 +27,6 @@ struct Column {
 }
 
 impl<'p> Columns<'p> {
-    /// Of a scene.
     pub fn new(prepared: &'p Prepared<'p>) -> Self {
         let energies = prepared.model().elements.iter().all(|element| element.physics.has_energies());
         let elements = prepared.model().elements.iter();
@@ -61,7 +60,6 @@ impl<'p> Columns<'p> {
         telling.flat_map(of).collect()
     }
 
-    /// Whether there is a column of the energy.
     pub fn have_energy(&self) -> bool {
         self.energies
     }

@@ -44,13 +44,11 @@ impl EnergyBalance {
         (self.left().abs() > self.round_off).then(|| self.left().abs() / self.size)
     }
 
-    /// As JSON.
     pub fn json(&self) -> Value {
         let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()];
         json!({"change": change, "forces": forces, "drivers": drivers, "left": left})
     }
 
-    /// In words.
     pub fn in_words(&self) -> String {
         let drivers = if self.drivers == 0.0 { String::new() } else { format!(", drivers {} J", number(self.drivers)) };
         let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of all energy that moved"));
@@ -123,9 +121,7 @@ pub struct Course<'l> {
 struct EnergyRange {
     start: f64,
     end: f64,
-    /// The largest kinetic energy.
     kinetic: f64,
-    /// The lowest and the highest potential energy.
     potential: [f64; 2],
 }
 

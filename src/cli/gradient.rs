@@ -84,7 +84,6 @@ const SMALL: f64 = 1e-2;
 /// does not depend on is what round-off leaves of terms of that size, and zero against zero is zero.
 const ZERO: f64 = 1e-2;
 
-/// A gradient and the time it took.
 struct Timed {
     gradient: Gradient,
     /// Steps computed again between checkpoints.
@@ -98,7 +97,6 @@ struct Timed {
 struct Check {
     way: CheckWay,
     other: Timed,
-    /// Relative differences, for each functional and variable.
     differences: Vec<Vec<f64>>,
     /// Of each functional, what round-off does to the other derivatives: of complex steps where the differences made it worth a look.
     scatter: Vec<Option<f64>>,
@@ -265,7 +263,6 @@ impl Check {
         }
     }
 
-    /// The verdict on all.
     fn in_words(&self, behind: &[&str], prepared: &Prepared) -> String {
         let (verdict, (largest, limit)) = (if self.passes() { "within" } else { "NOT within" }, self.figures());
         let blind =
@@ -274,7 +271,6 @@ impl Check {
         format!("{verdict} {limit:.0e} of the {other}: largest relative difference {largest}{blind}")
     }
 
-    /// How the command ends.
     fn verdict(&self, behind: &[&str], prepared: &Prepared) -> Result<(), Failure> {
         if self.passes() {
             return self.first_blind(behind, prepared).map_or(Ok(()), |why| Err(Failure::run(why)));
@@ -354,7 +350,6 @@ impl Check {
         self.largest(k) <= self.way.limit()
     }
 
-    /// Whether each functional is within its limit.
     fn passes(&self) -> bool {
         self.worst() <= 1.0
     }
@@ -386,7 +381,6 @@ impl Check {
         (0..self.differences.len()).find_map(|k| self.blind(k, behind, prepared))
     }
 
-    /// The largest difference of a functional.
     fn largest(&self, k: usize) -> f64 {
         largest_of(&self.differences[k..=k])
     }
@@ -424,7 +418,6 @@ fn largest_of(differences: &[Vec<f64>]) -> f64 {
 struct Measure<'p> {
     variables: &'p [DesignVariable],
     x: &'p [f64],
-    /// Value of the functional.
     value: f64,
     /// Change of the functional that is round-off.
     round_off: f64,

@@ -13,7 +13,6 @@ pub fn resumed(keep: Keep, resume: bool) -> Result<Keep, Failure> {
     }
 }
 
-/// What `--history` says.
 pub fn keep(text: &str) -> Result<Keep, String> {
     let megabytes = |text: &str| text.parse::<f64>().ok().filter(|size| *size > 0.0 && size.is_finite());
     match text.split_once(':') {

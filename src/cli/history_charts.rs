@@ -11,7 +11,6 @@ use costate::scenes::Prepared;
 
 /// A joint whose load is below this share of the largest, a moment being a force by the size of the mechanism, carries none.
 const NO_LOAD: f64 = 1e-9;
-/// Most curves of one chart.
 const MOST_CURVES: usize = 7;
 
 /// Of many nodes those that say something by their name: what functionals measure, then what the scene made itself; all of them where

@@ -9,7 +9,6 @@ use serde_json::Value;
 /// Another gradient beside that by the adjoint: by which way, its rows, and relative differences.
 pub type Other<'g> = Option<(&'g str, [&'g [Vec<f64>]; 2])>;
 
-/// The derivatives of all functionals.
 pub fn gradients(prepared: &Prepared, values: &[f64], adjoint: &[Vec<f64>], other: Other) -> Summary {
     let mut summary = Summary::default();
     for (k, functional) in prepared.functionals().iter().enumerate() {

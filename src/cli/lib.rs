@@ -191,7 +191,6 @@ pub struct CommandLine<'p> {
     /// As which the program was called.
     name: String,
     scenes: Vec<&'p dyn AnyScene>,
-    /// Names of scenes that are built in.
     built_in: Vec<&'static str>,
     studies: Vec<&'p dyn Study>,
     parts: OwnParts,
@@ -270,7 +269,6 @@ impl<'p> CommandLine<'p> {
         }
     }
 
-    /// What it understands.
     fn command(&self) -> clap::Command {
         let command = Arguments::command().bin_name(&self.name).display_name(&self.name).version(env!("CARGO_PKG_VERSION"));
         command.mut_subcommands(|own| {

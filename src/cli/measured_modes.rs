@@ -16,7 +16,6 @@ pub struct MeasuredModes {
 }
 
 impl MeasuredModes {
-    /// Those of a prepared scene.
     pub fn of(prepared: &Prepared) -> Result<Self, RunError> {
         let measures = prepared.scene.modes();
         check_modes(&measures, prepared.functionals())?;
@@ -24,7 +23,6 @@ impl MeasuredModes {
         Ok(MeasuredModes { measures, values, rows: None })
     }
 
-    /// Adds derivatives.
     pub fn differentiate(&mut self, prepared: &Prepared) -> Result<(), RunError> {
         self.rows = Some(prepared.measured_modes_by_design(&self.measures)?);
         Ok(())

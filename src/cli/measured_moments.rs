@@ -48,12 +48,10 @@ impl EnergyCourse {
     }
 }
 
-/// What was measured in a run.
 #[derive(Default)]
 pub struct MeasuredRun {
     /// So many moments as a page can show.
     pub moments: Vec<Snapshot>,
-    /// Histories.
     pub charts: Vec<Chart>,
     /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
@@ -64,7 +62,6 @@ pub struct MeasuredRun {
 /// The moments of a run while it goes on, or is read again.
 pub struct MeasuredMoments<'p> {
     prepared: &'p Prepared<'p>,
-    /// The columns of a row.
     pub columns: Columns<'p>,
     /// All columns of the latest moment.
     pub row: Vec<f64>,
@@ -77,7 +74,6 @@ pub struct MeasuredMoments<'p> {
 }
 
 impl<'p> MeasuredMoments<'p> {
-    /// Of a scene, before its first moment.
     pub fn new(prepared: &'p Prepared<'p>) -> Self {
         let columns = Columns::new(prepared);
         let is_motion = !prepared.method.table.is_static();
@@ -120,7 +116,6 @@ impl<'p> MeasuredMoments<'p> {
         });
     }
 
-    /// What is left of them.
     pub fn finish(self) -> MeasuredRun {
         let (left_tables, moments) = (self.tables.in_words(), self.kept.finish());
         let charts = charts(self.prepared, &moments, &self.columns);

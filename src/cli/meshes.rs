@@ -9,12 +9,9 @@ use costate::scenes::{Drawn, LineElement, NodePoint, Prepared, Surface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Name of the file of the series.
 pub const SERIES: &str = "fields.pvd";
-/// Name of the file of gradients by thickness.
 const GRADIENTS: &str = "gradients.vtu";
 
-/// The meshes of a run.
 pub struct Meshes<'p> {
     prepared: &'p Prepared<'p>,
     series: MeshSeries,
@@ -44,7 +41,6 @@ fn place(points: &mut Vec<NodePoint>, known: &mut Known, point: &NodePoint) -> u
 }
 
 impl<'p> Meshes<'p> {
-    /// Meshes that will stand in a folder.
     pub fn new(prepared: &'p Prepared<'p>, folder: &Path) -> Self {
         let mechanism = &prepared.mechanism;
         let (surfaces, sketch) = (mechanism.surfaces(), mechanism.sketch());
@@ -77,7 +73,6 @@ impl<'p> Meshes<'p> {
         Meshes { prepared, series: MeshSeries::new(folder, name), points, cells, surfaces, lines }
     }
 
-    /// Writes the mesh at a sample.
     pub fn add(&mut self, sample: &Sample<f64>) -> Result<(), IoError> {
         let mesh = self.mesh(sample);
         self.series.add(sample.t, &mesh)

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 
 /// What is shown as zero, relative.
 const ROUND_OFF: f64 = 1e-14;
-/// Modes of the printed table.
 const SHOWN: usize = 6;
 
 /// What is said of the derivatives of a scene's modes.

@@ -44,7 +44,6 @@ pub struct ModesOptions {
 const MOST_SHOWN: usize = 12;
 /// Frames of a period.
 const FRAMES: usize = 24;
-/// Most modes.
 const MOST_MODES: usize = 10_000;
 
 /// `costate modes`: frequencies and shapes of small vibrations.
@@ -141,7 +140,6 @@ fn find(options: &ModesOptions, prepared: &Prepared, kind: Kind) -> Result<Diffe
     prepared.modes_at_rest(options.count, kind == Kind::Complex)
 }
 
-/// Modes over rates of a turn, if they are asked for.
 fn follow(options: &ModesOptions, prepared: &mut Prepared) -> Result<Option<Branches>, Failure> {
     let Some(rates) = &options.speed else { return Ok(None) };
     if prepared.spin_rate().is_none() {
@@ -172,7 +170,6 @@ fn print_about(prepared: &Prepared, kind: Kind, end: f64) {
     }
 }
 
-/// The modes as a page on which they swing.
 fn page(prepared: &Prepared, q: &[f64], modes: &[Mode]) -> Page {
     let mut page = Page::by_command(prepared.scene, "small vibrations");
     let angles = || (0..=FRAMES).map(|k| TAU * k as f64 / FRAMES as f64);
@@ -200,7 +197,6 @@ fn what(mode: &Mode) -> String {
     if mode.is_unstable() { "unstable".into() } else { format!("{} Hz", number_of(mode.frequency / TAU)) }
 }
 
-/// Which modes.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Undamped,

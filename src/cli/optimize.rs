@@ -60,9 +60,7 @@ pub struct OptimizeOptions {
 
 /// Relative change of variables for differences that balances their error and round-off.
 const DEFAULT_SHARE: f64 = 1e-7;
-/// Most iterations.
 const MOST_ITERATIONS: usize = 1_000_000;
-/// Most starts.
 const MOST_STARTS: usize = 10_000;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
@@ -87,7 +85,6 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Name in JSON.
 fn gradient_name(gradient: GradientBy) -> &'static str {
     match gradient {
         GradientBy::Adjoint => "adjoint",
@@ -311,7 +308,6 @@ fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
 /// The best design once more: its motion, and where formulas pass from one piece to another.
 type BestMotion<'r> = (Prepared<'r>, Vec<Snapshot>, Vec<Crossing>);
 
-/// Before and after.
 struct Report<'r> {
     optimization: &'r Optimization<'r>,
     optimizer: &'r dyn Optimizer,
@@ -370,7 +366,6 @@ impl<'r> Report<'r> {
         table
     }
 
-    /// Iterations, with the simulations up to each.
     fn iterations(&self) -> Table {
         let (mut table, mut simulations) = (Table::new(&["iteration", "simulations", "objective", "violation"]), 0);
         for point in &self.optimized.history.points {
@@ -382,7 +377,6 @@ impl<'r> Report<'r> {
         table
     }
 
-    /// Simulations and sweeps.
     fn work(&self) -> Table {
         let work = self.optimized.history.work();
         let mut table = Table::new(&["", "number", "time"]);
@@ -502,7 +496,6 @@ impl<'r> Report<'r> {
         })
     }
 
-    /// What the program ends with.
     fn verdict(&self) -> Result<(), Failure> {
         let Report { optimization, optimized, best, .. } = self;
         let tolerance = optimization.stopping.violation;

@@ -53,7 +53,6 @@ fn multipliers(optimization: &Optimization, conditions: &Conditions, best: &Desi
     table
 }
 
-/// The same in JSON.
 pub fn conditions_json(optimization: &Optimization, ended: &Ended) -> Value {
     let Some(conditions) = &ended.conditions else { return Value::Null };
     let multipliers = constraint_names(optimization).zip(&conditions.multipliers);

@@ -101,7 +101,6 @@ fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "it must be a number above 0, as in 1e-6".into())
 }
 
-/// A whole number from 1 to `MOST`.
 pub(super) fn whole_number<const MOST: usize>(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok().filter(|number| (1..=MOST).contains(number));
     number.ok_or_else(|| format!("it must be a whole number from 1 to {MOST}"))
@@ -129,12 +128,10 @@ impl<'p> Deref for FoundScene<'p> {
 }
 
 impl<'p> CommandLine<'p> {
-    /// Names of its scenes.
     pub(super) fn names(&self) -> Vec<String> {
         self.scenes.iter().map(|scene| scene.name()).chain(self.built_in.iter().map(|&name| name.into())).collect()
     }
 
-    /// Its scenes.
     pub(super) fn all_scenes(&self) -> Result<Vec<&'p dyn AnyScene>, Failure> {
         self.scenes.iter().map(|&scene| Ok(scene)).chain(self.built_in.iter().map(|name| read_built_in(name))).collect()
     }
@@ -176,7 +173,6 @@ fn check_names(scene: &dyn AnyScene) -> Result<(), Failure> {
     checked.map_err(|(_, why)| Failure::input(format!("scene \"{}\": {why}", scene.name())))
 }
 
-/// The place of a design variable.
 pub(super) fn variable_named(variables: &[DesignVariable], name: &str) -> Result<usize, String> {
     let known = || variables.iter().map(|variable| variable.name.clone()).collect::<Vec<_>>();
     let place = variables.iter().position(|variable| variable.name == name);
@@ -225,7 +221,6 @@ fn chosen<T: Copy, const N: usize>(
 }
 
 impl DesignOptions {
-    /// The scene.
     pub fn scene<'p>(&self, program: &CommandLine<'p>) -> Result<FoundScene<'p>, Failure> {
         program.find_scene(&self.scene)
     }
@@ -296,7 +291,6 @@ impl DesignOptions {
         located(scene, &self.scene, failure.into())
     }
 
-    /// The folder for the results.
     pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
         self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()))
     }
@@ -317,7 +311,6 @@ impl SceneOptions {
         prepared.map_err(|error| self.located(scene, error))
     }
 
-    /// The chosen method, duration and steps.
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
         if self.film {
             return Err(Failure::input("--film: the report plays the motion, report.html among the results"));

@@ -29,7 +29,6 @@ pub struct ProjectedStart {
     kept: Vec<String>,
 }
 
-/// Most lines of the table.
 const SHOWN: usize = 20;
 
 /// One quantity of a node: what it is, its unit, given and used.
@@ -130,7 +129,6 @@ impl ProjectedStart {
         table
     }
 
-    /// For JSON.
     pub fn json(&self) -> Value {
         json!({"changes": self.table(usize::MAX).json(), "rates_kept": self.kept})
     }

@@ -47,13 +47,11 @@ impl Answer {
         let [re, im] = self.parts[place];
         im.atan2(re)
     }
-    /// Where the amplitude is largest.
     fn peak(&self) -> usize {
         (0..self.parts.len()).max_by(|&a, &b| self.amplitude(a).total_cmp(&self.amplitude(b))).unwrap_or(0)
     }
 }
 
-/// Runs the command.
 pub fn run(options: &ResponseOptions, program: &CommandLine) -> Result<(), Failure> {
     options.still.with_scene(program, |prepared, named| respond(options, &prepared, named))
 }

@@ -40,14 +40,12 @@ pub struct Results<'p> {
     columns: ArrowFile,
     meshes: Option<Meshes<'p>>,
     measured: MeasuredMoments<'p>,
-    /// Columns that are written.
     written: Vec<usize>,
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
     rows: Rows,
     /// Ends of steps that become known.
     ends: StepEnds<'p, f64>,
-    /// Finished steps.
     steps: usize,
     /// Why rows and meshes end before the run.
     unwritten: Option<Failure>,
@@ -56,24 +54,24 @@ pub struct Results<'p> {
 /// What is left of a run when its files are written.
 #[derive(Default)]
 pub struct Finished {
-    /// Files written.
     pub files: Vec<PathBuf>,
     /// Why others could not be.
     pub unwritten: Option<Failure>,
-    /// What was measured.
     pub measured: MeasuredRun,
 }
 
 /// At which times there are rows.
 enum Rows {
-    /// The start and the ends of steps.
     AtSteps,
     /// Multiples of `dt` and the end.
-    AtMultiples { dt: f64, next: u32, dense: Option<Box<Dense>> },
+    AtMultiples {
+        dt: f64,
+        next: u32,
+        dense: Option<Box<Dense>>,
+    },
 }
 
 impl<'p> Results<'p> {
-    /// Begins the files in a folder.
     pub fn begin(prepared: &'p Prepared<'p>, output: &Output, folder: &Path) -> Result<Self, Failure> {
         let measured = MeasuredMoments::new(prepared);
         let written = measured.columns.chosen(&output.histories).map_err(Failure::input)?;

@@ -37,19 +37,14 @@ pub struct Simulation {
     pub seconds: f64,
     /// For recording formulas and compiling their programs [s]; those that were first needed during the simulation are part of its time.
     pub program_seconds: f64,
-    /// What was measured in it.
     pub measured: MeasuredRun,
     /// The balance of its energy, where that is not constant.
     pub balance: Option<EnergyBalance>,
-    /// Files written.
     pub files: Vec<PathBuf>,
     /// Why other files could not be written.
     pub unwritten: Option<Failure>,
-    /// Why the run stopped before its end.
     pub stopped: Option<Failure>,
-    /// Where its files are.
     pub folder: PathBuf,
-    /// What is measured of modes.
     pub modes: MeasuredModes,
     /// What a projection of the start changed.
     pub start: Option<ProjectedStart>,
@@ -227,7 +222,6 @@ pub fn functionals(prepared: &Prepared, forward: &Forward) -> Table {
 }
 
 impl Simulation {
-    /// What the simulation cost.
     pub fn work(&self, prepared: &Prepared) -> Work {
         let Counters { systems, iterations, residuals, factorizations, solves, choices, .. } = self.forward.counters;
         let mut work = vec![("steps", json!(self.forward.history.steps()))];
@@ -448,7 +442,6 @@ pub fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String,
     Some((format!("{share:.1e} of the {of}, {place}"), warning))
 }
 
-/// Names in words.
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
@@ -464,7 +457,6 @@ pub fn crossings_json(crossings: &[Crossing]) -> Value {
     crossings.iter().map(object).collect()
 }
 
-/// Names of files.
 pub fn names(files: &[PathBuf]) -> Value {
     files.iter().map(|file| json!(file.display().to_string())).collect()
 }

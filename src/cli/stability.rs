@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 
 /// What is said of an equilibrium.
 pub enum Statement {
-    /// It stands.
     Stable(String),
     /// It does not, or that is not known.
     Warning(String),
@@ -95,7 +94,6 @@ fn way(prepared: &Prepared) -> String {
     )
 }
 
-/// The same as JSON.
 pub fn json(course: &StabilityCourse) -> Value {
     let StabilityCourse { end, lost } = course;
     let verdict = match end.verdict() {

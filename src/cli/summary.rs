@@ -50,7 +50,6 @@ impl Summary {
         self.0.push(Part::Bars(heading, label, bars));
     }
 
-    /// Prints it.
     pub fn print(&self) {
         for part in &self.0 {
             match part {
@@ -63,7 +62,6 @@ impl Summary {
         }
     }
 
-    /// Adds it to a page.
     pub fn show(&self, page: &mut Page) {
         for part in &self.0 {
             match part {

@@ -196,7 +196,6 @@ impl<'p> Outcome<'p> {
         text
     }
 
-    /// Writes the result into the folder of the study.
     fn record(&self, folder: &Path) -> Result<PathBuf, Failure> {
         let _guard = Guard::new();
         let path = folder.join(self.study.name()).join("result.md");

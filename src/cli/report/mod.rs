@@ -27,7 +27,6 @@ const LICENSES: &str = include_str!("LICENSES");
 /// three.js and uPlot as one script: README.md says how it is made.
 const VIEWER: &[u8] = include_bytes!("viewer.js.gz");
 
-/// Most points of a curve.
 const MOST_POINTS: usize = 2000;
 
 /// What a page shows, in the order in which it was added within each section.
@@ -112,7 +111,6 @@ impl Page {
         }
     }
 
-    /// A table below a heading.
     pub fn table(&mut self, heading: &str, table: &Table) {
         self.push("tables", table.for_page(heading));
     }
@@ -124,7 +122,6 @@ impl Page {
         }
     }
 
-    /// Charts below a heading.
     pub fn charts(&mut self, heading: &str, charts: &[Chart]) {
         for Chart { title, x_label, y_label, series, log_y, .. } in charts {
             let longest = series.iter().map(|own| own.points.len()).max().unwrap_or_default();
@@ -158,7 +155,6 @@ impl Page {
         Ok(write_file(path, self.html().as_bytes())?)
     }
 
-    /// Its text.
     pub fn html(mut self) -> String {
         self.object.insert("notes".into(), json!(self.notes));
         let mut viewer = String::new();

@@ -17,9 +17,7 @@ use costate::sensitivity::Forward;
 
 /// What a page shows of a simulation.
 pub struct Shown<'s> {
-    /// Its steps and functionals.
     pub forward: &'s Forward,
-    /// What was measured in it.
     pub measured: &'s MeasuredRun,
     /// What a projection of the start changed.
     pub start: Option<&'s ProjectedStart>,
@@ -98,7 +96,6 @@ impl Page {
         self
     }
 
-    /// The motion in space.
     pub fn motion(&mut self, prepared: &Prepared, moments: &[Snapshot]) {
         let Some(view) = view(prepared, moments) else { return };
         let moments = moments.iter().map(|moment| (moment.t, &moment.q[..])).collect();

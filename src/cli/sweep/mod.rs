@@ -59,10 +59,8 @@ pub struct SweepOptions {
     resume: bool,
 }
 
-/// Most threads.
 const MOST_THREADS: usize = 4096;
 
-/// What is run.
 struct Sweep<'s> {
     options: &'s SweepOptions,
     scene: &'s dyn AnyScene,

@@ -18,7 +18,6 @@ pub struct Outcome {
     pub values: Vec<f64>,
     /// A whole number for what these follow from: laws, numbers, method, settings; NaN for a design that cannot be built.
     pub fingerprint: f64,
-    /// It could not be simulated.
     pub failed: bool,
     /// Why, or warnings about the run.
     pub message: String,
@@ -52,7 +51,6 @@ pub fn row(number: usize, point: &[f64], Outcome { values, fingerprint, failed, 
     format!("{number},{numbers}{},{}\n", STATES[usize::from(*failed)], quoted(&message.replace(['\n', '\r'], " ")))
 }
 
-/// Opens a file and locks it.
 fn locked(path: &Path, options: &OpenOptions) -> io::Result<File> {
     check_place(path)?;
     let file = options.open(path)?;
@@ -99,7 +97,6 @@ impl Rows {
         cut().map_err(|cause: io::Error| IoError::new(&self.path, cause))
     }
 
-    /// Adds the row of a design.
     pub fn add(&mut self, row: &str) -> Result<(), IoError> {
         self.file.write_all(row.as_bytes()).map_err(|cause| IoError::new(&self.path, cause))
     }

@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 const MOST_COLUMNS: usize = 8;
 const MOST_LISTED: usize = 100;
 
-/// A sweep that ended.
 pub struct Summary<'s> {
     sweep: &'s Sweep<'s>,
     /// Designs that were simulated, and those that could not be, by their places.
@@ -25,12 +24,10 @@ pub struct Summary<'s> {
     /// Rows of an earlier sweep.
     kept: usize,
     seconds: f64,
-    /// Of each functional.
     findings: Vec<Findings>,
 }
 
 impl<'s> Summary<'s> {
-    /// Of what is finished.
     pub fn new(sweep: &'s Sweep<'s>, outcomes: &'s [Option<Outcome>], kept: usize, seconds: f64) -> Self {
         let finished = outcomes.iter().enumerate().filter_map(|(place, outcome)| Some((place, outcome.as_ref()?)));
         let (failed, done): (Vec<_>, Vec<_>) = finished.partition(|(_, outcome)| outcome.failed);
@@ -41,7 +38,6 @@ impl<'s> Summary<'s> {
         Summary { sweep, done, failed, kept, seconds, findings }
     }
 
-    /// Draws the pictures.
     pub fn draw(&self, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         if self.findings.is_empty() {
             Ok(Vec::new())
@@ -144,7 +140,6 @@ impl<'s> Summary<'s> {
         })
     }
 
-    /// What the program ends with.
     pub fn verdict(&self) -> Result<(), Failure> {
         let (all, finished) = (self.sweep.variation.points.len(), self.done.len() + self.failed.len());
         if finished < all {

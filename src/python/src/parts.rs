@@ -172,7 +172,6 @@ impl Description {
 }
 
 impl Part {
-    /// Replays a formula, if there is one.
     fn replay<S: Scalar>(&self, name: &str, arguments: &[&[S]]) -> Option<Vec<S>> {
         Some(self.formulas.get(name)?.values(&arguments.concat()))
     }
@@ -207,7 +206,6 @@ impl Part {
         own.flat_map(|(own, key)| own.values(key.name, given)).collect()
     }
 
-    /// Kinds of its nodes.
     pub fn kinds(&self) -> &[NodeKind] {
         self.kinds
     }

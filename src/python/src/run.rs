@@ -16,7 +16,6 @@ use std::sync::Arc;
 
 type Simulated<'p> = scenes::Run<'p>;
 
-/// An array of floats.
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 self_cell!(

@@ -14,14 +14,12 @@ struct Operation {
 /// The operations of a formula in their order, and which of its numbers are the results.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Tape {
-    /// Number of arguments.
     arguments: usize,
     operations: Vec<Operation>,
     results: Vec<usize>,
 }
 
 impl Tape {
-    /// Number of results.
     pub fn count(&self) -> usize {
         self.results.len()
     }
