@@ -30,29 +30,19 @@ pub fn keep(text: &str) -> Result<Keep, String> {
     Err("it must be auto, memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
 }
 
-/// Refuses to keep the steps of several runs in one file.
-pub fn check_one_history(keep: &Keep, runs: usize) -> Result<(), Failure> {
-    match keep {
-        Keep::File(path) | Keep::Resumed(path) if runs > 1 => Err(Failure::input(format!(
-            "--history file:{}: each of {runs} scenarios wants a file of its own: choose one with --scenario",
-            path.display()
-        ))),
-        _ => Ok(()),
-    }
-}
-
 /// Endings of the files that this program writes for people and other programs.
 const RESULTS: [&str; 5] = ["arrow", "csv", "html", "json", "svg"];
 
-/// Refuses to keep steps where a result of the same run will stand.
-pub fn check_history(keep: &Keep, folder: &Path) -> Result<(), Failure> {
+/// Refuses to keep the steps of several runs in one file, or where a result of the same run will stand.
+pub fn check_history(keep: &Keep, runs: usize, folder: &Path) -> Result<(), Failure> {
     let (Keep::File(path) | Keep::Resumed(path)) = keep else { return Ok(()) };
     let is_result = path.extension().is_some_and(|ending| RESULTS.iter().any(|result| ending == *result));
-    if is_result && path.parent() == Some(folder) {
-        let path = path.display();
-        return Err(Failure::input(format!(
-            "--history file:{path}: results are written there; name a file with another ending"
-        )));
-    }
-    Ok(())
+    let why = match runs {
+        2.. => format!("each of {runs} scenarios wants a file of its own: choose one with --scenario"),
+        _ if is_result && path.parent() == Some(folder) => {
+            "results are written there; name a file with another ending".into()
+        }
+        _ => return Ok(()),
+    };
+    Err(Failure::input(format!("--history file:{}: {why}", path.display())))
 }

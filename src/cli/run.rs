@@ -2,7 +2,7 @@ use super::CommandLine;
 use super::comparison::Comparison;
 use super::console::{print, print_files, print_json};
 use super::failure::Failure;
-use super::histories::{check_history, check_one_history, keep, resumed};
+use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::{Simulation, print_work, simulate};
@@ -53,11 +53,10 @@ pub fn each_scenario(
     let scene = options.scene(program)?;
     let scenarios = options.scenarios(&*scene)?;
     let count = scenarios.len();
-    check_one_history(keep, count)?;
     let mut comparison = Comparison::default();
     for Scenario { name, scene } in scenarios {
         let own = options.of_scenario(&name, count);
-        check_history(keep, &own.folder(scene))?;
+        check_history(keep, count, &own.folder(scene))?;
         let mut prepared = own.prepare(scene)?;
         prepared.keep = keep.clone();
         let simulation = run_one(&own, &mut prepared)?;
