@@ -151,7 +151,10 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
     let (optimized, mut files) = optimized(options, (&optimization, &*optimizer), &start, recorded, &folder, &guard)?;
-    let report = Report::new(&optimization, &*optimizer, &optimized)?;
+    let (Some(first), Some(best)) = (optimized.history.points.first(), optimized.history.best()) else {
+        return Err(Failure::run("no design could be simulated"));
+    };
+    let report = Report { optimization: &optimization, optimizer: &*optimizer, optimized: &optimized, first, best };
     let charts = optimization_charts::charts(&optimization, &optimized.history);
     let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
     files.extend([page.clone(), summary.clone()]);
@@ -317,18 +320,6 @@ struct Report<'r> {
 }
 
 impl<'r> Report<'r> {
-    fn new(
-        optimization: &'r Optimization<'r>,
-        optimizer: &'r dyn Optimizer,
-        optimized: &'r Optimized,
-    ) -> Result<Self, Failure> {
-        let history = &optimized.history;
-        match (history.points.first(), history.best()) {
-            (Some(first), Some(best)) => Ok(Report { optimization, optimizer, optimized, first, best }),
-            _ => Err(Failure::run("no design could be simulated")),
-        }
-    }
-
     /// Objective, limits and linear constraints, before and after.
     fn wanted(&self) -> Table {
         let Report { optimization: Optimization { problem, .. }, optimized, first, best, .. } = self;

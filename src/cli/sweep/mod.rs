@@ -315,29 +315,21 @@ impl<'s> Sweep<'s> {
         };
         let own: Vec<usize> = places.iter().copied().skip(world().rank()).step_by(world().ranks()).collect();
         let wanted = || !guard.requested() && lock().1.is_none();
-        see_work(world(), |found| self.run_own(&own, guard, &wanted, found), see);
+        let run_own = |found: &(dyn Fn(usize, Outcome) + Sync)| {
+            run_at_once(own.len(), self.threads, |number| {
+                if wanted()
+                    && let Some(outcome) = self.outcome(own[number], guard)
+                {
+                    found(own[number], outcome);
+                }
+            });
+        };
+        see_work(world(), run_own, see);
         let (rows, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
         unwritten.map_or(Ok(()), Err)?;
         *outcomes = of_first_at_work(world(), is_first().then(|| outcomes.clone()));
         rows.map_or(Ok(()), |rows| rows.sort(outcomes, &self.variation))?;
         Ok(())
-    }
-
-    /// Runs some designs as long as they are wanted.
-    fn run_own(
-        &self,
-        places: &[usize],
-        guard: &Guard,
-        wanted: &(dyn Fn() -> bool + Sync),
-        found: &(dyn Fn(usize, Outcome) + Sync),
-    ) {
-        run_at_once(places.len(), self.threads, |number| {
-            if wanted()
-                && let Some(outcome) = self.outcome(places[number], guard)
-            {
-                found(places[number], outcome);
-            }
-        });
     }
 }
 
