@@ -84,7 +84,8 @@ fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     }
     print(format_args!("\n{}", variables(scene)));
     let measured = prepared.functionals().iter().map(|own| (own.name.clone(), own.value_unit()));
-    let modes = scene.modes().into_iter().map(|mode| (mode.unit().to_string(), mode.name)).map(|(unit, name)| (name, unit));
+    let modes = scene.modes();
+    let modes = modes.iter().map(|own| (own.name.clone(), own.unit().to_string()));
     let mut table = Table::new(&["functional", "unit"]).keyed(&["name", "unit"]);
     for (name, unit) in measured.chain(modes) {
         table.row(cells![name, unit]);

@@ -202,6 +202,7 @@ impl Observer for Results<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::Folder;
     use crate::motions::{View, view};
     use crate::snapshot::MOST_POINTS;
     use costate::design::DesignVariable;
@@ -252,19 +253,6 @@ mod tests {
         let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut results).unwrap();
         assert_eq!(stopped, None);
         results
-    }
-
-    /// A folder of its own for one test, removed when dropped.
-    struct Folder(PathBuf);
-    impl Folder {
-        fn new(name: &str) -> Self {
-            Folder(std::env::temp_dir().join(format!("costate-results-{}-{name}", std::process::id())))
-        }
-    }
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
     }
 
     #[test]

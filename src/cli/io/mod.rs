@@ -15,6 +15,8 @@ mod xml;
 #[cfg(feature = "arrow")]
 pub use arrow::ArrowFile;
 pub use chart::{Bars, Chart, Series, Style, write_bars, write_charts};
+#[cfg(test)]
+pub(crate) use file::tests::Folder;
 pub use file::{IoError, write_file, write_json};
 pub use progress::Progress;
 pub(crate) use read::fields;
