@@ -1,6 +1,6 @@
 //! `costate modes --speed`: modes over the rate of a steady turn, followed by their shapes through crossings.
 
-use super::console::{json_number, print};
+use super::console::print;
 use super::failure::Failure;
 use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv};
 use costate::integrators::Mode;
@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// Multiples of the rate that are drawn beside the modes: where a blade passes, loads come so often.
 const ORDERS: [usize; 4] = [1, 2, 3, 4];
-/// Branches of the printed table.
 const SHOWN: usize = 8;
 
 /// Modes at each rate, in the order of branches; `None` where a branch has none.
@@ -30,7 +29,6 @@ fn likeness(one: &Mode, other: &Mode) -> f64 {
 }
 
 impl Branches {
-    /// Follows `count` modes over rates.
     pub fn follow(prepared: &mut Prepared, rates: &[f64], count: usize) -> Result<Self, Failure> {
         let mut branches = Branches { rates: rates.to_vec(), modes: Vec::new() };
         let own = prepared.spin_rate();
@@ -100,11 +98,10 @@ impl Branches {
         }
     }
 
-    /// Prints the frequencies.
     pub fn print(&self) {
         let names: Vec<String> = (1..=self.count().min(SHOWN)).map(|own| format!("mode {own}")).collect();
-        let header: Vec<&str> = ["rate [rad/s]"].into_iter().chain(names.iter().map(String::as_str)).collect();
-        let mut table = Table::new(&header);
+        let mut table =
+            Table::new(&["rate [rad/s]"].into_iter().chain(names.iter().map(String::as_str)).collect::<Vec<_>>());
         for (row, rate) in self.rates.iter().enumerate() {
             let cell = |branch: usize| match self.at(row, branch) {
                 Some(mode) if mode.is_unstable() => format!("{} (grows)", number(mode.frequency)),
@@ -116,7 +113,6 @@ impl Branches {
         print(format_args!("frequencies in the frame that turns [rad/s]\n\n{table}\n"));
     }
 
-    /// Writes campbell.csv and campbell.svg.
     pub fn write(&self, title: String, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let of_branch = |branch: usize| [format!("frequency {branch} [rad/s]"), format!("growth {branch} [1/s]")];
         let header: Vec<String> =
@@ -131,13 +127,11 @@ impl Branches {
         Ok(files.to_vec())
     }
 
-    /// The same as JSON.
     pub fn json(&self) -> Value {
-        let of_mode =
-            |mode: &Mode| json!({"omega_rad_s": json_number(mode.frequency), "growth_1_s": json_number(mode.growth)});
+        let of_mode = |mode: &Mode| json!({"omega_rad_s": mode.frequency, "growth_1_s": mode.growth});
         let rows = self.rates.iter().zip(&self.modes).map(|(rate, row)| {
             let modes: Vec<Value> = row.iter().map(|mode| mode.as_ref().map_or(Value::Null, of_mode)).collect();
-            json!({"rate_rad_s": json_number(*rate), "modes": modes})
+            json!({"rate_rad_s": *rate, "modes": modes})
         });
         rows.collect()
     }

@@ -27,7 +27,6 @@ struct Column {
 }
 
 impl<'p> Columns<'p> {
-    /// Of a scene.
     pub fn new(prepared: &'p Prepared<'p>) -> Self {
         let energies = prepared.model().elements.iter().all(|element| element.physics.has_energies());
         let elements = prepared.model().elements.iter();
@@ -61,7 +60,6 @@ impl<'p> Columns<'p> {
         telling.flat_map(of).collect()
     }
 
-    /// Whether there is a column of the energy.
     pub fn have_energy(&self) -> bool {
         self.energies
     }
@@ -111,9 +109,6 @@ impl<'p> Columns<'p> {
     }
 
     /// The places of the time and of what some names stand for; of all columns if there are no names.
-    ///
-    /// # Errors
-    /// A name that has no column.
     pub fn chosen(&self, names: &[String]) -> Result<Vec<usize>, String> {
         let all = self.all();
         if names.is_empty() {

@@ -1,11 +1,11 @@
 //! What the scenarios of a scene gave, side by side.
 
-use super::console::{json_number, long_number, print, print_files, print_json};
+use super::console::{print, print_files, print_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::Simulation;
-use crate::io::{Cell, Chart, Series, Table, write_file};
+use crate::io::{Cell, Chart, Series, Table, write_json};
 use costate::scenes::{AnyScene, COMPARISON, Prepared};
 use serde_json::{Value, json};
 
@@ -26,11 +26,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Adds what a scenario gave; of one that stopped early nothing can be compared.
+    /// Adds what a scenario gave.
     pub fn add(&mut self, name: &str, prepared: &Prepared, simulation: &Simulation) {
-        if simulation.stopped.is_some() {
-            return;
-        }
         let place = self.scenarios.len();
         self.scenarios.push(name.into());
         for (functional, &value) in prepared.functionals().iter().zip(&simulation.forward.values) {
@@ -46,7 +43,7 @@ impl Comparison {
             row.values.push(Some(value));
         }
         self.rows.iter_mut().for_each(|row| row.values.resize(place + 1, None));
-        for chart in &simulation.charts {
+        for chart in &simulation.measured.charts {
             for series in &chart.series {
                 self.add_history(name, chart, series);
             }
@@ -70,34 +67,26 @@ impl Comparison {
     }
 
     /// Prints and writes the comparison of more than one scenario: `scenarios.html` and `scenarios.json`.
-    ///
-    /// # Errors
-    /// Files that cannot be written.
     pub fn conclude(&self, scene: &dyn AnyScene, options: &SceneOptions) -> Result<(), Failure> {
         if self.scenarios.len() < 2 {
             return Ok(());
         }
-        let names = || self.scenarios.iter().map(String::as_str);
-        let columns: Vec<&str> = std::iter::once("functional").chain(names()).chain(["unit"]).collect();
-        let mut table = Table::new(&columns);
+        let names = self.scenarios.iter().map(String::as_str);
+        let mut table = Table::new(&["functional"].into_iter().chain(names).chain(["unit"]).collect::<Vec<_>>());
         for Row { name, unit, values } in &self.rows {
-            let cell = |value: &Option<f64>| value.map_or(Cell::Empty, |value| long_number(value).into());
-            let cells = std::iter::once(name.as_str().into()).chain(values.iter().map(cell)).chain([unit.as_str().into()]);
-            table.row(cells.collect::<Vec<Cell>>());
+            let values = values.iter().map(|value| value.map(Cell::long).into());
+            table.row([Cell::from(name)].into_iter().chain(values).chain([unit.into()]));
         }
         print(format_args!("{table}\n"));
-        let folder = options.folder(scene);
-        let values =
-            |row: &Row| -> Vec<Value> { row.values.iter().map(|own| own.map_or(Value::Null, json_number)).collect() };
-        let of_row = |row: &Row| json!({"name": row.name, "unit": row.unit, "values": values(row)});
-        let summary = json!({"scene": scene.name(), "scenarios": self.scenarios, "functionals": self.rows.iter().map(of_row).collect::<Vec<_>>()});
-        let [file, report] = COMPARISON.map(|name| folder.join(name));
-        write_file(&file, format!("{summary:#}\n").as_bytes())?;
+        let of_row = |Row { name, unit, values }: &Row| json!({"name": name, "unit": unit, "values": values});
+        let rows: Vec<Value> = self.rows.iter().map(of_row).collect();
+        let summary = json!({"scene": scene.name(), "scenarios": self.scenarios, "functionals": rows});
+        let [file, report] = COMPARISON.map(|name| options.folder(scene).join(name));
+        write_json(&file, &summary)?;
         print_files(&[&file]);
-        if options.reports() {
+        if !options.no_report {
             let mut page = Page::by_command(scene, "comparison of its scenarios");
-            let cells = |row: &Row| [&[json!(row.name)][..], &values(row), &[json!(row.unit)]].concat();
-            page.table("Functionals", &columns, self.rows.iter().map(cells).collect());
+            page.table("Functionals", &table);
             page.charts("Histories", &self.charts);
             page.write(&report, &[file])?;
             print_files(&[report]);

@@ -67,11 +67,6 @@ pub fn print_json(wanted: bool, object: &Value) {
     }
 }
 
-/// A number, or null if it is not finite.
-pub fn json_number(value: f64) -> Value {
-    serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
-}
-
 /// A difference in two digits, zero as 0.
 pub fn brief(difference: f64) -> String {
     if difference == 0.0 { "0".into() } else { format!("{difference:.1e}") }
@@ -90,21 +85,6 @@ pub fn seconds(value: f64) -> String {
 pub fn count(count: usize, word: &str) -> String {
     if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
 }
-/// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`; zero as 0.
-pub fn long_number(value: f64) -> String {
-    if value == 0.0 {
-        return format!("{:>19}", 0);
-    }
-    let text = format!("{value:.12e}");
-    match text.split_once('e') {
-        Some((digits, exponent)) => {
-            let (sign, size) = exponent.strip_prefix('-').map_or(('+', exponent), |size| ('-', size));
-            format!("{digits:>15}e{sign}{size:0>2}")
-        }
-        None => format!("{text:>19}"),
-    }
-}
-
 /// Relative change of a functional by a relative change of a variable, (x / f) df/dx; none where x or f is zero.
 pub fn relative_effect(x: f64, derivative: f64, value: f64) -> Option<f64> {
     (x != 0.0 && value != 0.0).then_some(x * derivative / value)

@@ -7,9 +7,6 @@ use std::path::Path;
 
 /// The table of an earlier run of the same command in the same folder keeps its rows, under the first number that is free.
 /// Only a file is moved.
-///
-/// # Errors
-/// What stands there is no file, or cannot be moved.
 pub fn keep_earlier(path: &Path) -> Result<(), Failure> {
     if !is_first() {
         return Ok(());

@@ -1,6 +1,5 @@
 //! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
 
-use super::console::json_number;
 use super::measured_moments::ENERGY_ROUNDING;
 use crate::io::number;
 use costate::assembly::{ConstraintId, Model, last_bit};
@@ -45,13 +44,11 @@ impl EnergyBalance {
         (self.left().abs() > self.round_off).then(|| self.left().abs() / self.size)
     }
 
-    /// As JSON.
     pub fn json(&self) -> Value {
-        let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()].map(json_number);
+        let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()];
         json!({"change": change, "forces": forces, "drivers": drivers, "left": left})
     }
 
-    /// In words.
     pub fn in_words(&self) -> String {
         let drivers = if self.drivers == 0.0 { String::new() } else { format!(", drivers {} J", number(self.drivers)) };
         let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of all energy that moved"));
@@ -92,13 +89,11 @@ impl Ledger {
             works: vec![0.0; self.functionals.len()],
             exchanged: 0.0,
             held: 0.0,
-            energies: Energies {
-                model: prepared.model(),
-                p: &self.p,
-                measured: Measured::energy(),
-                range: None,
-                latest: None,
-            },
+            model: prepared.model(),
+            p: &self.p,
+            energy: Measured::energy(),
+            range: None,
+            latest: None,
         }
     }
 }
@@ -112,41 +107,35 @@ pub struct Course<'l> {
     exchanged: f64,
     /// Largest reaction times largest coordinate: energies of this size are differences of what joints hold.
     held: f64,
-    energies: Energies<'l>,
-}
-
-/// Energies at the ends of steps.
-struct Energies<'l> {
     model: &'l Model,
     p: &'l [f64],
-    measured: Measured,
+    energy: Measured,
+    /// Energies at the ends of steps.
     range: Option<EnergyRange>,
     /// The end of the latest step, and its size [s].
     latest: Option<(Sample<f64>, f64)>,
 }
 
-/// What they were [J].
+/// What energies were [J].
 #[derive(Clone, Copy)]
 struct EnergyRange {
     start: f64,
     end: f64,
-    /// The largest kinetic energy.
     kinetic: f64,
-    /// The lowest and the highest potential energy.
     potential: [f64; 2],
 }
 
-impl Energies<'_> {
-    fn of(&self, sample: &Sample<f64>) -> f64 {
-        self.measured.value(self.model, sample, self.p)
+impl Course<'_> {
+    fn energy_of(&self, sample: &Sample<f64>) -> f64 {
+        self.energy.value(self.model, sample, self.p)
     }
 
     /// Takes note of the start, or of the end of a step of size `h`.
     fn note(&mut self, mut sample: Sample<f64>, h: f64) {
-        let end = self.of(&sample);
+        let end = self.energy_of(&sample);
         let v = std::mem::take(&mut sample.at.v);
         sample.at.v = vec![0.0; v.len()];
-        let potential = self.of(&sample);
+        let potential = self.energy_of(&sample);
         sample.at.v = v;
         let begin = || EnergyRange { start: end, end, kinetic: 0.0, potential: [potential; 2] };
         let EnergyRange { end: latest, kinetic, potential: [lowest, highest], .. } = self.range.get_or_insert_with(begin);
@@ -166,14 +155,12 @@ impl Energies<'_> {
         let sign = |place: usize| last_bit(place).signum();
         rounded.at.q.iter_mut().enumerate().for_each(|(place, own)| *own += sign(2 * place) * moved);
         rounded.at.v.iter_mut().enumerate().for_each(|(place, own)| *own += sign(2 * place + 1) * moved / h);
-        (self.of(&rounded) - self.of(sample)).abs()
+        (self.energy_of(&rounded) - self.energy_of(sample)).abs()
     }
-}
 
-impl Course<'_> {
     pub fn start(&mut self, start: &StartRecord<f64>) {
         self.values.start(start);
-        self.energies.note(Sample::initial(start), f64::INFINITY);
+        self.note(Sample::initial(start), f64::INFINITY);
     }
 
     pub fn step(&mut self, step: &StepRecord<f64>) {
@@ -185,7 +172,7 @@ impl Course<'_> {
         }
         let mut end = Sample::empty();
         end.set_terminal(step);
-        self.energies.note(end, step.h);
+        self.note(end, step.h);
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let reactions = step.stages.last().map_or(0.0, |stage| largest(&stage.solve.unknowns.mu));
         self.held = self.held.max(reactions * largest(&step.q));
@@ -193,10 +180,10 @@ impl Course<'_> {
 
     /// At the end of the last step; `None` of a run without steps.
     pub fn finish(self) -> Option<EnergyBalance> {
-        let EnergyRange { start, end, kinetic, potential: [lowest, highest] } = self.energies.range?;
+        let EnergyRange { start, end, kinetic, potential: [lowest, highest] } = self.range?;
+        let round_off = self.round_off().max(ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs()));
         let (works, ..) = self.values.finish();
         let (change, drivers) = (end - start, works[1..].iter().sum());
-        let round_off = self.energies.round_off().max(ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs()));
         let size = kinetic + (highest - lowest) + self.exchanged;
         change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, size, round_off })
     }

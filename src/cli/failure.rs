@@ -14,11 +14,9 @@ sent_by_fields!(Failure { code, message });
 
 /// Exit code of an optimization that its limit of iterations ended.
 pub const LIMIT_REACHED: u8 = 3;
-/// Exit code after Ctrl-C.
 pub const INTERRUPTED: u8 = 130;
 
 impl Failure {
-    /// Bad input.
     pub fn input(message: impl Into<String>) -> Self {
         Failure { code: 2, message: message.into() }
     }

@@ -1,29 +1,29 @@
 use super::CommandLine;
-use super::comparison::Comparison;
-use super::console::{brief, json_number, print, print_json, relative_effect};
+use super::console::{brief, print, print_files, print_json};
 use super::failure::Failure;
-use super::histories::{check_history, check_one_history, keep, resumed};
-use super::influences::print_influences;
+use super::histories::{keep, resumed};
+use super::influences::{gradients, insert_gradient};
 use super::interrupt::set_last_words;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
-use super::report::{GradientRows, Page};
-use super::run::report;
+use super::report::Page;
+use super::run::{each_scenario, report};
 use super::simulation::{Simulation, Work, print_work, simulate};
+use super::summary::by_name;
 use crate::io::{Progress, number};
 use clap::{Args, ValueEnum};
 use costate::design::DesignVariable;
 use costate::history::Keep;
 use costate::integrators::{Counters, RunError};
 use costate::program::making_time;
-use costate::scenes::{AnyScene, OF_QUOTIENTS, Prepared, SCATTER, Scenario};
+use costate::scenes::{OF_QUOTIENTS, Prepared, SCATTER};
 use costate::sensitivity::{Forward, Gradient, SwitchError};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::time::Instant;
 
 /// Options of `costate gradient`.
-#[derive(Args, Clone)]
+#[derive(Args)]
 pub struct GradientOptions {
     #[command(flatten)]
     scene: SceneOptions,
@@ -84,7 +84,6 @@ const SMALL: f64 = 1e-2;
 /// does not depend on is what round-off leaves of terms of that size, and zero against zero is zero.
 const ZERO: f64 = 1e-2;
 
-/// A gradient and the time it took.
 struct Timed {
     gradient: Gradient,
     /// Steps computed again between checkpoints.
@@ -98,7 +97,6 @@ struct Timed {
 struct Check {
     way: CheckWay,
     other: Timed,
-    /// Relative differences, for each functional and variable.
     differences: Vec<Vec<f64>>,
     /// Of each functional, what round-off does to the other derivatives: of complex steps where the differences made it worth a look.
     scatter: Vec<Option<f64>>,
@@ -110,42 +108,29 @@ struct Check {
 
 /// `costate gradient`: simulates, writes, differentiates, checks, prints.
 pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failure> {
-    let scene = options.scene.scene(program)?;
-    let scenarios = options.scene.scenarios(&*scene)?;
-    let count = scenarios.len();
-    check_one_history(&options.history, count)?;
-    let mut comparison = Comparison::default();
-    scenarios.into_iter().try_for_each(|Scenario { name, scene }| {
-        let own = GradientOptions { scene: options.scene.of_scenario(&name, count), ..options.clone() };
-        run_one(&own, scene, |prepared, simulation| comparison.add(&name, prepared, simulation))
-    })?;
-    comparison.conclude(&*scene, &options.scene)
+    let keep = resumed(options.history.clone(), options.resume)?;
+    each_scenario(&options.scene, &keep, program, |own, prepared| {
+        prepared.method = own.differentiable(prepared.method.clone())?;
+        differentiated(own, prepared, options.check)
+    })
 }
 
-/// The gradient of a scene or a scenario; shows what the simulation gave.
-fn run_one(
-    options: &GradientOptions,
-    scene: &dyn AnyScene,
-    show: impl FnOnce(&Prepared, &Simulation),
-) -> Result<(), Failure> {
-    let mut prepared = options.scene.prepare(scene)?;
-    prepared.method = options.scene.differentiable(prepared.method)?;
-    prepared.keep = resumed(options.history.clone(), options.resume)?;
-    check_history(&prepared.keep, &options.scene.folder(scene))?;
-    let mut simulation = simulate(&prepared, &options.scene)?;
-    let output = options.scene.output(scene);
+/// A simulation with its gradient.
+fn differentiated(options: &SceneOptions, prepared: &Prepared, check: Option<CheckWay>) -> Result<Simulation, Failure> {
+    let scene = prepared.scene;
+    let mut simulation = simulate(prepared, options)?;
+    let output = options.output(scene);
     let begun = || Page::by_command(scene, "simulation and gradient");
-    let mut page = options.scene.reports().then(|| begun().with_simulation(&prepared, &simulation.shown(&prepared)));
+    let mut page = (!options.no_report).then(|| begun().with_simulation(prepared, &simulation.shown(prepared)));
     if simulation.stopped.is_some() {
-        simulation.conclude(page, simulation.json(&prepared).into());
-        report(&simulation, &prepared);
-        print_json(options.scene.json, &simulation.json(&prepared).into());
-        return simulation.stopped.map_or(Ok(()), Err);
+        let json = simulation.conclude(page, simulation.json(prepared));
+        report(&simulation, prepared);
+        print_json(options.json, &json);
+        return simulation.verdict();
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
-    show(&prepared, &simulation);
-    print_simulated(&simulation, &prepared, options.scene.json);
-    let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
+    print_simulated(&simulation, prepared, options.json);
+    let parts = PartSensitivities::of(prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
         if parts.asked.is_empty() {
@@ -155,61 +140,63 @@ fn run_one(
         by_parameters = rows;
         Ok(gradient)
     });
-    let adjoint = adjoint.inspect_err(|_| simulation.print_files())?;
-    if let Err(error) = simulation.modes.differentiate(&prepared) {
-        simulation.print_files();
+    let adjoint = adjoint.inspect_err(|_| print_files(&simulation.files))?;
+    if let Err(error) = simulation.modes.differentiate(prepared) {
+        print_files(&simulation.files);
         return Err(error.into());
     }
-    let (forward, check) = (&simulation.forward, options.check);
-    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| simulation.print_files())?;
+    let forward = &simulation.forward;
+    let switched = analysis.switch_errors(forward, &adjoint.gradient).inspect_err(|_| print_files(&simulation.files))?;
     let behind: Vec<&str> =
         switched.iter().filter(|own| own.refused().is_some()).map(|own| own.functional.as_str()).collect();
-    let check = check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
-        (0..prepared.functionals().len())
-            .for_each(|row| print_gradient(&prepared, (row, forward.values[row]), &adjoint, None));
-        simulation.print_files();
+    let check = check.map(|way| Check::by(way, prepared, forward, &adjoint)).transpose().inspect_err(|_| {
+        gradients(prepared, &forward.values, &adjoint.gradient.rows, None).print();
+        print_files(&simulation.files);
     })?;
 
     set_last_words(None);
-    for row in 0..prepared.functionals().len() {
-        print_gradient(&prepared, (row, forward.values[row]), &adjoint, check.as_ref());
-    }
-    simulation.modes.print(&prepared);
-    print_work(&work(&simulation, &adjoint, check.as_ref()));
+    let other = check.as_ref().map(|own| (own.way.words(), [&own.other.gradient.rows[..], &own.differences]));
+    let (gradients, modes) =
+        (gradients(prepared, &forward.values, &adjoint.gradient.rows, other), simulation.modes.summary(prepared));
+    gradients.print();
+    modes.print();
+    let mut work = vec![("simulation", simulation.work(prepared)), ("adjoint", adjoint_work(&adjoint))];
+    work.extend(check.iter().map(|Check { way, other, .. }| (way.words(), work_of_check(*way, other))));
+    print_work(&work);
     let ratio = adjoint.seconds / simulation.seconds;
     print(format_args!("adjoint time / forward time: {}", number(ratio)));
-    check.iter().for_each(|check| check.print(&behind, &prepared));
+    check.iter().for_each(|check| check.print(&behind, prepared));
     print("");
     if output.meshes {
-        let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(scene));
+        let written = write_gradients(prepared, &by_parameters, &options.folder(scene));
         match written {
             Ok(path) => simulation.files.extend(path),
             Err(error) => simulation.unwritten = simulation.unwritten.or(Some(error.into())),
         }
     }
     if let Some(page) = &mut page {
-        parts.colour(&prepared, &by_parameters, page);
-        simulation.modes.show(&prepared, page);
-        page.gradient(&prepared, &rows_of((&prepared, &forward.values), &adjoint, check.as_ref(), &behind));
+        parts.colour(prepared, &by_parameters, page);
+        modes.show(page);
+        gradients.show(page);
+        check.iter().for_each(|check| page.fact("gradient", check.in_words(&behind, prepared)));
     }
-    let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind);
-    simulation.conclude(page, summary);
-    simulation.print_files();
-    print_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
+    let summary = json_of(&simulation, prepared, &adjoint, check.as_ref(), &behind);
+    let summary = simulation.conclude(page, summary);
+    print_files(&simulation.files);
+    print_json(options.json, &summary);
     switched.iter().find_map(SwitchError::refused).map_or(Ok(()), |why| Err(Failure::run(why)))?;
-    check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
-    simulation.unwritten.map_or(Ok(()), Err)
+    check.map_or(Ok(()), |check| check.verdict(&behind, prepared))?;
+    simulation.verdict()
 }
 
 /// What is there is said before what may fail; a sweep that is stopped leaves it as its last words.
 fn print_simulated(simulation: &Simulation, prepared: &Prepared, as_json: bool) {
-    simulation.print_functionals(prepared);
-    simulation.print_resolution(prepared);
+    simulation.shown(prepared).summary(prepared).print();
     print_checkpoints(prepared, &simulation.forward);
     let mut simulated = simulation.json(prepared);
-    simulated.insert("error".into(), json!("interrupted before the gradient was there"));
+    simulated["error"] = json!("interrupted before the gradient was there");
     simulation.summarize(&simulated);
-    set_last_words(as_json.then(|| Value::from(simulated).to_string()));
+    set_last_words(as_json.then(|| simulated.to_string()));
 }
 
 fn print_checkpoints(prepared: &Prepared, forward: &Forward) {
@@ -238,23 +225,6 @@ fn timed(
     let recomputed = forward.history.usage().recomputed - before;
     let seconds = begun.elapsed().as_secs_f64();
     Ok(Timed { gradient, recomputed, seconds, program_seconds: making_time() - programs })
-}
-
-fn rows_of<'g>(
-    (prepared, values): (&Prepared, &'g [f64]),
-    adjoint: &'g Timed,
-    check: Option<&'g Check>,
-    behind: &[&str],
-) -> GradientRows<'g> {
-    let verdict = check.map_or_else(String::new, |check| {
-        let (verdict, (largest, limit)) = (if check.passes() { "within" } else { "NOT within" }, check.figures());
-        let blind =
-            check.first_blind(behind, prepared).map_or_else(String::new, |why| format!(", which shows nothing: {why}"));
-        let other = check.way.words();
-        format!("{verdict} {limit:.0e} of the {other}: largest relative difference {}{blind}", brief(largest))
-    });
-    let check = check.map(|check| (check.way.words(), [&check.other.gradient.rows[..], &check.differences]));
-    GradientRows { values, adjoint: &adjoint.gradient.rows, check, verdict }
 }
 
 impl Check {
@@ -293,7 +263,14 @@ impl Check {
         }
     }
 
-    /// How the command ends.
+    fn in_words(&self, behind: &[&str], prepared: &Prepared) -> String {
+        let (verdict, (largest, limit)) = (if self.passes() { "within" } else { "NOT within" }, self.figures());
+        let blind =
+            self.first_blind(behind, prepared).map_or_else(String::new, |why| format!(", which shows nothing: {why}"));
+        let (other, largest) = (self.way.words(), brief(largest));
+        format!("{verdict} {limit:.0e} of the {other}: largest relative difference {largest}{blind}")
+    }
+
     fn verdict(&self, behind: &[&str], prepared: &Prepared) -> Result<(), Failure> {
         if self.passes() {
             return self.first_blind(behind, prepared).map_or(Ok(()), |why| Err(Failure::run(why)));
@@ -374,7 +351,6 @@ impl Check {
         self.largest(k) <= self.way.limit()
     }
 
-    /// Whether each functional is within its limit.
     fn passes(&self) -> bool {
         self.worst() <= 1.0
     }
@@ -406,7 +382,6 @@ impl Check {
         (0..self.differences.len()).find_map(|k| self.blind(k, behind, prepared))
     }
 
-    /// The largest difference of a functional.
     fn largest(&self, k: usize) -> f64 {
         largest_of(&self.differences[k..=k])
     }
@@ -444,7 +419,6 @@ fn largest_of(differences: &[Vec<f64>]) -> f64 {
 struct Measure<'p> {
     variables: &'p [DesignVariable],
     x: &'p [f64],
-    /// Value of the functional.
     value: f64,
     /// Change of the functional that is round-off.
     round_off: f64,
@@ -472,25 +446,9 @@ impl<'p> Measure<'p> {
     }
 }
 
-fn print_gradient(prepared: &Prepared, (row, value): (usize, f64), adjoint: &Timed, check: Option<&Check>) {
-    let functional = &prepared.functionals()[row];
-    let unit = functional.value_unit();
-    let named = (&functional.name[..], &unit[..], value);
-    let check = check.map(|own| (own.way.words(), &own.other.gradient.rows[row][..], &own.differences[row][..]));
-    print_influences(named, prepared, &adjoint.gradient.rows[row], check);
-}
-
-fn work(simulation: &Simulation, adjoint: &Timed, check: Option<&Check>) -> Vec<(&'static str, Work)> {
-    let mut columns = vec![("simulation", simulation.work()), ("adjoint", adjoint_work(adjoint))];
-    if let Some(Check { way, other, .. }) = check {
-        columns.push((way.words(), work_of_check(*way, other)));
-    }
-    columns
-}
-
 fn work_of_check(way: CheckWay, other: &Timed) -> Work {
     let Counters { systems, iterations, residuals, factorizations, solves, .. } = other.gradient.counters;
-    let mut work = vec![("time_s", json_number(other.seconds)), ("programs_s", json_number(other.program_seconds))];
+    let mut work = vec![("time_s", json!(other.seconds)), ("programs_s", json!(other.program_seconds))];
     if way == CheckWay::ComplexStep {
         let counted = [
             ("systems", systems),
@@ -513,47 +471,40 @@ fn adjoint_work(adjoint: &Timed) -> Work {
         ("solves", json!(solves)),
         ("element_products", json!(products)),
         ("recomputed_steps", json!(adjoint.recomputed)),
-        ("time_s", json_number(adjoint.seconds)),
-        ("programs_s", json_number(adjoint.program_seconds)),
+        ("time_s", json!(adjoint.seconds)),
+        ("programs_s", json!(adjoint.program_seconds)),
     ]
 }
 
-fn insert_work(object: &mut Map<String, Value>, sweep: &str, work: Work) {
+fn insert_work(object: &mut Value, sweep: &str, work: Work) {
     for (name, value) in work {
         let name = if name == "time_s" { format!("{sweep}_s") } else { format!("{sweep}_{name}") };
-        object.insert(name, value);
+        object[name] = value;
     }
 }
 
 fn json_of(simulation: &Simulation, prepared: &Prepared, adjoint: &Timed, check: Option<&Check>, behind: &[&str]) -> Value {
     let mut object = simulation.json(prepared);
-    let named = |row: &[f64]| -> Value {
-        let pairs = prepared.variables.iter().zip(row);
-        pairs.map(|(variable, &value)| (variable.name.clone(), json_number(value))).collect::<Map<_, _>>().into()
-    };
-    if let Some(Value::Array(functionals)) = object.get_mut("functionals") {
-        for (row, functional) in functionals.iter_mut().enumerate() {
-            let (own, value) = (&adjoint.gradient.rows[row], simulation.forward.values[row]);
-            functional["gradient"] = named(own);
-            let relative = |(&x, &derivative)| relative_effect(x, derivative, value).unwrap_or(f64::NAN);
-            functional["relative_sensitivity"] = named(&prepared.x.iter().zip(own).map(relative).collect::<Vec<_>>());
-            if let Some(check) = check {
-                functional[check.way.key()] = named(&check.other.gradient.rows[row]);
-                functional["relative_difference"] = named(&check.differences[row]);
-                functional["limit"] = json_number(check.limit(row));
-            }
+    for (row, own) in adjoint.gradient.rows.iter().enumerate() {
+        let functional = &mut object["functionals"][row];
+        insert_gradient(functional, prepared, simulation.forward.values[row], own);
+        if let Some(check) = check {
+            let named = |rows: &[Vec<f64>]| by_name(&prepared.variables, rows[row].iter().copied());
+            functional[check.way.key()] = named(&check.other.gradient.rows);
+            functional["relative_difference"] = named(&check.differences);
+            functional["limit"] = json!(check.limit(row));
         }
     }
     insert_work(&mut object, "adjoint", adjoint_work(adjoint));
-    object.insert("adjoint_per_forward".into(), json_number(adjoint.seconds / simulation.seconds));
+    object["adjoint_per_forward"] = json!(adjoint.seconds / simulation.seconds);
     if let Some(check) = check {
         insert_work(&mut object, check.way.key(), work_of_check(check.way, &check.other));
         let (largest, limit) = check.figures();
-        object.insert("largest_relative_difference".into(), json_number(largest));
-        object.insert("limit".into(), json_number(limit));
-        object.insert("pass".into(), json!(check.passes() && check.first_blind(behind, prepared).is_none()));
+        object["largest_relative_difference"] = json!(largest);
+        object["limit"] = json!(limit);
+        object["pass"] = json!(check.passes() && check.first_blind(behind, prepared).is_none());
     }
-    object.into()
+    object
 }
 
 #[cfg(test)]

@@ -5,9 +5,6 @@ use costate::history::Keep;
 use std::path::Path;
 
 /// What `--history` and `--resume` say together.
-///
-/// # Errors
-/// Nothing to go on with but a file.
 pub fn resumed(keep: Keep, resume: bool) -> Result<Keep, Failure> {
     match keep {
         keep if !resume => Ok(keep),
@@ -16,10 +13,6 @@ pub fn resumed(keep: Keep, resume: bool) -> Result<Keep, Failure> {
     }
 }
 
-/// What `--history` says.
-///
-/// # Errors
-/// What it may say.
 pub fn keep(text: &str) -> Result<Keep, String> {
     let megabytes = |text: &str| text.parse::<f64>().ok().filter(|size| *size > 0.0 && size.is_finite());
     match text.split_once(':') {
@@ -37,35 +30,19 @@ pub fn keep(text: &str) -> Result<Keep, String> {
     Err("it must be auto, memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
 }
 
-/// Refuses to keep the steps of several runs in one file.
-///
-/// # Errors
-/// A file for the scenarios of a scene.
-pub fn check_one_history(keep: &Keep, runs: usize) -> Result<(), Failure> {
-    match keep {
-        Keep::File(path) | Keep::Resumed(path) if runs > 1 => Err(Failure::input(format!(
-            "--history file:{}: each of {runs} scenarios wants a file of its own: choose one with --scenario",
-            path.display()
-        ))),
-        _ => Ok(()),
-    }
-}
-
 /// Endings of the files that this program writes for people and other programs.
 const RESULTS: [&str; 5] = ["arrow", "csv", "html", "json", "svg"];
 
-/// Refuses to keep steps where a result of the same run will stand.
-///
-/// # Errors
-/// Another ending is asked for.
-pub fn check_history(keep: &Keep, folder: &Path) -> Result<(), Failure> {
+/// Refuses to keep the steps of several runs in one file, or where a result of the same run will stand.
+pub fn check_history(keep: &Keep, runs: usize, folder: &Path) -> Result<(), Failure> {
     let (Keep::File(path) | Keep::Resumed(path)) = keep else { return Ok(()) };
     let is_result = path.extension().is_some_and(|ending| RESULTS.iter().any(|result| ending == *result));
-    if is_result && path.parent() == Some(folder) {
-        let path = path.display();
-        return Err(Failure::input(format!(
-            "--history file:{path}: results are written there; name a file with another ending"
-        )));
-    }
-    Ok(())
+    let why = match runs {
+        2.. => format!("each of {runs} scenarios wants a file of its own: choose one with --scenario"),
+        _ if is_result && path.parent() == Some(folder) => {
+            "results are written there; name a file with another ending".into()
+        }
+        _ => return Ok(()),
+    };
+    Err(Failure::input(format!("--history file:{}: {why}", path.display())))
 }

@@ -11,7 +11,6 @@ use costate::scenes::Prepared;
 
 /// A joint whose load is below this share of the largest, a moment being a force by the size of the mechanism, carries none.
 const NO_LOAD: f64 = 1e-9;
-/// Most curves of one chart.
 const MOST_CURVES: usize = 7;
 
 /// Of many nodes those that say something by their name: what functionals measure, then what the scene made itself; all of them where
@@ -109,73 +108,63 @@ fn charts_of_places(columns: &Columns, prepared: &Prepared, moments: &[Snapshot]
     charts
 }
 
+/// A number of each moment.
+type Quantity<'c> = Box<dyn Fn(&Snapshot) -> f64 + 'c>;
+
+/// A panel of the largest of some quantities, in their order, without those below the least, or below [`NO_LOAD`] of the largest; none where
+/// nothing is left.
+fn largest_of(moments: &[Snapshot], y_label: String, all: &[(String, Quantity)], least: Option<f64>) -> Option<Chart> {
+    let peak = |own: &(String, Quantity)| moments.iter().fold(0.0, |most: f64, moment| most.max(own.1(moment).abs()));
+    let mut peaks: Vec<(usize, f64)> = all.iter().map(peak).enumerate().collect();
+    peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let least = least.unwrap_or(NO_LOAD * peaks.first()?.1);
+    peaks.retain(|own| own.1 > least);
+    let count = peaks.len();
+    peaks.truncate(MOST_CURVES);
+    peaks.sort_unstable_by_key(|own| own.0);
+    let series = peaks.iter().map(|&(place, _)| curve(moments, all[place].0.clone(), &all[place].1)).collect();
+    (count > 0).then(|| panel(y_label, series, count))
+}
+
 /// Forces and moments of springs, dampers and elements, and the numbers of each state.
 fn charts_of_outputs(moments: &[Snapshot], columns: &Columns) -> Vec<Chart> {
-    let all = || columns.outputs.iter().enumerate();
-    let mut panels: Vec<(String, Vec<usize>)> = Vec::new();
-    for (place, (owner, Output { name, unit })) in all() {
+    let mut panels: Vec<(String, Vec<(String, Quantity)>)> = Vec::new();
+    for (place, (owner, Output { name, unit })) in columns.outputs.iter().enumerate() {
+        let is_state = columns.is_state(owner);
         let label = match *unit {
             "N" => "forces of springs, dampers and elements [N]".into(),
             "N m" => "moments of springs and elements [N m]".into(),
-            "" if !name.contains("/dt") && columns.is_state(owner) => (*owner).to_string(),
+            "" if !name.contains("/dt") && is_state => (*owner).to_string(),
             _ => continue,
         };
+        let name = match &name[..] {
+            name if is_state => name.to_string(),
+            "force" | "moment" => (*owner).to_string(),
+            name => format!("{owner}.{name}"),
+        };
+        let own: (String, Quantity) = (name, Box::new(move |moment| moment.outputs[place]));
         match panels.iter_mut().find(|own| own.0 == label) {
-            Some(own) => own.1.push(place),
-            None => panels.push((label, vec![place])),
+            Some((_, all)) => all.push(own),
+            None => panels.push((label, vec![own])),
         }
     }
-    let chart = |(label, mut places): (String, Vec<usize>)| {
-        let peak = |place: usize| moments.iter().fold(0.0, |most: f64, moment| most.max(moment.outputs[place].abs()));
-        let all = places.len();
-        // the largest, in the order of their columns
-        places.sort_by(|&a, &b| peak(b).total_cmp(&peak(a)));
-        places.truncate(MOST_CURVES);
-        let largest = peak(*places.first()?);
-        places.retain(|&place| peak(place) > NO_LOAD * largest);
-        places.sort_unstable();
-        let series = places.into_iter().map(|place| {
-            let (owner, Output { name, .. }) = &columns.outputs[place];
-            let name = if columns.is_state(owner) {
-                name.to_string()
-            } else if name == "force" || name == "moment" {
-                (*owner).to_string()
-            } else {
-                format!("{owner}.{name}")
-            };
-            curve(moments, name, |moment| moment.outputs[place])
-        });
-        let series: Vec<Series> = series.collect();
-        (!series.is_empty()).then(|| panel(label, series, all))
-    };
-    panels.into_iter().filter_map(chart).collect()
+    panels.into_iter().filter_map(|(label, all)| largest_of(moments, label, &all, None)).collect()
 }
 
 /// Forces and moments of joints of a mechanism of a size.
 fn charts_of_joints(moments: &[Snapshot], joints: &[&str], size: f64) -> Vec<Chart> {
-    let mut charts = Vec::new();
-    let peak = |k: usize, kind: usize| moments.iter().fold(0.0, |most: f64, moment| most.max(moment.loads[k][kind]));
-    let [force, moment] = [0, 1].map(|kind| (0..joints.len()).fold(0.0, |most: f64, k| most.max(peak(k, kind))));
+    let loads = || moments.iter().flat_map(|moment| &moment.loads);
+    let [force, moment] = [0, 1].map(|kind| loads().fold(0.0, |most: f64, own| most.max(own[kind])));
     // moments of a planar mechanism's hinges are what rounding leaves of its forces
     let least = [force + moment / size, moment + force * size].map(|scale| NO_LOAD * scale);
-    for (kind, y_label) in ["forces of joints [N]", "moments of joints [N m]"].into_iter().enumerate() {
-        let mut peaks: Vec<(usize, f64)> = (0..joints.len()).map(|k| (k, peak(k, kind))).collect();
-        peaks.retain(|own| own.1 > least[kind]);
-        let all = peaks.len();
-        if all > MOST_CURVES {
-            peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
-            peaks.truncate(MOST_CURVES);
-            peaks.sort_unstable_by_key(|own| own.0);
-        }
-        let series: Vec<Series> =
-            peaks.into_iter().map(|(k, _)| curve(moments, joints[k].into(), |moment| moment.loads[k][kind])).collect();
-        if !series.is_empty() {
-            let title =
-                if all > MOST_CURVES { format!("{y_label}: the {MOST_CURVES} largest of {all}") } else { String::new() };
-            charts.push(Chart { title, ..panel(y_label.into(), series, 0) });
-        }
-    }
-    charts
+    let chart = |(kind, y_label): (usize, &str)| {
+        let own = |(k, joint): (usize, &&str)| -> (String, Quantity) {
+            ((*joint).into(), Box::new(move |moment| moment.loads[k][kind]))
+        };
+        let all: Vec<_> = joints.iter().enumerate().map(own).collect();
+        largest_of(moments, y_label.into(), &all, Some(least[kind]))
+    };
+    ["forces of joints [N]", "moments of joints [N m]"].into_iter().enumerate().filter_map(chart).collect()
 }
 
 /// What has a unit of its own; places and speeds of points are seen elsewhere.

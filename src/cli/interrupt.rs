@@ -30,7 +30,6 @@ pub fn was_told(code: u8) {
     STATE.store(TOLD, Ordering::SeqCst);
 }
 
-/// Listens for Ctrl-C.
 pub fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         if STATE.load(Ordering::SeqCst) == TOLD {
@@ -55,7 +54,6 @@ pub fn install() -> Result<(), Failure> {
 pub struct Guard(());
 
 impl Guard {
-    /// Starts to guard.
     pub fn new() -> Self {
         STATE.store(FINISH_FIRST, Ordering::SeqCst);
         Guard(())

@@ -19,7 +19,6 @@ impl Default for KeptMoments {
 }
 
 impl KeptMoments {
-    /// Adds the next moment.
     pub fn add(&mut self, moment: Snapshot) {
         if self.count.is_multiple_of(self.stride) {
             self.moments.push(moment.clone());
@@ -36,7 +35,6 @@ impl KeptMoments {
         self.count += 1;
     }
 
-    /// The moments in their order.
     pub fn finish(mut self) -> Vec<Snapshot> {
         self.moments.extend(self.last.filter(|last| self.moments.last() != Some(last)));
         self.moments

@@ -44,7 +44,6 @@ mod failure;
 mod gradient;
 mod histories;
 mod history_charts;
-mod history_files;
 mod import;
 mod influences;
 mod interrupt;
@@ -75,6 +74,7 @@ mod snapshot;
 mod stability;
 mod still;
 mod study;
+mod summary;
 mod sweep;
 mod table_ranges;
 mod verify;
@@ -178,9 +178,6 @@ fn lines(text: &str, columns: usize) -> String {
 }
 
 /// Starts the threads that share work, which would start with the first of it, and panic where the system refuses one.
-///
-/// # Errors
-/// That refusal.
 fn start_threads() -> Result<(), Failure> {
     let failed = rayon::ThreadPoolBuilder::new().build_global().err();
     // a program of one's own may have started them
@@ -194,7 +191,6 @@ pub struct CommandLine<'p> {
     /// As which the program was called.
     name: String,
     scenes: Vec<&'p dyn AnyScene>,
-    /// Names of scenes that are built in.
     built_in: Vec<&'static str>,
     studies: Vec<&'p dyn Study>,
     parts: OwnParts,
@@ -263,9 +259,6 @@ impl<'p> CommandLine<'p> {
     }
 
     /// Of commands that several ranks run, each does all, but for what they share.
-    ///
-    /// # Errors
-    /// Bad input where other processes would do the same for nothing.
     fn check_ranks(&self, command: &Command) -> Result<(), Failure> {
         let is_for_ranks = |name: &str| self.studies.iter().any(|study| study.name() == name && study.is_for_ranks());
         match command {
@@ -276,7 +269,6 @@ impl<'p> CommandLine<'p> {
         }
     }
 
-    /// What it understands.
     fn command(&self) -> clap::Command {
         let command = Arguments::command().bin_name(&self.name).display_name(&self.name).version(env!("CARGO_PKG_VERSION"));
         command.mut_subcommands(|own| {

@@ -1,8 +1,8 @@
 use super::CommandLine;
-use super::console::{count, json_number, print, print_json};
+use super::console::{count, print, print_json};
 use super::failure::Failure;
 use super::options::located;
-use crate::io::Table;
+use crate::io::{Cell, Table, cells};
 use clap::Args;
 use costate::design::DesignVariable;
 use costate::elements::entries::Key;
@@ -39,25 +39,22 @@ pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> 
 
 /// Joints, drivers, springs, dampers and functionals by their entries.
 fn parts(program: &CommandLine, json: bool) {
-    let mut table = Table::new(&["part", "section", "what it is", "keys; optional ones in brackets"]);
-    let mut list = Vec::new();
+    let titles = ["part", "section", "what it is", "keys; optional ones in brackets"];
+    let mut table = Table::new(&titles).keyed(&["name", "section", "doc", "keys"]);
     for (section, form) in program.parts.listed() {
         let key = |key: &Key| if key.is_needed { key.name.to_string() } else { format!("[{}]", key.name) };
-        let keys = form.keys.iter().map(key).collect::<Vec<_>>().join(" ");
-        table.row([form.name.into(), section.into(), form.doc.into(), keys.into()]);
+        let words = form.keys.iter().map(key).collect::<Vec<_>>().join(" ");
         let keys = form.keys.iter().map(|key| json!({"name": key.name, "needed": key.is_needed, "doc": key.doc}));
-        list.push(json!({"name": form.name, "section": section, "doc": form.doc, "keys": keys.collect::<Vec<_>>()}));
+        table.row(cells![form.name, section, form.doc, Cell::of(words, keys.collect::<Vec<_>>())]);
     }
     print(format_args!("{table}\n\nall sections and keys: {} schema", program.name));
-    print_json(json, &json!({ "parts": list }));
+    print_json(json, &json!({ "parts": table.json() }));
 }
 
 fn all(scenes: &[&dyn AnyScene], program: &CommandLine, json: bool) {
     let mut table = Table::new(&["scene", "what it is", "variables", "to optimize"]);
     for scene in scenes {
-        let variables = format!("{:>9}", scene.variables().len());
-        let wanted = wanted(*scene).unwrap_or_default();
-        table.row([scene.name().into(), scene.summary().into(), variables.into(), wanted.into()]);
+        table.row(cells![scene.name(), scene.summary(), scene.variables().len(), wanted(*scene)]);
     }
     let name = &program.name;
     if scenes.is_empty() {
@@ -85,24 +82,19 @@ fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     if let Some(wanted) = wanted(scene) {
         print(format_args!("to optimize: {wanted}"));
     }
-    let mut table = Table::new(&["variable", "initial", "from", "to", "unit"]);
-    for DesignVariable { name, initial, lower, upper, unit } in scene.variables() {
-        table.row([name.into(), initial.into(), lower.into(), upper.into(), unit.into()]);
-    }
-    print(format_args!("\n{table}"));
-    let mut table = Table::new(&["functional", "unit"]);
-    for functional in prepared.functionals() {
-        table.row([functional.name.as_str().into(), functional.value_unit().into()]);
-    }
+    print(format_args!("\n{}", variables(scene)));
+    let measured = prepared.functionals().iter().map(|own| (own.name.clone(), own.value_unit()));
     let modes = scene.modes();
-    for mode in &modes {
-        table.row([mode.name.as_str().into(), mode.unit().into()]);
+    let modes = modes.iter().map(|own| (own.name.clone(), own.unit().to_string()));
+    let mut table = Table::new(&["functional", "unit"]).keyed(&["name", "unit"]);
+    for (name, unit) in measured.chain(modes) {
+        table.row(cells![name, unit]);
     }
     print(format_args!("\n{table}"));
     let mut own = object(scene);
-    let functionals = prepared.functionals().iter();
-    own["functionals"] = functionals.map(|own| json!({"name": own.name, "unit": own.value_unit()})).collect();
-    own["modes"] = modes.iter().map(|own| json!({"name": own.name, "unit": own.unit()})).collect();
+    let mut functionals = table.json();
+    own["modes"] = functionals.split_off(prepared.functionals().len()).into();
+    own["functionals"] = functionals.into();
     print_json(json, &own);
     Ok(())
 }
@@ -113,18 +105,23 @@ fn wanted(scene: &dyn AnyScene) -> Option<String> {
     Some(format!("{} {}", problem.sense.name(), problem.objective_name()))
 }
 
+fn variables(scene: &dyn AnyScene) -> Table {
+    let titles = ["variable", "initial", "from", "to", "unit"];
+    let mut table = Table::new(&titles).keyed(&["name", "initial", "lower", "upper", "unit"]);
+    for DesignVariable { name, initial, lower, upper, unit } in scene.variables() {
+        table.row(cells![name, initial, lower, upper, unit]);
+    }
+    table
+}
+
 fn object(scene: &dyn AnyScene) -> Value {
     let settings = scene.settings();
-    let variables = scene.variables().into_iter().map(|variable| {
-        let [initial, lower, upper] = [variable.initial, variable.lower, variable.upper].map(json_number);
-        json!({"name": variable.name, "initial": initial, "lower": lower, "upper": upper, "unit": variable.unit})
-    });
     json!({
         "scene": scene.name(),
         "summary": scene.summary(),
-        "end_s": json_number(settings.end),
+        "end_s": settings.end,
         "steps": settings.steps,
-        "variables": variables.collect::<Vec<_>>(),
+        "variables": variables(scene).json(),
         "optimization": wanted(scene),
     })
 }

@@ -48,15 +48,25 @@ impl EnergyCourse {
     }
 }
 
+#[derive(Default)]
+pub struct MeasuredRun {
+    /// So many moments as a page can show.
+    pub moments: Vec<Snapshot>,
+    pub charts: Vec<Chart>,
+    /// How the energy changed, where it should be constant.
+    pub energy: Option<EnergyCourse>,
+    /// Warnings where tables were read beyond their points.
+    pub left_tables: Vec<String>,
+}
+
 /// The moments of a run while it goes on, or is read again.
 pub struct MeasuredMoments<'p> {
     prepared: &'p Prepared<'p>,
-    /// The columns of a row.
     pub columns: Columns<'p>,
     /// All columns of the latest moment.
     pub row: Vec<f64>,
     /// How the energy changed, where it should be constant.
-    pub energy: Option<EnergyCourse>,
+    energy: Option<EnergyCourse>,
     tables: TableWatch<'p>,
     is_conservative: bool,
     measured_energy: Measured,
@@ -64,7 +74,6 @@ pub struct MeasuredMoments<'p> {
 }
 
 impl<'p> MeasuredMoments<'p> {
-    /// Of a scene, before its first moment.
     pub fn new(prepared: &'p Prepared<'p>) -> Self {
         let columns = Columns::new(prepared);
         let is_motion = !prepared.method.table.is_static();
@@ -107,15 +116,9 @@ impl<'p> MeasuredMoments<'p> {
         });
     }
 
-    /// Warnings where tables were read beyond their points.
-    pub fn left_tables(&self) -> Vec<String> {
-        self.tables.in_words()
-    }
-
-    /// So many of them as a page can show, and histories as charts.
-    pub fn finish(self) -> (Vec<Snapshot>, Vec<Chart>) {
-        let moments = self.kept.finish();
+    pub fn finish(self) -> MeasuredRun {
+        let (left_tables, moments) = (self.tables.in_words(), self.kept.finish());
         let charts = charts(self.prepared, &moments, &self.columns);
-        (moments, charts)
+        MeasuredRun { moments, charts, energy: self.energy, left_tables }
     }
 }

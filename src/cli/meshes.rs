@@ -9,12 +9,9 @@ use costate::scenes::{Drawn, LineElement, NodePoint, Prepared, Surface};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Name of the file of the series.
 pub const SERIES: &str = "fields.pvd";
-/// Name of the file of gradients by thickness.
 const GRADIENTS: &str = "gradients.vtu";
 
-/// The meshes of a run.
 pub struct Meshes<'p> {
     prepared: &'p Prepared<'p>,
     series: MeshSeries,
@@ -44,7 +41,6 @@ fn place(points: &mut Vec<NodePoint>, known: &mut Known, point: &NodePoint) -> u
 }
 
 impl<'p> Meshes<'p> {
-    /// Meshes that will stand in a folder.
     pub fn new(prepared: &'p Prepared<'p>, folder: &Path) -> Self {
         let mechanism = &prepared.mechanism;
         let (surfaces, sketch) = (mechanism.surfaces(), mechanism.sketch());
@@ -77,19 +73,12 @@ impl<'p> Meshes<'p> {
         Meshes { prepared, series: MeshSeries::new(folder, name), points, cells, surfaces, lines }
     }
 
-    /// Writes the mesh at a sample.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn add(&mut self, sample: &Sample<f64>) -> Result<(), IoError> {
         let mesh = self.mesh(sample);
         self.series.add(sample.t, &mesh)
     }
 
     /// Writes the file that names all others.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn finish(&self) -> Result<(), IoError> {
         self.series.finish().map(drop)
     }
@@ -207,9 +196,6 @@ impl<'p> Meshes<'p> {
 
 /// Writes the derivatives of all functionals by the thickness of each shell element, given those by parameters, on the mesh of the start;
 /// nothing without shells.
-///
-/// # Errors
-/// A file that cannot be written.
 pub fn write_gradients(prepared: &Prepared, by_parameters: &[Vec<f64>], folder: &Path) -> Result<Option<PathBuf>, IoError> {
     let meshes = Meshes::new(prepared, folder);
     if meshes.surfaces.iter().all(|surface| surface.thicknesses().is_none()) {

@@ -1,17 +1,16 @@
 //! `costate modes --gradients`: derivatives of frequencies and growth by the design variables.
 
-use super::console::{json_number, print, relative_effect};
+use super::console::relative_effect;
 use super::failure::Failure;
-use super::report::Page;
-use crate::io::{Cell, Table, number, write_csv};
+use super::summary::{Summary, by_name};
+use crate::io::{Cell, Table, cells, write_csv};
 use costate::design::DesignVariable;
 use costate::scenes::{DifferentiatedModes, ModeGradient, Prepared};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// What is shown as zero, relative.
 const ROUND_OFF: f64 = 1e-14;
-/// Modes of the printed table.
 const SHOWN: usize = 6;
 
 /// What is said of the derivatives of a scene's modes.
@@ -27,29 +26,29 @@ impl Gradients<'_> {
         self.own.gradients.iter().enumerate().filter_map(|(mode, own)| Some((mode, own.as_ref()?)))
     }
 
-    /// Columns and rows: a variable, and what each of the first modes makes of it.
-    fn rows(&self) -> (Vec<String>, Vec<Vec<String>>) {
+    /// A variable, and what each of the first modes makes of it.
+    fn table(&self) -> Table {
         let shown: Vec<(usize, &ModeGradient)> = self.moving().take(SHOWN).collect();
         let mut columns = vec!["variable".to_string(), "unit".into()];
         for (mode, _) in &shown {
             columns.extend([format!("omega {}", mode + 1), "relative".into()]);
             columns.extend(self.are_complex.then(|| format!("growth {}", mode + 1)));
         }
-        let row = |variable: usize| {
-            let named = &self.prepared.variables[variable];
-            let mut row = vec![named.name.clone(), named.unit.to_string()];
+        let mut table = Table::new(&columns);
+        for (variable, (named, x)) in self.prepared.variables.iter().zip(&self.prepared.x).enumerate() {
+            let mut row = cells![&named.name, named.unit].to_vec();
             for (mode, own) in &shown {
-                let (x, value) = (self.prepared.x[variable], &self.own.modes[*mode]);
+                let value = &self.own.modes[*mode];
                 let size = value.frequency.hypot(value.growth) / x.abs();
                 let shown = |derivative: f64| if derivative.abs() < ROUND_OFF * size { 0.0 } else { derivative };
                 let derivative = shown(own.frequency[variable]);
-                let relative = relative_effect(x, derivative, value.frequency).map_or("-".into(), number);
-                row.extend([number(derivative), relative]);
-                row.extend(self.are_complex.then(|| number(shown(own.growth[variable]))));
+                let relative = relative_effect(*x, derivative, value.frequency).map_or("-".into(), Cell::from);
+                row.extend(cells![derivative, relative]);
+                row.extend(self.are_complex.then(|| shown(own.growth[variable]).into()));
             }
-            row
-        };
-        (columns, (0..self.prepared.x.len()).map(row).collect())
+            table.row(row);
+        }
+        table
     }
 
     /// What equal values mean for their derivatives.
@@ -65,32 +64,17 @@ impl Gradients<'_> {
         })
     }
 
-    /// Prints the derivatives.
-    pub fn print(&self) {
-        if self.moving().next().is_none() {
-            return;
+    /// Derivatives of modes that are no rigid motions.
+    pub fn summary(&self) -> Summary {
+        let (mut summary, table) = (Summary::default(), self.table());
+        if self.moving().next().is_some() {
+            summary.words(
+                "derivatives [rad/s, 1/s / unit of the variable], relative: x / omega d omega/dx; through the equilibrium\n",
+            );
+            summary.table("Derivatives by the design", table);
+            summary.warnings(self.equal());
         }
-        let (columns, rows) = self.rows();
-        let mut table = Table::new(&columns.iter().map(String::as_str).collect::<Vec<_>>());
-        for row in rows {
-            table.row(row.into_iter().map(Cell::from));
-        }
-        print(format_args!(
-            "derivatives [rad/s, 1/s / unit of the variable], relative: x / omega d omega/dx; through the equilibrium\n\n{table}\n"
-        ));
-        self.equal().into_iter().for_each(|text| print(format_args!("{text}\n")));
-    }
-
-    /// Adds them to the page.
-    pub fn add_to(&self, page: &mut Page) {
-        if self.moving().next().is_none() {
-            return;
-        }
-        let (columns, rows) = self.rows();
-        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-        let rows = rows.into_iter().map(|row| row.into_iter().map(Value::from).collect()).collect();
-        page.table("Derivatives by the design", &columns, rows);
-        self.equal().into_iter().for_each(|text| page.warning(text));
+        summary
     }
 
     /// Writes mode-gradients.csv: a row for each mode that is no rigid motion.
@@ -112,10 +96,7 @@ impl Gradients<'_> {
     /// Those of one mode as JSON; null of a rigid motion.
     pub fn json(&self, mode: usize) -> Value {
         let Some(own) = &self.own.gradients[mode] else { return Value::Null };
-        let named = |values: &[f64]| {
-            let each = self.prepared.variables.iter().zip(values);
-            Value::from(each.map(|(variable, &own)| (variable.name.clone(), json_number(own))).collect::<Map<_, _>>())
-        };
+        let named = |values: &[f64]| by_name(&self.prepared.variables, values.iter().copied());
         json!({"omega_rad_s": named(&own.frequency), "growth_1_s": named(&own.growth), "equal": own.equal})
     }
 }

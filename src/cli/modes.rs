@@ -1,15 +1,17 @@
 use super::CommandLine;
 use super::campbell::Branches;
-use super::console::{count, json_number, long_number, print, print_files, print_json, warn};
+use super::console::{count, print, print_files, print_json, warn};
 use super::failure::Failure;
 use super::mode_gradients::Gradients;
 use super::motions::{mode_moments, view};
+use super::options::whole_number;
 use super::rates::Rates;
 use super::report::{Clip, Page};
 use super::simulation::names;
 use super::snapshot::Snapshot;
 use super::still::StillOptions;
-use crate::io::{Cell, Table, number as number_of, write_file};
+use super::summary::{Summary, by_name};
+use crate::io::{Cell, Table, cells, long_number, number as number_of, write_json};
 use clap::Args;
 use costate::integrators::{Mode, RunError};
 use costate::scenes::{DifferentiatedModes, PeriodicModes, Prepared};
@@ -22,7 +24,7 @@ pub struct ModesOptions {
     #[command(flatten)]
     still: StillOptions,
     /// Number of modes: those whose omega^2 are nearest to zero
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = mode_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = whole_number::<MOST_MODES>, allow_negative_numbers = true)]
     count: usize,
     /// With dampers, states of first order and what else depends on velocities: complex modes; about a steady turn they are that anyway
     #[arg(long)]
@@ -42,15 +44,7 @@ pub struct ModesOptions {
 const MOST_SHOWN: usize = 12;
 /// Frames of a period.
 const FRAMES: usize = 24;
-/// Most modes.
 const MOST_MODES: usize = 10_000;
-
-fn mode_count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(count) if (1..=MOST_MODES).contains(&count) => Ok(count),
-        _ => Err(format!("it must be a whole number from 1 to {MOST_MODES}")),
-    }
-}
 
 /// `costate modes`: frequencies and shapes of small vibrations.
 pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure> {
@@ -59,7 +53,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
 
 fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError) -> Failure) -> Result<(), Failure> {
     let scene = prepared.scene;
-    let folder = options.still.folder(scene);
+    let folder = options.still.of.folder(scene);
     let spins = prepared.spin_rate().is_some();
     let mut kind = if options.damped || spins { Kind::Complex } else { Kind::Undamped };
     let found = if options.periodic {
@@ -79,7 +73,9 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
     };
     print(format_args!("{}: {}", scene.name(), scene.summary()));
     print_about(&prepared, kind, scene.settings().end);
-    print_modes(&prepared, (q, kind), modes);
+    let mut summary = Summary::default();
+    summary.table("Modes", table(&prepared, (q, kind), modes));
+    summary.print();
     if let Kind::Periodic { period, faded, .. } = kind {
         let share = number_of(TAU / period);
         print(format_args!(
@@ -100,36 +96,39 @@ fn modes(options: &ModesOptions, mut prepared: Prepared, named: &dyn Fn(RunError
             "that no mode is missing is not proved: the model is large, and its matrices have no symmetry that would tell\n",
         );
     }
-    let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
-    let mut files = vec![report.clone(), summary.clone()];
+    let [report, json] = ["modes.html", "modes.json"].map(|name| folder.join(name));
+    let mut files = vec![report.clone(), json.clone()];
     let branches = follow(options, &mut prepared)?;
     if let Some(branches) = &branches {
         branches.print();
         files.extend(branches.write(format!("{}: modes over the rate of the turn", scene.name()), &folder)?);
     }
-    let mut page = page(&prepared, (q, kind), modes, about);
+    let mut page = page(&prepared, q, modes);
+    page.fact("about", format!("the {about}"));
+    summary.show(&mut page);
+    page.design(&prepared.variables, &prepared.x);
     let gradients = Gradients { prepared: &prepared, own: &found, are_complex: kind != Kind::Undamped };
     if options.gradients {
-        gradients.print();
-        gradients.add_to(&mut page);
+        let summary = gradients.summary();
+        summary.print();
+        summary.show(&mut page);
         files.push(gradients.write(&folder)?);
     }
     page.write(&report, &files)?;
     print_files(&files);
-    let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
         "scene": scene.name(),
         "about": about,
-        "design": Value::from(design.collect::<Map<_, _>>()),
+        "design": by_name(&prepared.variables, prepared.x.iter().copied()),
         "kind": kind.word(),
-        "period_s": kind.period().map(json_number),
+        "period_s": kind.period(),
         "modes": modes.iter().map(|mode| json_of(&prepared, q, mode)).collect::<Vec<_>>(),
         "gradients": options.gradients.then(|| (0..modes.len()).map(|mode| gradients.json(mode)).collect::<Vec<_>>()),
         "speeds": branches.as_ref().map(Branches::json),
         "files": names(&files),
     });
-    write_file(&summary, format!("{object:#}\n").as_bytes())?;
-    print_json(options.still.json, &object);
+    write_json(&json, &object)?;
+    print_json(options.still.of.json, &object);
     Ok(())
 }
 
@@ -141,7 +140,6 @@ fn find(options: &ModesOptions, prepared: &Prepared, kind: Kind) -> Result<Diffe
     prepared.modes_at_rest(options.count, kind == Kind::Complex)
 }
 
-/// Modes over rates of a turn, if they are asked for.
 fn follow(options: &ModesOptions, prepared: &mut Prepared) -> Result<Option<Branches>, Failure> {
     let Some(rates) = &options.speed else { return Ok(None) };
     if prepared.spin_rate().is_none() {
@@ -172,16 +170,8 @@ fn print_about(prepared: &Prepared, kind: Kind, end: f64) {
     }
 }
 
-/// The modes as a page on which they swing.
-fn page(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode], about: &str) -> Page {
+fn page(prepared: &Prepared, q: &[f64], modes: &[Mode]) -> Page {
     let mut page = Page::by_command(prepared.scene, "small vibrations");
-    page.fact("about", format!("the {about}"));
-    page.table(
-        "Modes",
-        kind.columns(),
-        mode_rows(prepared, (q, kind), modes).into_iter().map(|row| row.into_iter().map(Value::from).collect()).collect(),
-    );
-    page.design(&prepared.variables, &prepared.x);
     let angles = || (0..=FRAMES).map(|k| TAU * k as f64 / FRAMES as f64);
     let swinging: Vec<(String, Vec<Snapshot>)> = (1..=MOST_SHOWN)
         .zip(modes)
@@ -207,7 +197,6 @@ fn what(mode: &Mode) -> String {
     if mode.is_unstable() { "unstable".into() } else { format!("{} Hz", number_of(mode.frequency / TAU)) }
 }
 
-/// Which modes.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Undamped,
@@ -249,54 +238,45 @@ impl Kind {
     }
 }
 
-fn mode_rows(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode]) -> Vec<Vec<String>> {
-    let model = prepared.model();
-    let row = |(place, mode): (usize, &Mode)| {
+fn table(prepared: &Prepared, (q, kind): (&[f64], Kind), modes: &[Mode]) -> Table {
+    let (model, mut table) = (prepared.model(), Table::new(kind.columns()));
+    for (place, mode) in modes.iter().enumerate() {
         let size = |dof: usize| mode.shape[dof].hypot(mode.ahead[dof]);
         let largest = (0..model.dofs).max_by(|&a, &b| size(a).total_cmp(&size(b)));
         let growth = match kind {
-            _ if mode.is_unstable() => format!("{} unstable", long_number(mode.growth)),
+            _ if mode.is_unstable() => format!("{} unstable", long_number(mode.growth)).into(),
             Kind::Undamped => "0".into(),
-            _ => long_number(mode.growth),
+            _ => Cell::long(mode.growth),
         };
-        if let Some(period) = kind.period() {
-            let beside = [TAU / period - mode.frequency, TAU / period + mode.frequency].map(long_number);
-            let mut row = vec![(place + 1).to_string(), long_number(mode.frequency)];
-            row.extend(beside);
-            row.extend([growth, largest.map_or_else(String::new, |dof| model.dof_name(dof))]);
-            return row;
+        let mut row = cells![(place + 1).to_string(), Cell::long(mode.frequency)].to_vec();
+        match kind.period() {
+            Some(period) => {
+                row.extend([TAU / period - mode.frequency, TAU / period + mode.frequency].map(Cell::long));
+                row.push(growth);
+            }
+            None => row.extend([Cell::long(mode.frequency / TAU), growth]),
         }
-        let mut row = vec![(place + 1).to_string(), long_number(mode.frequency), long_number(mode.frequency / TAU), growth];
         if kind == Kind::Complex {
-            let whirl = prepared.whirl(q, mode).map_or_else(String::new, |whirl| format!("{whirl:+.2}"));
-            row.extend([number_of(mode.damping_ratio()), whirl]);
+            let whirl = prepared.whirl(q, mode).map(|whirl| format!("{whirl:+.2}"));
+            row.extend(cells![number_of(mode.damping_ratio()), whirl]);
         }
-        row.push(largest.map_or_else(String::new, |dof| model.dof_name(dof)));
-        row
-    };
-    modes.iter().enumerate().map(row).collect()
-}
-
-fn print_modes(prepared: &Prepared, about: (&[f64], Kind), modes: &[Mode]) {
-    let mut table = Table::new(about.1.columns());
-    for row in mode_rows(prepared, about, modes) {
-        table.row(row.into_iter().map(Cell::from));
+        row.push(largest.map(|dof| model.dof_name(dof)).into());
+        table.row(row);
     }
-    print(format_args!("{table}\n"));
+    table
 }
 
 fn json_of(prepared: &Prepared, q: &[f64], mode: &Mode) -> Value {
     let model = prepared.model();
-    let list = |values: &[f64]| values.iter().copied().map(json_number).collect::<Vec<_>>();
     let shape = |values: &[f64]| -> Map<String, Value> {
-        model.nodes.iter().map(|node| (node.name.clone(), list(&values[node.dofs.clone()]).into())).collect()
+        model.nodes.iter().map(|node| (node.name.clone(), values[node.dofs.clone()].into())).collect()
     };
     json!({
-        "omega_rad_s": json_number(mode.frequency),
-        "frequency_hz": json_number(mode.frequency / TAU),
-        "growth_1_s": json_number(mode.growth),
-        "damping_ratio": json_number(mode.damping_ratio()),
-        "whirl": prepared.whirl(q, mode).map(json_number),
+        "omega_rad_s": mode.frequency,
+        "frequency_hz": mode.frequency / TAU,
+        "growth_1_s": mode.growth,
+        "damping_ratio": mode.damping_ratio(),
+        "whirl": prepared.whirl(q, mode),
         "shape": shape(&mode.shape),
         "ahead": shape(&mode.ahead),
     })

@@ -2,20 +2,21 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::CommandLine;
-use super::console::{count, json_number, print, print_files, print_json, seconds, warn};
+use super::console::{count, print, print_files, print_json, seconds, warn};
 use super::earlier::keep_earlier;
 use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
 use super::kept_moments::KeptMoments;
 use super::optimization_charts;
-use super::optimum::{conditions_json, largest_json, print_conditions, smooth_only};
-use super::options::SceneOptions;
+use super::optimum::{conditions_json, largest_json, smooth_only};
+use super::options::{SceneOptions, whole_number};
 use super::report::Page;
 use super::results::check_folder;
-use super::simulation::{crossings_json, steps_in_words};
+use super::simulation::{crossings_json, names, steps_in_words};
 use super::snapshot::Snapshot;
 use super::stability::{Statement, statement};
-use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
+use super::summary::{Summary, by_name};
+use crate::io::{Cell, Chart, IoError, Progress, Table, cells, read_csv, write_csv, write_json};
 use clap::Args;
 use costate::design::DesignVariable;
 use costate::history::Keep;
@@ -24,8 +25,8 @@ use costate::optimize::{
     Case, DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
 use costate::scenes::unknown;
-use costate::scenes::{AnyScene, Prepared, Scenario, Sense};
-use serde_json::{Map, Value, json};
+use costate::scenes::{AnyScene, FunctionalConstraint, Prepared, Scenario, Sense};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Options of `costate optimize`.
@@ -41,7 +42,7 @@ pub struct OptimizeOptions {
     #[arg(long, value_name = "WHICH", default_value = "adjoint", value_parser = gradient_by)]
     gradient: GradientBy,
     /// Most iterations
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = iteration_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole_number::<MOST_ITERATIONS>, allow_negative_numbers = true)]
     iterations: usize,
     /// End after five iterations in a row that change the objective by less than this share
     #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = share, allow_negative_numbers = true)]
@@ -53,15 +54,13 @@ pub struct OptimizeOptions {
     #[arg(long)]
     resume: bool,
     /// Starts: the given design, and others that fill the bounds evenly, on all processors; the best end counts
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = start_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole_number::<MOST_STARTS>, allow_negative_numbers = true)]
     starts: usize,
 }
 
 /// Relative change of variables for differences that balances their error and round-off.
 const DEFAULT_SHARE: f64 = 1e-7;
-/// Most iterations.
 const MOST_ITERATIONS: usize = 1_000_000;
-/// Most starts.
 const MOST_STARTS: usize = 10_000;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
@@ -86,21 +85,6 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-fn iteration_count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(count) if (1..=MOST_ITERATIONS).contains(&count) => Ok(count),
-        _ => Err(format!("it must be a whole number from 1 to {MOST_ITERATIONS}")),
-    }
-}
-
-fn start_count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(count) if (1..=MOST_STARTS).contains(&count) => Ok(count),
-        _ => Err(format!("it must be a whole number from 1 to {MOST_STARTS}")),
-    }
-}
-
-/// Name in JSON.
 fn gradient_name(gradient: GradientBy) -> &'static str {
     match gradient {
         GradientBy::Adjoint => "adjoint",
@@ -150,7 +134,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let folder = options.scene.folder(&*scene);
     let path = folder.join("optimization.csv");
     let start = start(options, &optimization)?;
-    if options.resume && (options.starts > 1 || options.restart.is_some() || options.scene.sets_design()) {
+    if options.resume && (options.starts > 1 || options.restart.is_some() || !options.scene.set.is_empty()) {
         return Err(Failure::input(
             "--resume goes on from the start of the earlier optimization; leave --starts, --restart and --set out",
         ));
@@ -167,7 +151,10 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
     let (optimized, mut files) = optimized(options, (&optimization, &*optimizer), &start, recorded, &folder, &guard)?;
-    let report = Report::new(&optimization, &*optimizer, &optimized)?;
+    let (Some(first), Some(best)) = (optimized.history.points.first(), optimized.history.best()) else {
+        return Err(Failure::run("no design could be simulated"));
+    };
+    let report = Report { optimization: &optimization, optimizer: &*optimizer, optimized: &optimized, first, best };
     let charts = optimization_charts::charts(&optimization, &optimized.history);
     let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
     files.extend([page.clone(), summary.clone()]);
@@ -181,8 +168,8 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     if !crossings.is_empty() {
         json["crossings"] = crossings_json(crossings);
     }
-    write_file(&summary, format!("{json:#}\n").as_bytes())?;
-    report.print();
+    write_json(&summary, &json)?;
+    report.summary().print();
     warnings.iter().for_each(|warning| warn(&format!("best design: {warning}")));
     print_files(&files);
     print_json(options.scene.json, &json);
@@ -242,13 +229,11 @@ fn best_of(optimization: &Optimization, all: Vec<Result<Optimized, RunError>>) -
     let mut best: Option<(Optimized, (u8, f64))> = None;
     let mut failure = None;
     for (k, own) in all.into_iter().enumerate() {
-        let number = Cell::Text(format!("{:>5}", k + 1));
         let point = own.as_ref().ok().and_then(|optimized| optimized.history.best().cloned());
         match (own, point) {
             (Ok(optimized), Some(point)) => {
-                let simulations = Cell::Text(format!("{:>11}", optimized.history.work().simulations));
-                let ended = optimized.ended.reason.to_string();
-                table.row([number, point.objective.into(), point.violation.into(), simulations, ended.into()]);
+                let (simulations, ended) = (optimized.history.work().simulations, optimized.ended.reason.to_string());
+                table.row(cells![k + 1, point.objective, point.violation, simulations, ended]);
                 let satisfied = point.violation <= optimization.stopping.violation;
                 let rank = (u8::from(!satisfied), if satisfied { sign * point.objective } else { point.violation });
                 if best.as_ref().is_none_or(|(_, other)| rank < *other) {
@@ -257,7 +242,8 @@ fn best_of(optimization: &Optimization, all: Vec<Result<Optimized, RunError>>) -
             }
             (Ok(_), None) => {}
             (Err(error), _) => {
-                table.row([number, Cell::Empty, Cell::Empty, Cell::Empty, format!("failed: {error}").into()]);
+                let none = Cell::default();
+                table.row(cells![k + 1, none.clone(), none.clone(), none, format!("failed: {error}")]);
                 failure = Some(error);
             }
         }
@@ -292,7 +278,7 @@ impl CommandLine<'_> {
 fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f64>, Failure> {
     let Some(file) = &options.restart else { return options.scene.design(optimization.scene) };
     let named = |message: String| Failure::input(format!("--restart {}: {message}", file.display()));
-    if options.scene.sets_design() {
+    if !options.scene.set.is_empty() {
         return Err(named("the design comes from the file; leave --set out".into()));
     }
     let (header, rows) = read_csv(file).map_err(named)?;
@@ -325,7 +311,6 @@ fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
 /// The best design once more: its motion, and where formulas pass from one piece to another.
 type BestMotion<'r> = (Prepared<'r>, Vec<Snapshot>, Vec<Crossing>);
 
-/// Before and after.
 struct Report<'r> {
     optimization: &'r Optimization<'r>,
     optimizer: &'r dyn Optimizer,
@@ -334,138 +319,84 @@ struct Report<'r> {
     best: &'r DesignPoint,
 }
 
-/// A row of what is wanted: name, relation and limit, before, after, unit.
-struct Wanted {
-    kind: &'static str,
-    name: String,
-    limit: Option<(&'static str, f64)>,
-    before: f64,
-    after: f64,
-    unit: String,
-}
-
 impl<'r> Report<'r> {
-    fn new(
-        optimization: &'r Optimization<'r>,
-        optimizer: &'r dyn Optimizer,
-        optimized: &'r Optimized,
-    ) -> Result<Self, Failure> {
-        let history = &optimized.history;
-        match (history.points.first(), history.best()) {
-            (Some(first), Some(best)) => Ok(Report { optimization, optimizer, optimized, first, best }),
-            _ => Err(Failure::run("no design could be simulated")),
+    /// Objective, limits and linear constraints, before and after.
+    fn wanted(&self) -> Table {
+        let Report { optimization: Optimization { problem, .. }, optimized, first, best, .. } = self;
+        let functionals = &optimized.history.functionals;
+        let place = |name: &str| functionals.iter().position(|own| own.0 == name).unwrap_or_default();
+        let keys = ["kind", "name", "sign", "limit", "before", "after", "unit"];
+        let mut table = Table::new(&["", "", "", "limit", "before", "after", "unit"]).keyed(&keys);
+        let unit = if let [only] = &problem.objective[..] { &*functionals[place(&only.0)].1 } else { "" };
+        let (kind, name, none) = (problem.sense.name(), problem.objective_name(), Cell::default());
+        table.row(cells![kind, name, none.clone(), none, first.objective, best.objective, unit]);
+        for FunctionalConstraint { functional, limit, .. } in &problem.constraints {
+            let place = place(functional);
+            let [before, after] = [first, best].map(|point| point.functionals[place]);
+            table.row(cells!["limit", functional, limit.sign(), limit.value(), before, after, &functionals[place].1]);
         }
-    }
-
-    fn wanted(&self) -> Vec<Wanted> {
-        let Report { optimization, optimized, first, best, .. } = self;
-        let problem = &optimization.problem;
-        let functional = |name: &str| optimized.history.functionals.iter().position(|own| own.0 == name).unwrap_or_default();
-        let unit_of = |name: &str| optimized.history.functionals[functional(name)].1.clone();
-        let single = problem.objective.len() == 1;
-        let unit = if single { unit_of(&problem.objective[0].0) } else { String::new() };
-        let (before, after) = (first.objective, best.objective);
-        let mut rows =
-            vec![Wanted { kind: problem.sense.name(), name: problem.objective_name(), limit: None, before, after, unit }];
-        for constraint in &problem.constraints {
-            let (name, place) = (constraint.functional.clone(), functional(&constraint.functional));
-            let limit = Some((constraint.limit.sign(), constraint.limit.value()));
-            let (before, after, unit) = (first.functionals[place], best.functionals[place], unit_of(&name));
-            rows.push(Wanted { kind: "limit", name, limit, before, after, unit });
+        let [before, after] = [first, best].map(|point| self.optimization.linear_values(&point.design));
+        for ((own, before), after) in problem.linear.iter().zip(before).zip(after) {
+            table.row(cells!["linear", &own.name, own.limit.sign(), own.limit.value(), before, after, ""]);
         }
-        let [before, after] = [first, best].map(|point| optimization.linear_values(&point.design));
-        for ((constraint, before), after) in problem.linear.iter().zip(before).zip(after) {
-            let limit = Some((constraint.limit.sign(), constraint.limit.value()));
-            rows.push(Wanted { kind: "linear", name: constraint.name.clone(), limit, before, after, unit: String::new() });
-        }
-        rows
+        table
     }
 
     /// Variables that vary, with what they were, what they are, and the bound they are at.
-    fn variables(&self) -> Vec<(&DesignVariable, f64, f64, Option<&'static str>)> {
-        let at_bound = |variable: &DesignVariable, x: f64| {
-            let close =
-                |bound: f64| (x - bound).abs() <= 1e-6 * (variable.upper - variable.lower).min(bound.abs().max(x.abs()));
-            match () {
-                () if close(variable.lower) => Some("lower"),
-                () if close(variable.upper) => Some("upper"),
-                () => None,
-            }
-        };
-        let row = |i: usize| {
-            let (variable, after) = (&self.optimization.variables()[i], self.best.design[i]);
-            (variable, self.first.design[i], after, at_bound(variable, after))
-        };
-        self.optimization.varying().into_iter().map(row).collect()
+    fn variables(&self) -> Table {
+        let keys = ["name", "before", "after", "lower", "upper", "unit", "at_bound"];
+        let mut table = Table::new(&["variable", "before", "after", "from", "to", "unit", ""]).keyed(&keys);
+        for i in self.optimization.varying() {
+            let DesignVariable { name, lower, upper, unit, .. } = &self.optimization.variables()[i];
+            let after = self.best.design[i];
+            let is_close = |bound: f64| (after - bound).abs() <= 1e-6 * (upper - lower).min(bound.abs().max(after.abs()));
+            let bound = [("lower", *lower), ("upper", *upper)].into_iter().find(|own| is_close(own.1));
+            let bound = bound.map(|(bound, _)| Cell::of(format!("at its {bound} bound"), bound));
+            table.row(cells![name, self.first.design[i], after, *lower, *upper, *unit, bound]);
+        }
+        table
     }
 
-    /// Simulations and sweeps.
-    fn print_work(&self) {
+    fn iterations(&self) -> Table {
+        let (mut table, mut simulations) = (Table::new(&["iteration", "simulations", "objective", "violation"]), 0);
+        for point in &self.optimized.history.points {
+            simulations += point.work.simulations;
+            if let Some(iteration) = point.iteration {
+                table.row(cells![iteration, simulations, point.objective, point.violation]);
+            }
+        }
+        table
+    }
+
+    fn work(&self) -> Table {
         let work = self.optimized.history.work();
         let mut table = Table::new(&["", "number", "time"]);
-        let simulations = ("simulations", work.simulations, work.simulation_seconds);
         let sweeps = match self.optimization.gradient {
             GradientBy::Adjoint => "adjoint sweeps",
             GradientBy::Difference { .. } => "simulations for differences",
             GradientBy::ComplexStep => "complex-step simulations",
         };
-        for (name, number, time) in [simulations, (sweeps, work.sweeps, work.gradient_seconds)] {
-            table.row([name.into(), format!("{number:>6}").into(), format!("{:>10}", seconds(time)).into()]);
-        }
-        print(format_args!("{table}\n"));
+        table.row(cells!["simulations", work.simulations, seconds(work.simulation_seconds)]);
+        table.row(cells![sweeps, work.sweeps, seconds(work.gradient_seconds)]);
+        table
     }
 
-    fn print(&self) {
+    /// What is told, on a page, too.
+    fn summary(&self) -> Summary {
         let Report { optimization, optimized, best, .. } = self;
-        let (history, ended) = (&optimized.history, &optimized.ended);
-        let mut table = Table::new(&["iteration", "simulations", "objective", "violation"]);
-        let mut simulations = 0;
-        for point in &history.points {
-            simulations += point.work.simulations;
-            if let Some(iteration) = point.iteration {
-                let counts = [iteration.to_string(), simulations.to_string()].map(|text| Cell::Text(format!("{text:>9}")));
-                let [iteration, simulations] = counts;
-                table.row([iteration, simulations, point.objective.into(), point.violation.into()]);
-            }
-        }
-        print(format_args!("{table}\n"));
-        let mut table = Table::new(&["", "", "", "limit", "before", "after", "unit"]);
-        for Wanted { kind, name, limit, before, after, unit } in self.wanted() {
-            let sign = limit.map_or(Cell::Empty, |(sign, _)| sign.into());
-            table.row([
-                kind.into(),
-                name.into(),
-                sign,
-                limit.map(|limit| limit.1).into(),
-                before.into(),
-                after.into(),
-                unit.into(),
-            ]);
-        }
-        print(format_args!("{table}\n"));
-        let mut table = Table::new(&["variable", "before", "after", "from", "to", "unit", ""]);
-        for (variable, before, after, bound) in self.variables() {
-            let mark = bound.map_or(Cell::Empty, |bound| format!("at its {bound} bound").into());
-            let DesignVariable { name, lower, upper, unit, .. } = variable;
-            table.row([
-                name.as_str().into(),
-                before.into(),
-                after.into(),
-                (*lower).into(),
-                (*upper).into(),
-                (*unit).into(),
-                mark,
-            ]);
-        }
-        print(format_args!("{table}\n"));
-        self.print_work();
-        print(format_args!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
+        let (mut summary, ended) = (Summary::default(), &optimized.ended);
+        summary.table("", self.iterations());
+        summary.table("What is wanted", self.wanted());
+        summary.table("Design variables", self.variables());
+        summary.table("", self.work());
+        summary.words(format!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
         if ended.failed > 0 {
             let why = optimized.failure.as_ref().map_or_else(String::new, |error| format!("; the last one: {error}"));
-            print(format_args!("{} could not be simulated{why}", count(ended.failed, "design")));
+            summary.words(format!("{} could not be simulated{why}", count(ended.failed, "design")));
         }
-        print_conditions(optimization, optimized, best);
-        print(format_args!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
+        summary.conditions(optimization, optimized, best);
+        summary.words(format!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
+        summary
     }
 
     /// What is shown of it, with the motion of the best design.
@@ -482,18 +413,7 @@ impl<'r> Report<'r> {
                 best.violation
             ));
         }
-        smooth_only(optimization, optimized, best).into_iter().for_each(|message| page.warning(message));
-        let wanted = self.wanted().into_iter().map(|Wanted { kind, name, limit, before, after, unit }| {
-            let (sign, limit) = limit.map_or((Value::Null, Value::Null), |(sign, limit)| (json!(sign), json_number(limit)));
-            vec![json!(kind), json!(name), sign, limit, json_number(before), json_number(after), json!(unit)]
-        });
-        page.table("What is wanted", &["", "", "", "limit", "before", "after", "unit"], wanted.collect());
-        let variables = self.variables().into_iter().map(|(variable, before, after, bound)| {
-            let [before, after, lower, upper] = [before, after, variable.lower, variable.upper].map(json_number);
-            let mark = bound.map_or_else(String::new, |bound| format!("at its {bound} bound"));
-            vec![json!(variable.name), before, after, lower, upper, json!(variable.unit), json!(mark)]
-        });
-        page.table("Design variables", &["variable", "before", "after", "from", "to", "unit", ""], variables.collect());
+        self.summary().show(&mut page);
         match motion {
             Ok((prepared, moments, _)) => page.motion(prepared, moments),
             Err(error) => page.warning(format!("The best design could not be simulated again: {error}")),
@@ -525,37 +445,17 @@ impl<'r> Report<'r> {
 
     /// `--set` options that repeat the best design.
     fn settings(&self) -> String {
-        let option = |(variable, _, after, _): (&DesignVariable, f64, f64, Option<&str>)| {
-            let quote = if variable.name.contains(' ') { "\"" } else { "" };
-            format!(" --set {quote}{}={after}{quote}", variable.name)
+        let option = |place: usize| {
+            let (name, value) = (&self.optimization.variables()[place].name, self.best.design[place]);
+            let quote = if name.contains(' ') { "\"" } else { "" };
+            format!(" --set {quote}{name}={value}{quote}")
         };
-        self.variables().into_iter().map(option).collect()
+        self.optimization.varying().into_iter().map(option).collect()
     }
 
     fn json(&self, files: &[PathBuf]) -> Value {
         let Report { optimization, optimizer, optimized, best, .. } = self;
-        let (history, ended, work) = (&optimized.history, &optimized.ended, optimized.history.work());
-        let wanted = |row: &Wanted| {
-            let [before, after] = [row.before, row.after].map(json_number);
-            let (sign, limit) =
-                row.limit.map_or((Value::Null, Value::Null), |(sign, limit)| (json!(sign), json_number(limit)));
-            json!({"kind": row.kind, "name": row.name, "sign": sign, "limit": limit, "before": before, "after": after, "unit": row.unit})
-        };
-        let rows = self.wanted();
-        let variables = self.variables().into_iter().map(|(variable, before, after, bound)| {
-            let [before, after, lower, upper] = [before, after, variable.lower, variable.upper].map(json_number);
-            json!({"name": variable.name, "before": before, "after": after, "lower": lower, "upper": upper, "unit": variable.unit, "at_bound": bound})
-        });
-        let mut simulations = 0;
-        let mut iterations: Vec<Value> = Vec::new();
-        for point in &history.points {
-            simulations += point.work.simulations;
-            if let Some(iteration) = point.iteration {
-                let [objective, violation] = [point.objective, point.violation].map(json_number);
-                iterations.push(json!({"iteration": iteration, "simulations": simulations, "objective": objective, "violation": violation}));
-            }
-        }
-        let design = optimization.variables().iter().zip(&best.design).map(|(v, &x)| (v.name.clone(), json_number(x)));
+        let (ended, work, wanted) = (&optimized.ended, optimized.history.work(), self.wanted().json());
         json!({
             "scene": optimization.scene.name(),
             "method": optimization.cases.first().map(|case| case.method.table.name.clone()),
@@ -564,30 +464,29 @@ impl<'r> Report<'r> {
             "gradient": gradient_name(optimization.gradient),
             "reason": ended.reason.name(),
             "optimum": ended.reason.is_optimum(),
-            "objective": wanted(&rows[0]),
-            "constraints": rows[1..].iter().map(wanted).collect::<Vec<_>>(),
-            "largest_violation": json_number(best.violation),
+            "objective": wanted[0],
+            "constraints": wanted[1..],
+            "largest_violation": best.violation,
             "conditions": conditions_json(optimization, ended),
             "largest_values": largest_json(optimized, best),
             "kept_in_the_smooth_sense_only": smooth_only(optimization, optimized, best),
-            "variables": variables.collect::<Vec<_>>(),
-            "design": design.collect::<Map<_, _>>(),
+            "variables": self.variables().json(),
+            "design": by_name(optimization.variables(), best.design.iter().copied()),
             "best_evaluation": best.evaluation,
             "iterations": ended.iterations,
             "simulations": work.simulations,
             "simulation_newton_iterations": work.simulation.iterations,
             "simulation_factorizations": work.simulation.factorizations,
-            "simulation_s": json_number(work.simulation_seconds),
+            "simulation_s": work.simulation_seconds,
             "gradient_sweeps": work.sweeps,
             "gradient_factorizations": work.gradient.factorizations,
-            "gradient_s": json_number(work.gradient_seconds),
+            "gradient_s": work.gradient_seconds,
             "failed_designs": ended.failed,
-            "history": iterations,
-            "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+            "history": self.iterations().json(),
+            "files": names(files),
         })
     }
 
-    /// What the program ends with.
     fn verdict(&self) -> Result<(), Failure> {
         let Report { optimization, optimized, best, .. } = self;
         let tolerance = optimization.stopping.violation;

@@ -1,10 +1,9 @@
 //! What is said of the end of an optimization: conditions of optimality, and largest values behind smooth ones.
 
-use super::console::{json_number, print, warn};
-use super::simulation::json_extreme;
-use crate::io::{Cell, Table};
+use super::summary::Summary;
+use crate::io::{Table, cells};
 use costate::design::DesignVariable;
-use costate::functionals::Extremes;
+use costate::functionals::{Extreme, Extremes};
 use costate::optimize::{Conditions, DesignPoint, Ended, Optimization, Optimized};
 use costate::scenes::{FunctionalConstraint, Limit};
 use serde_json::{Value, json};
@@ -16,31 +15,31 @@ fn constraint_names<'o>(optimization: &'o Optimization) -> impl Iterator<Item = 
     nonlinear.chain(problem.linear.iter().map(|constraint| constraint.name.as_str()))
 }
 
-/// Prints whether and how well the conditions of optimality hold, and what is kept in the smooth sense only.
-pub fn print_conditions(optimization: &Optimization, optimized: &Optimized, best: &DesignPoint) {
-    if let Some(conditions) = &optimized.ended.conditions {
-        let Conditions { stationarity, violation, complementarity, tolerance, allowed, .. } = conditions;
-        let mut table = Table::new(&["condition of optimality, scaled", "off by", "allowed"]);
-        for (name, off, allowed) in [
-            ("slope of the Lagrangian where no bound holds it", *stationarity, *tolerance),
-            ("largest violation of a limit", *violation, *allowed),
-            ("multiplier times distance from its limit", *complementarity, *tolerance),
-        ] {
-            table.row([name.into(), off.into(), allowed.into()]);
+impl Summary {
+    /// Adds whether and how well the conditions of optimality hold, and what is kept in the smooth sense only.
+    pub fn conditions(&mut self, optimization: &Optimization, optimized: &Optimized, best: &DesignPoint) {
+        if let Some(conditions) = &optimized.ended.conditions {
+            let Conditions { stationarity, violation, complementarity, tolerance, allowed, .. } = conditions;
+            let mut table = Table::new(&["condition of optimality, scaled", "off by", "allowed"]);
+            for (name, off, allowed) in [
+                ("slope of the Lagrangian where no bound holds it", *stationarity, *tolerance),
+                ("largest violation of a limit", *violation, *allowed),
+                ("multiplier times distance from its limit", *complementarity, *tolerance),
+            ] {
+                table.row(cells![name, off, allowed]);
+            }
+            self.table("", table);
+            self.table("", multipliers(optimization, conditions, best));
         }
-        print(format_args!("{table}\n"));
-        print_multipliers(optimization, conditions, best);
+        self.warnings(smooth_only(optimization, optimized, best));
     }
-    smooth_only(optimization, optimized, best).into_iter().for_each(|message| warn(&message));
 }
 
 /// Multipliers of constraints, and slopes of variables at their bounds.
-fn print_multipliers(optimization: &Optimization, conditions: &Conditions, best: &DesignPoint) {
+fn multipliers(optimization: &Optimization, conditions: &Conditions, best: &DesignPoint) -> Table {
     let mut table = Table::new(&["", "", "multiplier or slope, scaled"]);
-    let mut any = false;
     for (name, multiplier) in constraint_names(optimization).zip(&conditions.multipliers) {
-        table.row(["limit".into(), name.into(), Cell::from(*multiplier)]);
-        any = true;
+        table.row(cells!["limit", name, *multiplier]);
     }
     for (place, slope) in optimization.varying().into_iter().zip(&conditions.slopes) {
         let DesignVariable { name, lower, upper, .. } = &optimization.variables()[place];
@@ -49,27 +48,23 @@ fn print_multipliers(optimization: &Optimization, conditions: &Conditions, best:
             x if x >= *upper => "at its upper bound",
             _ => continue,
         };
-        table.row([kind.into(), name.as_str().into(), Cell::from(*slope)]);
-        any = true;
+        table.row(cells![kind, name, *slope]);
     }
-    if any {
-        print(format_args!("{table}\n"));
-    }
+    table
 }
 
-/// The same in JSON.
 pub fn conditions_json(optimization: &Optimization, ended: &Ended) -> Value {
     let Some(conditions) = &ended.conditions else { return Value::Null };
     let multipliers = constraint_names(optimization).zip(&conditions.multipliers);
     let multipliers: Vec<Value> =
-        multipliers.map(|(name, &multiplier)| json!({"name": name, "multiplier": json_number(multiplier)})).collect();
+        multipliers.map(|(name, &multiplier)| json!({"name": name, "multiplier": multiplier})).collect();
     json!({
         "hold": conditions.hold(),
-        "stationarity": json_number(conditions.stationarity),
-        "violation": json_number(conditions.violation),
-        "complementarity": json_number(conditions.complementarity),
-        "allowed": json_number(conditions.tolerance),
-        "allowed_violation": json_number(conditions.allowed),
+        "stationarity": conditions.stationarity,
+        "violation": conditions.violation,
+        "complementarity": conditions.complementarity,
+        "allowed": conditions.tolerance,
+        "allowed_violation": conditions.allowed,
         "multipliers": multipliers,
     })
 }
@@ -77,9 +72,10 @@ pub fn conditions_json(optimization: &Optimization, ended: &Ended) -> Value {
 /// Largest and smallest values of the aggregates of the best design.
 pub fn largest_json(optimized: &Optimized, best: &DesignPoint) -> Value {
     let named = optimized.history.functionals.iter().zip(&best.extremes);
+    let extreme = |Extreme { value, t, element }: &Extreme| json!({"value": value, "t": t, "element": element});
     let row = |((name, _), extremes): (&(String, String), &Option<Extremes>)| {
         let Extremes { smallest, largest } = extremes.as_ref()?;
-        Some(json!({"name": name, "largest": json_extreme(largest), "smallest": json_extreme(smallest)}))
+        Some(json!({"name": name, "largest": extreme(largest), "smallest": extreme(smallest)}))
     };
     named.filter_map(row).collect()
 }

@@ -4,7 +4,7 @@ use super::failure::Failure;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
 use costate::integrators::{
-    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
+    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, StepControl, table_named, table_names,
 };
 use costate::linalg::Backend;
 use costate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
@@ -12,32 +12,48 @@ use costate::scenes::{check_folders, unknown};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-/// What is simulated, and how.
+/// Which scene at which design, and where results go.
 #[derive(Args, Clone, Debug)]
-pub struct SceneOptions {
+pub struct DesignOptions {
     /// Name of a scene (see `list`), or path of a scene file (.toml)
     scene: String,
     /// Folder for the results [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// One of the scenarios of the scene; without it `run`, `gradient` and `optimize` take all of them
+    #[arg(long, value_name = "NAME")]
+    scenario: Option<String>,
+    /// Change a design variable; may be given once for each
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Print one JSON object with all figures on the last line of stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What is simulated, and how.
+#[derive(Args, Clone, Debug)]
+pub struct SceneOptions {
+    #[command(flatten)]
+    of: DesignOptions,
     /// End of the motion [s] [default: the scene's]
-    #[arg(long, value_name = "T", value_parser = positive_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     end: Option<f64>,
     /// Number of steps [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = step_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole_number::<MOST_STEPS>, allow_negative_numbers = true)]
     steps: Option<usize>,
     /// Choose steps by their error: tolerance of coordinates and velocities, relative and absolute (methods with an error
     /// estimate); load steps of --method static by the success of Newton's method, whatever the number
-    #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, conflicts_with = "steps")]
+    #[arg(long, value_name = "TOL", value_parser = positive, allow_negative_numbers = true, conflicts_with = "steps")]
     tolerance: Option<f64>,
     /// The same for velocities alone [default: that of --tolerance]
-    #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, requires = "tolerance")]
+    #[arg(long, value_name = "TOL", value_parser = positive, allow_negative_numbers = true, requires = "tolerance")]
     velocity_tolerance: Option<f64>,
     /// Longest step that --tolerance may choose [s]
-    #[arg(long, value_name = "H", value_parser = positive_seconds, allow_negative_numbers = true, requires = "tolerance")]
+    #[arg(long, value_name = "H", value_parser = positive, allow_negative_numbers = true, requires = "tolerance")]
     longest_step: Option<f64>,
     /// Write histories at multiples of this time instead of at the steps [s]
-    #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DT", value_parser = positive, allow_negative_numbers = true)]
     output_step: Option<f64>,
     /// Write meshes for ParaView: fields.pvd, with a .vtu file for each row of the histories, and with `gradient` gradients.vtu, the
     /// derivatives by the thickness of each shell element
@@ -48,7 +64,7 @@ pub struct SceneOptions {
     film: bool,
     /// Write no report.html, and differentiate by nothing that only its colours show
     #[arg(long)]
-    no_report: bool,
+    pub no_report: bool,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
     /// bdf2, bdf3, variational; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8, variational:1 its quadrature point at
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
@@ -65,42 +81,29 @@ pub struct SceneOptions {
     /// [default: the scene's, else automatic]
     #[arg(long, value_name = "NAME")]
     solver: Option<String>,
-    /// One of the scenarios of the scene; without it all of them, one after the other
-    #[arg(long, value_name = "NAME")]
-    scenario: Option<String>,
-    /// Change a design variable; may be given once for each
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
     /// Project an inconsistent start onto the constraints instead of refusing it
     #[arg(long)]
     project_start: bool,
     /// End with an error where the last equilibrium of --method static, or that at which the motion begins, is unstable, or not known to be stable
     #[arg(long)]
-    stable: bool,
-    /// Print one JSON object with all figures on the last line of stdout
-    #[arg(long)]
-    pub json: bool,
+    pub stable: bool,
 }
 
-fn positive_number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("it must be a number above 0, as in 1e-6".into()),
+impl Deref for SceneOptions {
+    type Target = DesignOptions;
+    fn deref(&self) -> &DesignOptions {
+        &self.of
     }
 }
 
-fn positive_seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("it must be a number of seconds above 0".into()),
-    }
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
+    number.ok_or_else(|| "it must be a number above 0, as in 1e-6".into())
 }
 
-fn step_count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(steps) if (1..=MOST_STEPS).contains(&steps) => Ok(steps),
-        _ => Err(format!("it must be a whole number from 1 to {MOST_STEPS}")),
-    }
+pub(super) fn whole_number<const MOST: usize>(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().filter(|number| (1..=MOST).contains(number));
+    number.ok_or_else(|| format!("it must be a whole number from 1 to {MOST}"))
 }
 
 /// True for the path of a scene file.
@@ -114,35 +117,6 @@ pub(super) enum FoundScene<'p> {
     File(Box<FileScene>),
 }
 
-/// What is run: the scene itself, or scenarios of it.
-///
-/// # Errors
-/// A scenario that the scene has not.
-fn chosen_scenarios<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<Vec<Scenario<'s>>, Failure> {
-    let Some(name) = chosen else { return Ok(Scenario::all_of(scene)) };
-    let all = scene.scenarios();
-    let known: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
-    if known.is_empty() {
-        return Err(Failure::input(format!("--scenario {name}: the scene \"{}\" has no scenarios", scene.name())));
-    }
-    let found = all.into_iter().find(|own| own.name == name);
-    found.map(|own| vec![own]).ok_or_else(|| Failure::input(unknown("--scenario", name, &known)))
-}
-
-/// The one scene or scenario that is run.
-///
-/// # Errors
-/// Several scenarios of which none is chosen, or one that the scene has not.
-pub(super) fn only_scenario<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<&'s dyn AnyScene, Failure> {
-    match &chosen_scenarios(scene, chosen)?[..] {
-        [only] => Ok(only.scene),
-        several => {
-            let names: Vec<&str> = several.iter().map(|own| own.name.as_str()).collect();
-            Err(Failure::input(format!("the scene has the scenarios {}: choose one with --scenario", names.join(", "))))
-        }
-    }
-}
-
 impl<'p> Deref for FoundScene<'p> {
     type Target = dyn AnyScene + 'p;
     fn deref(&self) -> &Self::Target {
@@ -154,23 +128,15 @@ impl<'p> Deref for FoundScene<'p> {
 }
 
 impl<'p> CommandLine<'p> {
-    /// Names of its scenes.
     pub(super) fn names(&self) -> Vec<String> {
         self.scenes.iter().map(|scene| scene.name()).chain(self.built_in.iter().map(|&name| name.into())).collect()
     }
 
-    /// Its scenes.
-    ///
-    /// # Errors
-    /// What is wrong in one that is built in.
     pub(super) fn all_scenes(&self) -> Result<Vec<&'p dyn AnyScene>, Failure> {
         self.scenes.iter().map(|&scene| Ok(scene)).chain(self.built_in.iter().map(|name| read_built_in(name))).collect()
     }
 
     /// The scene of this name, unless it is that of a file.
-    ///
-    /// # Errors
-    /// What is wrong in one that is built in.
     pub(super) fn own_scene(&self, name: &str) -> Result<Option<&'p dyn AnyScene>, Failure> {
         match self.scenes.iter().copied().find(|scene| scene.name() == name) {
             None if self.built_in.contains(&name) => read_built_in(name).map(Some),
@@ -207,45 +173,10 @@ fn check_names(scene: &dyn AnyScene) -> Result<(), Failure> {
     checked.map_err(|(_, why)| Failure::input(format!("scene \"{}\": {why}", scene.name())))
 }
 
-/// The place of a design variable.
-///
-/// # Errors
-/// A name that the scene has not, with the nearest one.
 pub(super) fn variable_named(variables: &[DesignVariable], name: &str) -> Result<usize, String> {
     let known = || variables.iter().map(|variable| variable.name.clone()).collect::<Vec<_>>();
     let place = variables.iter().position(|variable| variable.name == name);
     place.ok_or_else(|| unknown("design variable", name, &known()))
-}
-
-/// The initial design with the changes of `--set`.
-pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
-    let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-    let mut seen: Vec<&str> = Vec::new();
-    for change in changes {
-        let Some((name, value)) = change.split_once('=') else {
-            return Err(Failure::input(format!(
-                "--set \"{change}\": it must read NAME=VALUE, as in --set {}",
-                example(variables)
-            )));
-        };
-        let (name, value) = (name.trim(), value.trim());
-        let index =
-            variable_named(variables, name).map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
-        if seen.contains(&name) {
-            return Err(Failure::input(format!("--set {change}: \"{name}\" was already set; give it once")));
-        }
-        seen.push(name);
-        let DesignVariable { lower, upper, unit, .. } = &variables[index];
-        let [lower, upper] = [*lower, *upper].map(shortest);
-        x[index] = value.parse().map_err(|_| {
-            Failure::input(format!(
-                "--set {change}: \"{value}\" is not a number; it must lie between {lower} and {upper} {unit}"
-            ))
-        })?;
-        check_design(&variables[index..=index], &x[index..=index])
-            .map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
-    }
-    Ok(x)
 }
 
 fn example(variables: &[DesignVariable]) -> String {
@@ -289,64 +220,64 @@ fn chosen<T: Copy, const N: usize>(
     found.map(Some).ok_or_else(|| Failure::input(unknown(option, given, &known())))
 }
 
-impl SceneOptions {
-    /// The scene.
-    ///
-    /// # Errors
-    /// An unknown name.
+impl DesignOptions {
     pub fn scene<'p>(&self, program: &CommandLine<'p>) -> Result<FoundScene<'p>, Failure> {
         program.find_scene(&self.scene)
     }
 
     /// What of it is run: itself, its scenarios, or the one that is chosen.
-    ///
-    /// # Errors
-    /// A scenario that it has not.
     pub fn scenarios<'s>(&self, scene: &'s dyn AnyScene) -> Result<Vec<Scenario<'s>>, Failure> {
-        chosen_scenarios(scene, self.scenario.as_deref())
-    }
-
-    /// The same options for one of several scenarios: results of each stand in a folder of its own.
-    pub fn of_scenario(&self, name: &str, count: usize) -> Self {
-        let own_folder = |folder: &PathBuf| if count > 1 { folder.join(name) } else { folder.clone() };
-        SceneOptions { out: self.out.as_ref().map(own_folder), ..self.clone() }
+        let Some(name) = &self.scenario else { return Ok(Scenario::all_of(scene)) };
+        let all = scene.scenarios();
+        let known: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
+        if known.is_empty() {
+            return Err(Failure::input(format!("--scenario {name}: the scene \"{}\" has no scenarios", scene.name())));
+        }
+        let found = all.into_iter().find(|own| own.name == *name);
+        found.map(|own| vec![own]).ok_or_else(|| Failure::input(unknown("--scenario", name, &known)))
     }
 
     /// The one that is run, for a command that runs no more.
-    ///
-    /// # Errors
-    /// Several scenarios of which none is chosen, or one that the scene has not.
     pub fn only_scenario<'s>(&self, scene: &'s dyn AnyScene) -> Result<&'s dyn AnyScene, Failure> {
-        only_scenario(scene, self.scenario.as_deref())
+        match &self.scenarios(scene)?[..] {
+            [only] => Ok(only.scene),
+            several => {
+                let names: Vec<&str> = several.iter().map(|own| own.name.as_str()).collect();
+                Err(Failure::input(format!("the scene has the scenarios {}: choose one with --scenario", names.join(", "))))
+            }
+        }
     }
 
-    /// The scene at the chosen design with the chosen method and steps.
-    ///
-    /// # Errors
-    /// The option, its value and what is allowed; or why the scene cannot start.
-    pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
-        let (method, settings) = self.simulation(scene)?;
-        let x = self.design(scene)?;
-        let prepared = Prepared::with(scene, &x, method, settings);
-        prepared.map_err(|error| self.located(scene, error))
-    }
-
-    /// The failure of an error, with the scene and the place in its text.
-    pub fn located(&self, scene: &dyn AnyScene, error: RunError) -> Failure {
-        located(scene, &self.scene, error.into())
-    }
-
-    /// The design that `--set` asks for.
-    ///
-    /// # Errors
-    /// A name or a value that makes no sense.
+    /// The initial design with the changes of `--set`.
     pub fn design(&self, scene: &dyn AnyScene) -> Result<Vec<f64>, Failure> {
-        changed_design(&scene.variables(), &self.set)
-    }
-
-    /// Whether `--set` was given.
-    pub fn sets_design(&self) -> bool {
-        !self.set.is_empty()
+        let variables = scene.variables();
+        let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
+        let mut seen: Vec<&str> = Vec::new();
+        for change in &self.set {
+            let Some((name, value)) = change.split_once('=') else {
+                return Err(Failure::input(format!(
+                    "--set \"{change}\": it must read NAME=VALUE, as in --set {}",
+                    example(&variables)
+                )));
+            };
+            let (name, value) = (name.trim(), value.trim());
+            let index =
+                variable_named(&variables, name).map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
+            if seen.contains(&name) {
+                return Err(Failure::input(format!("--set {change}: \"{name}\" was already set; give it once")));
+            }
+            seen.push(name);
+            let DesignVariable { lower, upper, unit, .. } = &variables[index];
+            let [lower, upper] = [*lower, *upper].map(shortest);
+            x[index] = value.parse().map_err(|_| {
+                Failure::input(format!(
+                    "--set {change}: \"{value}\" is not a number; it must lie between {lower} and {upper} {unit}"
+                ))
+            })?;
+            check_design(&variables[index..=index], &x[index..=index])
+                .map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
+        }
+        Ok(x)
     }
 
     /// Places of the variables that `--set` names.
@@ -355,10 +286,31 @@ impl SceneOptions {
         names.filter_map(|name| variable_named(variables, name).ok()).collect()
     }
 
-    /// The chosen method, duration and steps.
-    ///
-    /// # Errors
-    /// The option, its value and what is allowed.
+    /// A failure, with the scene and the place in its text.
+    pub fn located(&self, scene: &dyn AnyScene, failure: impl Into<Failure>) -> Failure {
+        located(scene, &self.scene, failure.into())
+    }
+
+    pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()))
+    }
+}
+
+impl SceneOptions {
+    /// The same options for one of several scenarios: results of each stand in a folder of its own.
+    pub fn of_scenario(&self, name: &str, count: usize) -> Self {
+        let own_folder = |folder: &PathBuf| if count > 1 { folder.join(name) } else { folder.clone() };
+        SceneOptions { of: DesignOptions { out: self.out.as_ref().map(own_folder), ..self.of.clone() }, ..self.clone() }
+    }
+
+    /// The scene at the chosen design with the chosen method and steps.
+    pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
+        let (method, settings) = self.simulation(scene)?;
+        let x = self.design(scene)?;
+        let prepared = Prepared::with(scene, &x, method, settings);
+        prepared.map_err(|error| self.located(scene, error))
+    }
+
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
         if self.film {
             return Err(Failure::input("--film: the report plays the motion, report.html among the results"));
@@ -395,9 +347,6 @@ impl SceneOptions {
     }
 
     /// The method for gradients: Newton's method to round-off where the scene leaves it more.
-    ///
-    /// # Errors
-    /// An option that asks for less.
     pub fn differentiable(&self, mut method: Method) -> Result<Method, Failure> {
         if method.tolerance == NewtonTolerance::Scaled {
             let why = "what Newton's method leaves of a system by the error of its step has no exact derivative";
@@ -419,30 +368,12 @@ impl SceneOptions {
         Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes, ..own }
     }
 
-    /// Whether equilibria have to be stable.
-    pub fn requires_stability(&self) -> bool {
-        self.stable
-    }
-
-    /// Whether a report is written.
-    pub fn reports(&self) -> bool {
-        !self.no_report
-    }
-
     /// Refuses what is written for one motion alone.
-    ///
-    /// # Errors
-    /// An option that asks for it; `what` has none.
     pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
         let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
         given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {
             Err(Failure::input(format!("{option}: {what} writes no histories of motions; leave it out")))
         })
-    }
-
-    /// The folder for the results.
-    pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()))
     }
 }
 

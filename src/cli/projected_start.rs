@@ -1,8 +1,9 @@
 //! What the projection of a start made of what was given.
 
 use super::columns::moving;
-use super::console::{count, json_number};
-use crate::io::{Table, number};
+use super::console::count;
+use super::summary::Summary;
+use crate::io::{Cell, Table, cells, number};
 use costate::elements::{Frame, NodeKind};
 use costate::integrators::{INCONSISTENT, StartRecord};
 use costate::scalar::{SpatialVector, Vector3};
@@ -28,7 +29,6 @@ pub struct ProjectedStart {
     kept: Vec<String>,
 }
 
-/// Most lines of the table.
 const SHOWN: usize = 20;
 
 /// One quantity of a node: what it is, its unit, given and used.
@@ -97,45 +97,39 @@ impl ProjectedStart {
         Some(ProjectedStart { changes, kept })
     }
 
-    /// In words: a table of what was given and what is used, and which rates stay.
-    pub fn in_words(&self) -> String {
+    /// A table of what was given and what is used, and which rates stay.
+    pub fn summary(&self) -> Summary {
+        let mut summary = Summary::default();
         if self.changes.is_empty() {
-            return "project_start: the start fits the constraints as it is given".into();
+            summary.words("project_start: the start fits the constraints as it is given\n");
+            return summary;
         }
-        let mut table = Table::new(&["project_start", "", "given", "used", "unit"]);
-        let words = |numbers: &[f64]| match numbers {
-            [one] => number(*one),
-            all => format!("({})", all.iter().map(|own| number(*own)).collect::<Vec<_>>().join(", ")),
-        };
-        for Change { part, what, unit, given, used } in self.changes.iter().take(SHOWN) {
-            let cells = [part.clone(), (*what).into(), words(given), words(used), (*unit).into()];
-            table.row(cells.map(Into::into));
+        summary.table("What the projection of the start changed", self.table(SHOWN));
+        if let more @ 1.. = self.changes.len().saturating_sub(SHOWN) {
+            summary.words(format!("and {} more", count(more, "change")));
         }
-        let more = match self.changes.len().saturating_sub(SHOWN) {
-            0 => String::new(),
-            more => format!("\nand {} more", count(more, "change")),
-        };
-        let kept = match self.kept.len() {
-            0 => String::new(),
-            1..=SHOWN => format!("\nrates that stay as they are given: {}", self.kept.join(", ")),
-            kept => format!("\nrates that stay as they are given: of {}", count(kept, "part")),
-        };
-        format!("{table}{more}{kept}")
+        match self.kept.len() {
+            0 => {}
+            1..=SHOWN => summary.words(format!("rates that stay as they are given: {}\n", self.kept.join(", "))),
+            kept => summary.words(format!("rates that stay as they are given: of {}\n", count(kept, "part"))),
+        }
+        summary
     }
 
-    /// For JSON.
+    fn table(&self, most: usize) -> Table {
+        let titles = ["project_start", "", "given", "used", "unit"];
+        let mut table = Table::new(&titles).keyed(&["part", "quantity", "given", "used", "unit"]);
+        let cell = |numbers: &[f64]| match numbers {
+            [one] => Cell::of(number(*one), numbers),
+            all => Cell::of(format!("({})", all.iter().map(|own| number(*own)).collect::<Vec<_>>().join(", ")), numbers),
+        };
+        for Change { part, what, unit, given, used } in self.changes.iter().take(most) {
+            table.row(cells![part, *what, cell(given), cell(used), *unit]);
+        }
+        table
+    }
+
     pub fn json(&self) -> Value {
-        let list = |numbers: &[f64]| numbers.iter().map(|own| json_number(*own)).collect::<Vec<_>>();
-        let change = |Change { part, what, unit, given, used }: &Change| json!({"part": part, "quantity": what, "unit": unit, "given": list(given), "used": list(used)});
-        json!({"changes": self.changes.iter().map(change).collect::<Vec<_>>(), "rates_kept": self.kept})
-    }
-
-    /// Rows of a page: part, what, given, used, unit.
-    pub fn rows(&self) -> Vec<Vec<Value>> {
-        let words = |numbers: &[f64]| json!(numbers.iter().map(|own| number(*own)).collect::<Vec<_>>().join(", "));
-        let row = |Change { part, what, unit, given, used }: &Change| {
-            vec![json!(part), json!(what), words(given), words(used), json!(unit)]
-        };
-        self.changes.iter().take(SHOWN).map(row).collect()
+        json!({"changes": self.table(usize::MAX).json(), "rates_kept": self.kept})
     }
 }

@@ -1,14 +1,11 @@
 //! Rates over which something is looked at, as options give them.
 
-/// Most rates.
 const MOST: usize = 10_000;
 
 /// Rates from a first to a last one [rad/s].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rates {
-    /// In order.
     pub list: Vec<f64>,
-    /// Whether their logarithms have equal steps.
     pub are_logarithmic: bool,
 }
 

@@ -1,17 +1,17 @@
 //! `costate response`: amplitude and phase of what functionals measure, over the rate of a harmonic change.
 
 use super::CommandLine;
-use super::console::{json_number, print, print_files, print_json};
+use super::console::{print, print_files, print_json};
 use super::failure::Failure;
 use super::rates::Rates;
 use super::simulation::names;
 use super::still::StillOptions;
-use crate::io::{Cell, Chart, Series, Style, Table, number, write_charts, write_csv, write_file};
+use crate::io::{Chart, Series, Style, Table, cells, write_charts, write_csv, write_json};
 use clap::Args;
 use costate::functionals::Functional;
 use costate::integrators::RunError;
 use costate::scenes::Prepared;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
@@ -47,13 +47,11 @@ impl Answer {
         let [re, im] = self.parts[place];
         im.atan2(re)
     }
-    /// Where the amplitude is largest.
     fn peak(&self) -> usize {
         (0..self.parts.len()).max_by(|&a, &b| self.amplitude(a).total_cmp(&self.amplitude(b))).unwrap_or(0)
     }
 }
 
-/// Runs the command.
 pub fn run(options: &ResponseOptions, program: &CommandLine) -> Result<(), Failure> {
     options.still.with_scene(program, |prepared, named| respond(options, &prepared, named))
 }
@@ -80,30 +78,29 @@ fn respond(options: &ResponseOptions, prepared: &Prepared, named: &dyn Fn(RunErr
         Table::new(&["functional", "unit", "at the first rate", "largest amplitude", "at [rad/s]", "[Hz]", "phase [deg]"]);
     for own in &answers {
         let peak = own.peak();
-        let numbers = [own.amplitude(0), own.amplitude(peak), rates[peak], rates[peak] / TAU, own.phase(peak).to_degrees()];
-        table.row([own.name.clone(), own.unit.clone()].into_iter().chain(numbers.map(number)).map(Cell::from));
+        let (rate, phase) = (rates[peak], own.phase(peak).to_degrees());
+        table.row(cells![&own.name, &own.unit, own.amplitude(0), own.amplitude(peak), rate, rate / TAU, phase]);
     }
     print(format_args!("{table}\n"));
-    let folder = options.still.folder(scene);
+    let folder = options.still.of.folder(scene);
     let mut files =
         write(&answers, (rates, options.rates.are_logarithmic), &format!("{}: by {}", scene.name(), options.by), &folder)?;
     let summary = folder.join("response.json");
     files.push(summary.clone());
     print_files(&files);
-    let list = |values: &mut dyn Iterator<Item = f64>| values.map(json_number).collect::<Vec<Value>>();
     let functionals = answers.iter().map(|own| {
-        let [re, im] = [0, 1].map(|part| list(&mut own.parts.iter().map(|own| own[part])));
+        let [re, im] = [0, 1].map(|part| own.parts.iter().map(|own| own[part]).collect::<Vec<_>>());
         json!({"name": own.name, "unit": own.unit, "re": re, "im": im})
     });
     let object = json!({
         "scene": scene.name(),
         "by": options.by,
-        "rates_rad_s": list(&mut rates.iter().copied()),
+        "rates_rad_s": rates,
         "functionals": functionals.collect::<Vec<_>>(),
         "files": names(&files),
     });
-    write_file(&summary, format!("{object:#}\n").as_bytes())?;
-    print_json(options.still.json, &object);
+    write_json(&summary, &object)?;
+    print_json(options.still.of.json, &object);
     Ok(())
 }
 

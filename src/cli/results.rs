@@ -1,11 +1,11 @@
-//! The files of a run: histories.csv, fields.pvd with its .vtu files.
+//! The files of a run: histories.csv, with the feature `arrow` histories.arrow beside it, fields.pvd with its .vtu files.
 
 use super::failure::Failure;
-use super::history_files::HistoryFiles;
-use super::measured_moments::{EnergyCourse, MeasuredMoments};
+use super::measured_moments::{MeasuredMoments, MeasuredRun};
 use super::meshes::Meshes;
-use super::snapshot::Snapshot;
-use crate::io::{Chart, write_file};
+#[cfg(feature = "arrow")]
+use crate::io::ArrowFile;
+use crate::io::{CsvFile, write_file};
 use costate::assembly::VectorsAvq;
 use costate::design::shortest;
 use costate::functionals::{Sample, StepEnds};
@@ -14,10 +14,13 @@ use costate::integrators::{RunError, StartRecord, StepRecord};
 use costate::scenes::{Output, Prepared};
 use std::path::{Path, PathBuf};
 
+/// Name of the table of states.
+const HISTORIES: &str = "histories.csv";
+/// The same as columns.
+#[cfg(feature = "arrow")]
+const COLUMNS: &str = "histories.arrow";
+
 /// Makes sure that the folder can take files, before anything is computed.
-///
-/// # Errors
-/// Bad input that names the folder and the cause.
 pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     let probe = folder.join(format!(".probe-{}", std::process::id()));
     let written = write_file(&probe, b"");
@@ -31,57 +34,55 @@ pub fn check_folder(folder: &Path) -> Result<(), Failure> {
 pub struct Results<'p> {
     prepared: &'p Prepared<'p>,
     folder: PathBuf,
-    histories: HistoryFiles,
+    histories: CsvFile,
+    /// The same as columns.
+    #[cfg(feature = "arrow")]
+    columns: ArrowFile,
     meshes: Option<Meshes<'p>>,
     measured: MeasuredMoments<'p>,
-    /// Columns that are written.
     written: Vec<usize>,
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
     rows: Rows,
     /// Ends of steps that become known.
     ends: StepEnds<'p, f64>,
-    /// Finished steps.
     steps: usize,
     /// Why rows and meshes end before the run.
     unwritten: Option<Failure>,
 }
 
 /// What is left of a run when its files are written.
+#[derive(Default)]
 pub struct Finished {
-    /// Files written.
     pub files: Vec<PathBuf>,
     /// Why others could not be.
     pub unwritten: Option<Failure>,
-    /// Histories as charts.
-    pub charts: Vec<Chart>,
-    /// The moments that a page shows.
-    pub moments: Vec<Snapshot>,
+    pub measured: MeasuredRun,
 }
 
 /// At which times there are rows.
 enum Rows {
-    /// The start and the ends of steps.
     AtSteps,
     /// Multiples of `dt` and the end.
-    AtMultiples { dt: f64, next: u32, dense: Option<Box<Dense>> },
+    AtMultiples {
+        dt: f64,
+        next: u32,
+        dense: Option<Box<Dense>>,
+    },
 }
 
 impl<'p> Results<'p> {
-    /// Begins the files in a folder.
-    ///
-    /// # Errors
-    /// A history that the scene does not have; a file that cannot be written.
     pub fn begin(prepared: &'p Prepared<'p>, output: &Output, folder: &Path) -> Result<Self, Failure> {
         let measured = MeasuredMoments::new(prepared);
         let written = measured.columns.chosen(&output.histories).map_err(Failure::input)?;
         let names = measured.columns.names();
         let names: Vec<String> = written.iter().map(|&place| names[place].clone()).collect();
-        let histories = HistoryFiles::create(folder, &names)?;
         Ok(Results {
             prepared,
             folder: folder.to_path_buf(),
-            histories,
+            histories: CsvFile::create(&folder.join(HISTORIES), &names)?,
+            #[cfg(feature = "arrow")]
+            columns: ArrowFile::create(&folder.join(COLUMNS), &names)?,
             meshes: output.meshes.then(|| Meshes::new(prepared, folder)),
             measured,
             written,
@@ -111,6 +112,8 @@ impl<'p> Results<'p> {
         if self.unwritten.is_none() {
             let row: Vec<f64> = self.written.iter().map(|&place| self.measured.row[place]).collect();
             let written = self.histories.row(&row);
+            #[cfg(feature = "arrow")]
+            let written = written.and_then(|()| self.columns.row(&row));
             let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
             let place =
                 if self.steps == 0 { "start".into() } else { format!("step {} (t = {} s)", self.steps, shortest(t)) };
@@ -149,22 +152,12 @@ impl<'p> Results<'p> {
         self.add_sample(last)
     }
 
-    /// Warnings where tables were read beyond their points.
-    pub fn left_tables(&self) -> Vec<String> {
-        self.measured.left_tables()
-    }
-
-    /// How the energy changed, where it should be constant.
-    pub fn energy_course(&self) -> Option<EnergyCourse> {
-        self.measured.energy
-    }
-
     /// Finishes all files, of which there are none without a finished step.
     pub fn finish(mut self) -> Finished {
-        let (mut files, mut unwritten) = (Vec::new(), None);
         if self.steps == 0 {
-            return Finished { files, unwritten, charts: Vec::new(), moments: Vec::new() };
+            return Finished::default();
         }
+        let (mut files, mut unwritten) = (Vec::new(), None);
         let mut keep = |written: Result<(), Failure>, own: &[PathBuf]| match written {
             Ok(()) => files.extend_from_slice(own),
             Err(failure) => unwritten = unwritten.take().or(Some(failure)),
@@ -172,14 +165,13 @@ impl<'p> Results<'p> {
         keep(self.add_end().map_err(Failure::from), &[]);
         keep(self.unwritten.take().map_or(Ok(()), Err), &[]);
         let folder = self.folder;
-        for (file, written) in self.histories.finish() {
-            keep(written.map_err(Failure::from), &[file]);
-        }
+        keep(self.histories.finish_cut().map_err(Failure::from), &[folder.join(HISTORIES)]);
+        #[cfg(feature = "arrow")]
+        keep(self.columns.finish().map_err(Failure::from), &[folder.join(COLUMNS)]);
         if let Some(meshes) = &self.meshes {
             keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
         }
-        let (moments, charts) = self.measured.finish();
-        Finished { files, unwritten, charts, moments }
+        Finished { files, unwritten, measured: self.measured.finish() }
     }
 }
 
@@ -210,7 +202,7 @@ impl Observer for Results<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::history_files::HISTORIES;
+    use crate::io::Folder;
     use crate::motions::{View, view};
     use crate::snapshot::MOST_POINTS;
     use costate::design::DesignVariable;
@@ -263,19 +255,6 @@ mod tests {
         results
     }
 
-    /// A folder of its own for one test, removed when dropped.
-    struct Folder(PathBuf);
-    impl Folder {
-        fn new(name: &str) -> Self {
-            Folder(std::env::temp_dir().join(format!("costate-results-{}-{name}", std::process::id())))
-        }
-    }
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
     #[test]
     fn the_view_is_along_the_direction_in_which_nothing_moves() {
         let cases = [
@@ -288,7 +267,7 @@ mod tests {
             let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
             let prepared = Prepared::new(&scene).unwrap();
             let results = ran(&prepared, &folder);
-            assert_eq!(view(&prepared, &results.measured.finish().0), Some(expected), "{velocity:?}");
+            assert_eq!(view(&prepared, &results.measured.finish().moments), Some(expected), "{velocity:?}");
         }
     }
 
@@ -296,8 +275,8 @@ mod tests {
     fn a_scene_without_a_place_in_space_has_histories() {
         let (scene, folder) = (Thrown(None), Folder::new("free"));
         let prepared = Prepared::new(&scene).unwrap();
-        let Finished { files, unwritten, moments, .. } = ran(&prepared, &folder).finish();
-        assert_eq!(view(&prepared, &moments), None);
+        let Finished { files, unwritten, measured } = ran(&prepared, &folder).finish();
+        assert_eq!(view(&prepared, &measured.moments), None);
         assert!(unwritten.is_none(), "{unwritten:?}");
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         let arrow = cfg!(feature = "arrow").then_some("histories.arrow");
@@ -316,7 +295,7 @@ mod tests {
         let (steps, method) = (5 * MOST_POINTS + 7, Prepared::default_method());
         let prepared = Prepared::with(&scene, &[], method, Settings::new(1.0, steps)).unwrap();
         let results = ran(&prepared, &folder);
-        let Finished { moments, unwritten, .. } = results.finish();
+        let Finished { measured: MeasuredRun { moments, .. }, unwritten, .. } = results.finish();
         assert!(unwritten.is_none());
         assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&moments.len()), "{} moments", moments.len());
         let stride = steps / moments.len() + 1;

@@ -1,14 +1,14 @@
 use super::CommandLine;
 use super::comparison::Comparison;
-use super::console::{print, print_json};
+use super::console::{print, print_files, print_json};
 use super::failure::Failure;
-use super::histories::{check_history, check_one_history, keep, resumed};
+use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::{Simulation, print_work, simulate};
 use clap::Args;
 use costate::history::Keep;
-use costate::scenes::{AnyScene, Prepared, Scenario};
+use costate::scenes::{Prepared, Scenario};
 
 /// Options of `costate run`.
 #[derive(Args)]
@@ -27,50 +27,49 @@ pub struct RunOptions {
 pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     // no gradient is asked for
     let keep = resumed(options.history.clone().unwrap_or(Keep::Nothing), options.resume)?;
-    let options = &options.scene;
-    let scene = options.scene(program)?;
-    let scenarios = options.scenarios(&*scene)?;
-    check_one_history(&keep, scenarios.len())?;
-    let count = scenarios.len();
-    let mut comparison = Comparison::default();
-    scenarios.into_iter().try_for_each(|Scenario { name, scene }| {
-        run_one(&options.of_scenario(&name, count), scene, keep.clone(), |prepared, simulation| {
-            comparison.add(&name, prepared, simulation)
-        })
-    })?;
-    comparison.conclude(&*scene, options)
+    each_scenario(&options.scene, &keep, program, |options, prepared| {
+        let mut simulation = simulate(prepared, options)?;
+        let page = (!options.no_report).then(|| {
+            let page = Page::by_command(prepared.scene, "simulation");
+            let mut page = page.with_simulation(prepared, &simulation.shown(prepared));
+            simulation.modes.summary(prepared).show(&mut page);
+            page.design(&prepared.variables, &prepared.x);
+            page
+        });
+        let json = simulation.conclude(page, simulation.json(prepared));
+        report(&simulation, prepared);
+        print_json(options.json, &json);
+        simulation.verdict()
+    })
 }
 
-/// Simulates a scene or a scenario, writes, prints, and shows what it gave.
-fn run_one(
+/// Runs a scene or its scenarios, one after the other, and compares what they gave.
+pub fn each_scenario(
     options: &SceneOptions,
-    scene: &dyn AnyScene,
-    keep: Keep,
-    show: impl FnOnce(&Prepared, &Simulation),
+    keep: &Keep,
+    program: &CommandLine,
+    run_one: impl Fn(&SceneOptions, &mut Prepared) -> Result<Simulation, Failure>,
 ) -> Result<(), Failure> {
-    check_history(&keep, &options.folder(scene))?;
-    let mut prepared = options.prepare(scene)?;
-    prepared.keep = keep;
-    let mut simulation = simulate(&prepared, options)?;
-    let page = options.reports().then(|| {
-        let mut page = Page::by_command(scene, "simulation").with_simulation(&prepared, &simulation.shown(&prepared));
-        simulation.modes.show(&prepared, &mut page);
-        page.design(&prepared.variables, &prepared.x);
-        page
-    });
-    simulation.conclude(page, simulation.json(&prepared).into());
-    report(&simulation, &prepared);
-    show(&prepared, &simulation);
-    print_json(options.json, &simulation.json(&prepared).into());
-    simulation.stopped.or(simulation.unwritten).map_or(Ok(()), Err)
+    let scene = options.scene(program)?;
+    let scenarios = options.scenarios(&*scene)?;
+    let count = scenarios.len();
+    let mut comparison = Comparison::default();
+    for Scenario { name, scene } in scenarios {
+        let own = options.of_scenario(&name, count);
+        check_history(keep, count, &own.folder(scene))?;
+        let mut prepared = own.prepare(scene)?;
+        prepared.keep = keep.clone();
+        let simulation = run_one(&own, &mut prepared)?;
+        comparison.add(&name, &prepared, &simulation);
+    }
+    comparison.conclude(&*scene, options)
 }
 
 /// Prints what a simulation gave; of one that stopped early only what holds for the finished steps.
 pub fn report(simulation: &Simulation, prepared: &Prepared) {
     if simulation.stopped.is_none() {
-        simulation.print_functionals(prepared);
-        simulation.modes.print(prepared);
-        simulation.print_resolution(prepared);
+        simulation.shown(prepared).summary(prepared).print();
+        simulation.modes.summary(prepared).print();
     } else {
         let done = simulation.forward.history.steps();
         let planned = if prepared.control.is_some() { String::new() } else { format!(" of {}", prepared.grid.steps()) };
@@ -80,6 +79,6 @@ pub fn report(simulation: &Simulation, prepared: &Prepared) {
         }
         print("");
     }
-    print_work(&[("simulation", simulation.work())]);
-    simulation.print_files();
+    print_work(&[("simulation", simulation.work(prepared))]);
+    print_files(&simulation.files);
 }

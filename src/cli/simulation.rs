@@ -1,16 +1,16 @@
-use super::console::{count, json_number, long_number, print, print_files, seconds, warn};
+use super::console::{count, print, seconds};
 use super::energy_balance::{Course, EnergyBalance, Ledger};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
-use super::measured_moments::EnergyCourse;
+use super::measured_moments::{EnergyCourse, MeasuredRun};
 use super::options::SceneOptions;
 use super::projected_start::ProjectedStart;
 use super::report::{Page, Shown};
 use super::results::{Finished, Results, check_folder};
-use super::snapshot::Snapshot;
 use super::stability::{self, Statement};
-use crate::io::{Cell, Chart, Progress, Table, write_file};
+use super::summary::by_name;
+use crate::io::{Cell, Progress, Table, cells, write_json};
 use costate::design::shortest;
 use costate::exchange::is_shared;
 use costate::functionals::{Extreme, Extremes, Functional, Over, Times};
@@ -23,7 +23,7 @@ use costate::linalg::SolverPlan;
 use costate::program::{SwitchKind, making_time, refuses_machine_code};
 use costate::scenes::{Prepared, Settings};
 use costate::sensitivity::Forward;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -34,34 +34,21 @@ pub type Work = Vec<(&'static str, Value)>;
 pub struct Simulation {
     /// States and functionals, of the finished steps only if the run stopped early.
     pub forward: Forward,
-    /// Steps were chosen by their error.
-    pub chosen_steps: bool,
     /// Wall time of the simulation with its functionals [s].
     pub seconds: f64,
     /// For recording formulas and compiling their programs [s]; those that were first needed during the simulation are part of its time.
     pub program_seconds: f64,
-    /// How the energy changed, where it should be constant.
-    pub energy: Option<EnergyCourse>,
-    /// Its balance, where it should not.
+    pub measured: MeasuredRun,
+    /// The balance of its energy, where that is not constant.
     pub balance: Option<EnergyBalance>,
-    /// Files written.
     pub files: Vec<PathBuf>,
     /// Why other files could not be written.
     pub unwritten: Option<Failure>,
-    /// Why the run stopped before its end.
     pub stopped: Option<Failure>,
-    /// Where its files are.
     pub folder: PathBuf,
-    /// Histories as charts.
-    pub charts: Vec<Chart>,
-    /// The moments that a page shows.
-    pub moments: Vec<Snapshot>,
-    /// What is measured of modes.
     pub modes: MeasuredModes,
     /// What a projection of the start changed.
     pub start: Option<ProjectedStart>,
-    /// Warnings where tables were read beyond their points.
-    left_tables: Vec<String>,
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
@@ -93,9 +80,6 @@ impl Observer for Watched<'_, '_> {
 }
 
 /// Simulates a prepared scene and writes its files.
-///
-/// # Errors
-/// A folder or file that cannot be written. A run that stops early is no error here: its finished steps are written first.
 pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulation, Failure> {
     let folder = options.folder(prepared.scene);
     check_folder(&folder)?;
@@ -112,46 +96,27 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let mut watched = Watched { prepared, results, start: None, balance, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
-    let elapsed = begun.elapsed().as_secs_f64();
-    let program_seconds = making_time();
+    let (seconds, program_seconds) = (begun.elapsed().as_secs_f64(), making_time());
     if refuses_machine_code() {
         print("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
     let Watched { results, start, balance, progress, .. } = watched;
-    progress.finish();
-    start.iter().for_each(|start| print(format_args!("{}\n", start.in_words())));
+    drop(progress);
+    start.iter().for_each(|start| start.summary().print());
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
-    let left_tables = results.left_tables();
-    let (energy, balance) = (results.energy_course(), balance.and_then(Course::finish));
-    let Finished { files, unwritten, charts, moments } = results.finish();
+    let balance = balance.and_then(Course::finish);
+    let Finished { files, unwritten, measured } = results.finish();
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
-    let chosen_steps = prepared.control.is_some();
     let stands = || match stability::statement(prepared, &forward) {
-        Some(Statement::Warning(message)) if options.requires_stability() => Some(Failure::run(message)),
+        Some(Statement::Warning(message)) if options.stable => Some(Failure::run(message)),
         _ => None,
     };
     let stopped = stopped.map(|error| with_hint(error, prepared)).or_else(stands);
-    Ok(Simulation {
-        forward,
-        chosen_steps,
-        seconds: elapsed,
-        program_seconds,
-        energy,
-        balance,
-        files,
-        unwritten,
-        stopped,
-        folder,
-        charts,
-        moments,
-        modes,
-        start,
-        left_tables,
-    })
+    Ok(Simulation { forward, seconds, program_seconds, measured, balance, files, unwritten, stopped, folder, modes, start })
 }
 
 /// Says what will be simulated.
@@ -227,43 +192,43 @@ pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
     Failure { message, ..failure }
 }
 
-/// A value with its time and place.
-pub fn json_extreme(Extreme { value, t, element }: &Extreme) -> Value {
-    json!({"value": json_number(*value), "t": json_number(*t), "element": element})
+/// The values of the functionals, and where that is asked for the largest and smallest values with their times and places.
+pub fn functionals(prepared: &Prepared, forward: &Forward) -> Table {
+    let titles = ["functional", "value", "unit", "true largest", "at [s]", "in", "true smallest", "at [s]", "in", "unit"];
+    let keys = [
+        "name",
+        "value",
+        "unit",
+        "largest.value",
+        "largest.t",
+        "largest.element",
+        "smallest.value",
+        "smallest.t",
+        "smallest.element",
+        "",
+    ];
+    let shown = if forward.extremes.iter().any(Option::is_some) { titles.len() } else { 3 };
+    let mut table = Table::new(&titles[..shown]).keyed(&keys);
+    for ((functional, &value), extremes) in prepared.functionals().iter().zip(&forward.values).zip(&forward.extremes) {
+        let mut row = cells![&functional.name, Cell::long(value), functional.value_unit()].to_vec();
+        if let Some(Extremes { smallest, largest }) = extremes {
+            for Extreme { value, t, element } in [largest, smallest] {
+                row.extend(cells![*value, *t, element.as_deref()]);
+            }
+            row.push(functional.unit.into());
+        }
+        table.row(row);
+    }
+    table
 }
 
 impl Simulation {
-    /// Prints the values of the functionals.
-    pub fn print_functionals(&self, prepared: &Prepared) {
-        if prepared.functionals().is_empty() {
-            return print("the scene has no functional\n");
-        }
-        let has_aggregates = self.forward.extremes.iter().any(Option::is_some);
-        let names = ["functional", "value", "unit", "true largest", "at [s]", "in", "true smallest", "at [s]", "in", "unit"];
-        let mut table = Table::new(if has_aggregates { &names } else { &names[..3] });
-        let functionals = prepared.functionals().iter().zip(&self.forward.values);
-        for ((functional, &value), extremes) in functionals.zip(&self.forward.extremes) {
-            let mut row: Vec<Cell> =
-                vec![functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()];
-            if let Some(Extremes { smallest, largest }) = extremes {
-                for Extreme { value, t, element } in [largest, smallest] {
-                    let element = element.as_deref().map_or(Cell::Empty, Into::into);
-                    row.extend([(*value).into(), (*t).into(), element]);
-                }
-                row.push(functional.unit.into());
-            }
-            table.row(row);
-        }
-        print(format_args!("{table}\n"));
-    }
-
-    /// What the simulation cost.
-    pub fn work(&self) -> Work {
+    pub fn work(&self, prepared: &Prepared) -> Work {
         let Counters { systems, iterations, residuals, factorizations, solves, choices, .. } = self.forward.counters;
         let mut work = vec![("steps", json!(self.forward.history.steps()))];
         // a run that stopped early does not tell
         if systems > 0 {
-            if self.chosen_steps || self.forward.rejected > 0 {
+            if prepared.control.is_some() || self.forward.rejected > 0 {
                 work.push(("rejected_steps", json!(self.forward.rejected)));
             }
             work.extend([
@@ -286,44 +251,28 @@ impl Simulation {
         ] {
             work.extend((count > 0).then(|| (name, json!(count))));
         }
-        work.push(("time_s", json_number(self.seconds)));
-        work.push(("programs_s", json_number(self.program_seconds)));
+        work.push(("time_s", json!(self.seconds)));
+        work.push(("programs_s", json!(self.program_seconds)));
         work
     }
 
-    /// Says how well equal steps resolve the motion, or whether an equilibrium stands, and warns where they hardly do.
-    pub fn print_resolution(&self, prepared: &Prepared) {
-        if let Some((error, _)) = error_in_words(prepared, &self.forward) {
-            print(format_args!("largest estimated error of a step: {error}\n"));
-        }
-        if let Some(balance) = &self.balance {
-            print(format_args!("{}\n", balance.in_words()));
-        }
-        if let Some(Statement::Stable(words)) = stability::statement(prepared, &self.forward) {
-            print(format_args!("{words}\n"));
-        }
-        self.resolution(prepared).iter().for_each(|warning| warn(warning));
-    }
-
-    /// What a page shows of it.
+    /// What is told of it.
     pub fn shown(&self, prepared: &Prepared) -> Shown<'_> {
         Shown {
             forward: &self.forward,
+            measured: &self.measured,
             start: self.start.as_ref(),
-            energy: self.energy,
             balance: self.balance,
-            moments: &self.moments,
-            charts: &self.charts,
-            warnings: self.resolution(prepared),
+            warnings: self.warnings(prepared),
             stopped: self.stopped.as_ref().map(|failure| failure.message.as_str()),
         }
     }
 
     /// Warnings where the steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does not stand.
-    pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
+    fn warnings(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings = warnings(prepared, &self.forward);
-        warnings.extend(energy_in_words(self.energy));
-        warnings.extend_from_slice(&self.left_tables);
+        warnings.extend(energy_in_words(self.measured.energy));
+        warnings.extend_from_slice(&self.measured.left_tables);
         if let Some(balance) = self.balance.filter(|own| own.share().is_some_and(|share| share > StepError::COARSE)) {
             warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }
@@ -331,100 +280,76 @@ impl Simulation {
         warnings
     }
 
-    /// Writes the report, if there is one, and the summary, the last files of a run.
-    pub fn conclude(&mut self, page: Option<Page>, mut summary: Value) {
+    /// Writes the report, if there is one, and the summary, the last files of a run, and returns the summary with all files.
+    pub fn conclude(&mut self, page: Option<Page>, mut summary: Value) -> Value {
         let [summary_file, report] = ["summary.json", "report.html"].map(|name| self.folder.join(name));
         if self.files.is_empty() {
-            return;
+            return summary;
         }
         let beside = [&self.files[..], std::slice::from_ref(&summary_file)].concat();
         let reported = page.map_or(Ok(()), |page| page.write(&report, &beside).map(|()| self.files.push(report)));
-        self.files.push(summary_file.clone());
+        self.files.push(summary_file);
         summary["files"] = names(&self.files);
-        let text = format!("{summary:#}\n");
-        let summarized = write_file(&summary_file, text.as_bytes()).map_err(|error| {
+        let summarized = write_json(&self.files[self.files.len() - 1], &summary);
+        if summarized.is_err() {
             self.files.pop();
-            Failure::from(error)
-        });
-        let failed = reported.err().or(summarized.err());
-        self.unwritten = self.unwritten.take().or(failed);
+            summary["files"] = names(&self.files);
+        }
+        self.unwritten = self.unwritten.take().or(reported.err()).or(summarized.err().map(Failure::from));
+        summary
+    }
+
+    /// What the program ends with: the simulation, unless it stopped early or files could not be written.
+    pub fn verdict(mut self) -> Result<Self, Failure> {
+        self.stopped.take().or(self.unwritten.take()).map_or(Ok(self), Err)
     }
 
     /// Writes the summary of what is there already, before work that may be stopped; [`Simulation::conclude`] replaces it, and says what
     /// could not be written.
-    pub fn summarize(&self, summary: &Map<String, Value>) {
+    pub fn summarize(&self, summary: &Value) {
         if !self.files.is_empty() {
-            let text = format!("{:#}\n", Value::from(summary.clone()));
-            let _ = write_file(&self.folder.join("summary.json"), text.as_bytes());
+            let _ = write_json(&self.folder.join("summary.json"), summary);
         }
     }
 
-    /// Prints the files.
-    pub fn print_files(&self) {
-        print_files(&self.files);
-    }
-
-    /// The parts of the JSON object that every simulation has.
-    pub fn json(&self, prepared: &Prepared) -> Map<String, Value> {
-        let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
-        let functionals = prepared.functionals().iter().zip(&self.forward.values).zip(&self.forward.extremes);
-        let functionals: Vec<Value> = functionals
-            .map(|((f, &value), extremes)| {
-                let mut own = json!({"name": f.name, "value": json_number(value), "unit": f.value_unit()});
-                if let Some(Extremes { smallest, largest }) = extremes {
-                    (own["largest"], own["smallest"]) = (json_extreme(largest), json_extreme(smallest));
-                }
-                own
-            })
-            .collect();
-        let mut object = Map::new();
-        object.insert("scene".into(), json!(prepared.scene.name()));
-        object.insert("method".into(), json!(prepared.method.table.name));
-        object.insert("newton".into(), json!(prepared.method.tolerance.name()));
-        object.insert("constraint_level".into(), json!(prepared.method.constraint_level().name()));
-        match prepared.control {
-            Some(control) => {
-                let (q, v) = (control.coordinates.relative, control.velocities.relative);
-                object.insert("tolerance".into(), json!({"coordinates": json_number(q), "velocities": json_number(v)}));
-            }
-            None => drop(object.insert("planned_steps".into(), json!(prepared.grid.steps()))),
-        }
-        object.insert("end_s".into(), json_number(prepared.grid.times[prepared.grid.steps()]));
-        object.insert("design".into(), design.collect::<Map<_, _>>().into());
-        object.insert("functionals".into(), functionals.into());
-        object.extend(self.modes.json(prepared).map(|modes| ("modes".into(), modes)));
+    /// The parts of the JSON object that every simulation has, without those of which there is nothing to say.
+    pub fn json(&self, prepared: &Prepared) -> Value {
+        let Prepared { scene, method, grid, control, .. } = prepared;
+        let Forward { error, leap, stability, crossings, .. } = &self.forward;
         let [joints, of_functionals] = prepared.undetermined();
-        if !joints.is_empty() {
-            object.insert("not_determined".into(), json!({"joints": joints, "functionals": of_functionals}));
-        }
-        for (name, value) in self.work() {
-            object.insert(if name == "time_s" { "forward_s".into() } else { name.into() }, value);
-        }
-        object.extend(self.start.as_ref().map(|start| ("projected_start".into(), start.json())));
-        if let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error {
+        let changes = self.measured.energy.map(|energy| energy.shares());
+        let change = |place: usize| changes.map(|all| json!({"share_of_kinetic": all[place].0, "t": all[place].1}));
+        let step_error = |StepError { share, step, t, dof, in_velocity }| {
             let coordinate = prepared.model().dof_name(dof);
-            let error = json!({"share": json_number(share), "step": step, "t": json_number(t), "coordinate": coordinate, "velocity": in_velocity});
-            object.insert("largest_step_error".into(), error);
+            json!({"share": share, "step": step, "t": t, "coordinate": coordinate, "velocity": in_velocity})
+        };
+        let mut object = json!({
+            "scene": scene.name(),
+            "method": method.table.name,
+            "newton": method.tolerance.name(),
+            "constraint_level": method.constraint_level().name(),
+            "tolerance": control.map(|own| json!({"coordinates": own.coordinates.relative, "velocities": own.velocities.relative})),
+            "planned_steps": control.is_none().then(|| grid.steps()),
+            "end_s": grid.times[grid.steps()],
+            "design": by_name(&prepared.variables, prepared.x.iter().copied()),
+            "functionals": functionals(prepared, &self.forward).json(),
+            "modes": self.modes.json(prepared),
+            "not_determined": (!joints.is_empty()).then(|| json!({"joints": joints, "functionals": of_functionals})),
+            "projected_start": self.start.as_ref().map(ProjectedStart::json),
+            "largest_step_error": error.map(step_error),
+            "leap_over_dead_point": leap.map(|(t, step)| json!({"step": step, "t": t})),
+            "stability": stability.as_ref().map(stability::json),
+            "crossings": (!crossings.is_empty()).then(|| crossings_json(crossings)),
+            "energy_growth": change(0),
+            "energy_loss": change(1),
+            "energy_balance_J": self.balance.map(|balance| balance.json()),
+            "files": names(&self.files),
+            "error": self.stopped.as_ref().map(|failure| &failure.message),
+        });
+        for (name, value) in self.work(prepared) {
+            object[if name == "time_s" { "forward_s" } else { name }] = value;
         }
-        if let Some((t, step)) = self.forward.leap {
-            object.insert("leap_over_dead_point".into(), json!({"step": step, "t": json_number(t)}));
-        }
-        if let Some(course) = &self.forward.stability {
-            object.insert("stability".into(), stability::json(course));
-        }
-        if !self.forward.crossings.is_empty() {
-            object.insert("crossings".into(), crossings_json(&self.forward.crossings));
-        }
-        let changes =
-            ["energy_growth", "energy_loss"].into_iter().zip(self.energy.iter().flat_map(|energy| energy.shares()));
-        for (name, (share, t)) in changes {
-            object.insert(name.into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
-        }
-        self.balance.iter().for_each(|balance| drop(object.insert("energy_balance_J".into(), balance.json())));
-        object.insert("files".into(), names(&self.files));
-        if let Some(failure) = &self.stopped {
-            object.insert("error".into(), json!(failure.message));
-        }
+        object.as_object_mut().into_iter().for_each(|own| own.retain(|_, value| !value.is_null()));
         object
     }
 }
@@ -520,7 +445,7 @@ fn beside_ends(prepared: &Prepared, forward: &Forward) -> Vec<String> {
 }
 
 /// The largest estimated error of a step, and the warning that it is large.
-fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Option<String>)> {
+pub fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Option<String>)> {
     let StepError { share, step, t, dof, in_velocity } = forward.error?;
     let of = if in_velocity { "largest velocity" } else { "model's length" };
     let name = prepared.model().dof_name(dof);
@@ -538,7 +463,6 @@ fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Opt
     Some((format!("{share:.1e} of the {of}, {place}"), warning))
 }
 
-/// Names in words.
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
@@ -548,14 +472,12 @@ pub fn crossings_json(crossings: &[Crossing]) -> Value {
     let object = |crossing: &Crossing| {
         let Crossing { part, is_functional, kind, step, t, count, last, passed_over } = crossing;
         let kind = if *kind == SwitchKind::Jump { "jump" } else { "kink" };
-        let passed = passed_over.map(json_number);
-        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last,
-               "passed_over_s": passed})
+        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": t, "steps": count, "last_step": last,
+               "passed_over_s": passed_over})
     };
     crossings.iter().map(object).collect()
 }
 
-/// Names of files.
 pub fn names(files: &[PathBuf]) -> Value {
     files.iter().map(|file| json!(file.display().to_string())).collect()
 }
@@ -573,19 +495,18 @@ pub fn print_work(columns: &[(&str, Work)]) {
     }
     names.sort_by_key(|name| name.ends_with("_s"));
     for name in names {
-        let cell = |work: &Work| match work.iter().find(|(own, _)| *own == name) {
-            Some((own, value)) if own.ends_with("_s") => seconds(value.as_f64().unwrap_or(f64::NAN)),
-            Some((_, value)) => value.to_string(),
+        let cell = |(_, work): &(&str, Work)| match work.iter().find(|(own, _)| *own == name) {
+            Some((own, value)) if own.ends_with("_s") => seconds(value.as_f64().unwrap_or(f64::NAN)).into(),
+            Some((_, value)) => Cell::count(value),
             None => "-".into(),
         };
-        let cells: Vec<String> = columns.iter().map(|(_, work)| cell(work)).collect();
         let words = match name {
             "time_s" => "time".into(),
             "programs_s" => "recording and compiling".into(),
             "newton_iterations" => "Newton iterations".into(),
             name => name.replace('_', " "),
         };
-        table.row([Cell::from(words)].into_iter().chain(cells.into_iter().map(|cell| Cell::Text(format!("{cell:>12}")))));
+        table.row([Cell::from(words)].into_iter().chain(columns.iter().map(cell)));
     }
     print(format_args!("{table}\n"));
 }

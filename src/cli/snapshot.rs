@@ -1,13 +1,11 @@
 //! States at single times, as pages show them.
 
-/// Most moments that are kept of a run.
 pub const MOST_POINTS: usize = 4000;
 /// The state at one time, as pages show it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// Time \[s\].
     pub t: f64,
-    /// Coordinates.
     pub q: Vec<f64>,
     /// `None` if an element does not state its energy [J].
     pub energy: Option<f64>,

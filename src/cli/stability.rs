@@ -1,6 +1,6 @@
 //! Whether the equilibrium of a run stands, in words and as JSON.
 
-use super::console::{count, json_number};
+use super::console::count;
 use crate::io::number;
 use costate::elements::NodeKind;
 use costate::integrators::{Stability, StabilityCourse, Verdict};
@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 
 /// What is said of an equilibrium.
 pub enum Statement {
-    /// It stands.
     Stable(String),
     /// It does not, or that is not known.
     Warning(String),
@@ -95,7 +94,6 @@ fn way(prepared: &Prepared) -> String {
     )
 }
 
-/// The same as JSON.
 pub fn json(course: &StabilityCourse) -> Value {
     let StabilityCourse { end, lost } = course;
     let verdict = match end.verdict() {
@@ -107,7 +105,7 @@ pub fn json(course: &StabilityCourse) -> Value {
         "verdict": verdict,
         "negative_eigenvalues": end.negative,
         "loads_follow_the_motion": end.determinant.is_some(),
-        "lost_between": lost.map(|(loads, _)| loads.map(json_number)),
+        "lost_between": lost.map(|(loads, _)| loads),
         "lost_in_step": lost.map(|(_, step)| step),
     })
 }

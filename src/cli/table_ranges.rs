@@ -12,7 +12,6 @@ use std::sync::Arc;
 /// A part with tables, and where it left one of them: the time, and the number furthest beyond.
 struct Watched {
     part: String,
-    /// When it is read.
     times: Times,
     ranges: Vec<TableRange>,
     program: Arc<Program>,
@@ -34,7 +33,6 @@ fn places(model: &Model, lists: &[fn(usize) -> Place], nodes: &[NodeId], paramet
 }
 
 impl<'p> TableWatch<'p> {
-    /// Before the first moment of a run.
     pub fn new(prepared: &'p Prepared) -> Self {
         let (model, mut parts) = (prepared.model(), Vec::new());
         let mut add = |name: &str, times: Times, formula: &Formula, places: &dyn Fn() -> Vec<Place>| {
@@ -59,7 +57,6 @@ impl<'p> TableWatch<'p> {
         TableWatch { p: &prepared.mechanism.numbers.p, parts, is_begun: false }
     }
 
-    /// A moment of the run.
     pub fn add(&mut self, Sample { t, at, mu, .. }: &Sample<f64>) {
         let value = |place: &Place| match *place {
             Place::A(dof) => at.a[dof],

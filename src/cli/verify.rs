@@ -1,9 +1,9 @@
 use super::CommandLine;
-use super::console::{count, json_number, print, print_error, print_json, seconds};
+use super::console::{count, print, print_error, print_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::study::{Figure, Form, Report, Study};
-use crate::io::{Cell, Table, number, write_charts, write_file};
+use crate::io::{Cell, Table, cells, write_charts, write_file};
 use clap::Args;
 use costate::scenes::unknown;
 use serde_json::{Value, json};
@@ -109,19 +109,17 @@ pub fn run(options: &VerifyOptions, program: &CommandLine) -> Result<(), Failure
 }
 
 fn list(json: bool, program: &CommandLine) -> Result<(), Failure> {
-    let mut table = Table::new(&["study", "what it shows"]);
-    let mut studies: Vec<Value> = Vec::new();
+    let mut table = Table::new(&["study", "what it shows"]).keyed(&["study", "summary"]);
     for study in &program.studies {
-        table.row([study.name().into(), study.summary().into()]);
-        studies.push(json!({"study": study.name(), "summary": study.summary()}));
+        table.row(cells![study.name(), study.summary()]);
     }
-    if studies.is_empty() {
+    if table.is_empty() {
         print("this program has no studies");
     } else {
         let name = &program.name;
         print(format_args!("{table}\n\nmeasure one with: {name} verify STUDY, or all with: {name} verify all"));
     }
-    print_json(json, &json!({ "studies": studies }));
+    print_json(json, &json!({ "studies": table.json() }));
     Ok(())
 }
 
@@ -160,34 +158,29 @@ impl<'p> Outcome<'p> {
     }
 
     fn print(&self) {
-        print(format_args!("\n{}\n", self.with_verdicts()));
+        print(format_args!("\n{}\n", self.figures()));
         for note in &self.report.notes {
             print(note);
         }
         print(format_args!("{}: {} ({})\n", self.study.name(), self.verdict(), seconds(self.seconds)));
     }
 
-    fn with_verdicts(&self) -> Table {
-        let mut table = Table::new(&["figure", "computed", "reference", "tolerance", "verdict"]);
-        for figure in &self.report.figures {
-            let Figure { name, value, reference, tolerance, .. } = figure;
-            let verdict = Cell::from(verdict(figure));
-            table.row([name.as_str().into(), (*value).into(), (*reference).into(), (*tolerance).into(), verdict]);
+    fn figures(&self) -> Table {
+        let titles = ["figure", "computed", "reference", "tolerance", "verdict"];
+        let mut table = Table::new(&titles).keyed(&["name", "value", "reference", "tolerance", "pass"]);
+        for Figure { name, value, reference, tolerance, pass } in &self.report.figures {
+            let verdict = match (pass, tolerance) {
+                (false, _) => "FAIL",
+                (true, None) => "",
+                (true, Some(_)) => "pass",
+            };
+            table.row(cells![name, *value, *reference, *tolerance, Cell::of(verdict, *pass)]);
         }
         table
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n{}\n\n", self.study.name(), self.study.summary());
-        text += "| figure | computed | reference | tolerance | verdict |\n|---|---:|---:|---:|---|\n";
-        for figure in &self.report.figures {
-            let optional = |value: Option<f64>| value.map_or_else(String::new, number);
-            let (computed, reference, tolerance) =
-                (number(figure.value), optional(figure.reference), optional(figure.tolerance));
-            let name = figure.name.replace('|', "\\|");
-            text += &format!("| {name} | {computed} | {reference} | {tolerance} | {} |\n", verdict(figure));
-        }
-        text += "\n";
+        let mut text = format!("# {}\n\n{}\n\n{}\n", self.study.name(), self.study.summary(), self.figures().markdown());
         for note in &self.report.notes {
             text += &format!("{note}\n\n");
         }
@@ -203,7 +196,6 @@ impl<'p> Outcome<'p> {
         text
     }
 
-    /// Writes the result into the folder of the study.
     fn record(&self, folder: &Path) -> Result<PathBuf, Failure> {
         let _guard = Guard::new();
         let path = folder.join(self.study.name()).join("result.md");
@@ -215,14 +207,8 @@ impl<'p> Outcome<'p> {
     }
 
     fn json(&self) -> Value {
-        let optional = |value: Option<f64>| value.map_or(Value::Null, json_number);
-        let figure = |f: &Figure| {
-            json!({"name": f.name, "value": json_number(f.value), "reference": optional(f.reference),
-                "tolerance": optional(f.tolerance), "pass": f.pass})
-        };
-        let figures: Vec<Value> = self.report.figures.iter().map(figure).collect();
-        let mut object = json!({"study": self.study.name(), "pass": self.pass(), "seconds": json_number(self.seconds),
-            "figures": figures});
+        let (study, figures) = (self.study.name(), self.figures().json());
+        let mut object = json!({"study": study, "pass": self.pass(), "seconds": self.seconds, "figures": figures});
         if !self.report.notes.is_empty() {
             object["notes"] = json!(self.report.notes);
         }
@@ -230,14 +216,6 @@ impl<'p> Outcome<'p> {
             object["error"] = json!(error);
         }
         object
-    }
-}
-
-fn verdict(figure: &Figure) -> &'static str {
-    match figure {
-        Figure { pass: false, .. } => "FAIL",
-        Figure { tolerance: None, .. } => "",
-        _ => "pass",
     }
 }
 

@@ -10,12 +10,10 @@ use roxmltree::{Document, Node};
 pub struct Pose {
     /// Place of its origin \[m\].
     pub place: Vector3<f64>,
-    /// Its axes.
     pub turn: Quaternion<f64>,
 }
 
 impl Pose {
-    /// The frame itself.
     pub fn identity() -> Self {
         Pose { place: Vector3::zeros(), turn: Quaternion::identity() }
     }
@@ -181,10 +179,6 @@ fn joint(node: Node) -> Result<Joint, String> {
 }
 
 impl Robot {
-    /// Reads a description.
-    ///
-    /// # Errors
-    /// What is wrong, with the line where it stands.
     pub fn parse(text: &str) -> Result<Self, String> {
         let document = Document::parse(text).map_err(|why| format!("it is no XML: {why}"))?;
         let root = document.root_element();
@@ -230,7 +224,6 @@ impl Robot {
         }
     }
 
-    /// Links that are the child of no joint.
     pub fn roots(&self) -> Vec<&Link> {
         self.links.iter().filter(|link| self.joints.iter().all(|joint| joint.child != link.name)).collect()
     }

@@ -117,12 +117,10 @@ impl Notes {
     }
 }
 
-/// Writes a robot.
 struct Writer<'r> {
     robot: &'r Robot,
     folders: Folders,
     bodies: Vec<WeldedBody<'r>>,
-    /// Names of the bodies.
     names: Vec<String>,
     notes: Notes,
 }
@@ -134,7 +132,6 @@ impl Writer<'_> {
         quoted(place.map_or(link, |place| &self.names[place]))
     }
 
-    /// A body.
     fn body(&mut self, place: usize) -> String {
         let WeldedBody { pose, links, .. } = &self.bodies[place];
         let name = quoted(&self.names[place]);
@@ -305,15 +302,11 @@ impl Writer<'_> {
     }
 }
 
-/// Name of the joint angle of a joint.
 fn angle_name(joint: &str) -> String {
     quoted(&format!("{joint} angle"))
 }
 
 /// The text of a scene, and what it leaves out or changes.
-///
-/// # Errors
-/// A path that cannot be found.
 pub fn write(robot: &Robot, file: &Path, target: &Path, free: bool) -> Result<(String, Vec<String>), String> {
     let folder = |path: &Path| {
         let own = path.parent().filter(|own| !own.as_os_str().is_empty()).unwrap_or(Path::new("."));

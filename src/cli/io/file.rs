@@ -2,9 +2,9 @@
 
 use costate::exchange::is_first;
 use costate::history::check_place;
+use serde_json::Value;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -36,23 +36,17 @@ impl std::error::Error for IoError {}
 /// # Errors
 /// A folder that cannot be created, or a file that cannot be written or renamed.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), IoError> {
-    write_with(path, |out| out.write_all(contents))
+    let aside = Aside::beside(path)?;
+    fs::write(&aside.part, contents).map_err(|cause| IoError::new(path, cause))?;
+    aside.publish()
 }
 
-/// Lets `fill` stream into `path`, creating missing folders; the file appears whole or not at all.
+/// The same of a JSON object, in lines that people can read.
 ///
 /// # Errors
-/// As [`write_file`], and any error of `fill`.
-pub fn write_with(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), IoError> {
-    let aside = Aside::beside(path)?;
-    File::create(&aside.part)
-        .and_then(|file| {
-            let mut out = BufWriter::new(file);
-            fill(&mut out)?;
-            out.flush()
-        })
-        .map_err(|cause| IoError::new(path, cause))?;
-    aside.publish()
+/// As [`write_file`].
+pub fn write_json(path: &Path, object: &Value) -> Result<(), IoError> {
+    write_file(path, format!("{object:#}\n").as_bytes())
 }
 
 /// Takes what is written, and keeps nothing.
@@ -141,29 +135,6 @@ pub(crate) mod tests {
         fn drop(&mut self) {
             let _ = fs::remove_dir_all(&self.0);
         }
-    }
-
-    #[test]
-    fn missing_folders_are_created() {
-        let folder = Folder::new("create");
-        let path = folder.0.join("a/b/c.txt");
-        write_file(&path, b"text").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"text");
-    }
-
-    #[test]
-    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
-        let folder = Folder::new("failed");
-        let path = folder.0.join("result.csv");
-        write_file(&path, b"old").unwrap();
-        let error = write_with(&path, |out| {
-            out.write_all(&[b'x'; 100_000])?;
-            Err(io::Error::other("disk full"))
-        })
-        .unwrap_err();
-        assert!(error.to_string().contains("result.csv") && error.to_string().contains("disk full"), "{error}");
-        assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(folder.names(), ["result.csv"]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Output: files written whole or not at all, tables; with the feature `cli` also charts, meshes for ParaView, progress bars; with the feature `arrow` tables as files of Apache Arrow.
+//! Output: files written whole or not at all, tables, charts, meshes for ParaView, progress bars; with the feature `arrow` tables as files of Apache Arrow.
 //!
 //! Everything here takes plain numbers, so any result of the other folders can be written.
 
@@ -15,11 +15,14 @@ mod xml;
 #[cfg(feature = "arrow")]
 pub use arrow::ArrowFile;
 pub use chart::{Bars, Chart, Series, Style, write_bars, write_charts};
-pub use file::{IoError, write_file};
+#[cfg(test)]
+pub(crate) use file::tests::Folder;
+pub use file::{IoError, write_file, write_json};
 pub use progress::Progress;
 pub(crate) use read::fields;
 pub use read::read_csv;
+pub(crate) use table::cells;
 pub(crate) use table::quoted;
-pub use table::{Cell, CsvFile, Table, number, write_csv};
+pub use table::{Cell, CsvFile, Table, long_number, number, write_csv};
 pub(crate) use vtu::base64;
 pub use vtu::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};

@@ -8,11 +8,8 @@ use serde_json::{Value, json};
 
 /// Bytes for the places and stresses of all motions of a page: in the file a third more.
 const ROOM: usize = 5_000_000;
-/// Most frames of a motion.
 const MOST_FRAMES: usize = 400;
-/// Fewest frames, whatever room they take.
 const FEWEST_FRAMES: usize = 12;
-/// The number that stands for no part.
 const NO_PART: usize = u32::MAX as usize;
 /// The whole number that stands for no stress.
 const NONE: u16 = u16::MAX;

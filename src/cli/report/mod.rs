@@ -9,11 +9,10 @@ mod sections;
 
 pub use clip::Clip;
 pub use run_report::RunReport;
-pub use sections::{GradientRows, Shown};
+pub use sections::Shown;
 
-use super::console::json_number;
 use super::failure::Failure;
-use crate::io::{Chart, Series, base64, write_file};
+use crate::io::{Chart, Series, Table, base64, write_file};
 use costate::scenes::AnyScene;
 use flate2::read::GzDecoder;
 use serde_json::{Map, Value, json};
@@ -28,7 +27,6 @@ const LICENSES: &str = include_str!("LICENSES");
 /// three.js and uPlot as one script: README.md says how it is made.
 const VIEWER: &[u8] = include_bytes!("viewer.js.gz");
 
-/// Most points of a curve.
 const MOST_POINTS: usize = 2000;
 
 /// What a page shows, in the order in which it was added within each section.
@@ -113,20 +111,17 @@ impl Page {
         }
     }
 
-    /// A table: a heading, column names, and rows of texts and numbers.
-    pub fn table(&mut self, heading: &str, columns: &[&str], rows: Vec<Vec<Value>>) {
-        self.push("tables", json!({"heading": heading, "columns": columns, "rows": rows}));
+    pub fn table(&mut self, heading: &str, table: &Table) {
+        self.push("tables", table.for_page(heading));
     }
 
     /// Bars to both sides of zero below a heading, with what they show; a number that is not finite has none.
     pub fn bars(&mut self, heading: &str, label: &str, bars: &[(String, f64)]) {
         if bars.iter().any(|(_, value)| value.is_finite()) {
-            let bars: Vec<_> = bars.iter().map(|(name, value)| json!([name, json_number(*value)])).collect();
             self.push("bars", json!({"heading": heading, "label": label, "bars": bars}));
         }
     }
 
-    /// Charts below a heading.
     pub fn charts(&mut self, heading: &str, charts: &[Chart]) {
         for Chart { title, x_label, y_label, series, log_y, .. } in charts {
             let longest = series.iter().map(|own| own.points.len()).max().unwrap_or_default();
@@ -152,9 +147,6 @@ impl Page {
     }
 
     /// Writes the page, with links to the files that belong to it.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn write(mut self, path: &Path, files: &[PathBuf]) -> Result<(), Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = files.iter().filter(|file| *file != path).filter_map(|file| file.strip_prefix(folder).ok());
@@ -163,7 +155,6 @@ impl Page {
         Ok(write_file(path, self.html().as_bytes())?)
     }
 
-    /// Its text.
     pub fn html(mut self) -> String {
         self.object.insert("notes".into(), json!(self.notes));
         let mut viewer = String::new();

@@ -1,6 +1,7 @@
 //! The page of a run that a program made.
 
-use super::{GradientRows, Page, Shown};
+use super::{Page, Shown};
+use crate::influences::gradients;
 use crate::measured_modes::MeasuredModes;
 use crate::measured_moments::MeasuredMoments;
 use crate::part_sensitivities::PartSensitivities;
@@ -34,25 +35,17 @@ impl RunReport<'_> {
         }
         let mut measured = MeasuredMoments::new(prepared);
         prepared.analysis().for_each_sample(forward, |sample| measured.add(sample))?;
-        let energy = measured.energy;
-        let (moments, charts) = measured.finish();
-        let shown = Shown {
-            start: None,
-            forward,
-            energy,
-            balance: None,
-            moments: &moments,
-            charts: &charts,
-            warnings: [&self.warnings[..], &energy_in_words(energy)].concat(),
-            stopped: self.stopped.as_deref(),
-        };
+        let measured = measured.finish();
+        let warnings = [&self.warnings[..], &energy_in_words(measured.energy)].concat();
+        let stopped = self.stopped.as_deref();
+        let shown = Shown { forward, measured: &measured, start: None, balance: None, warnings, stopped };
         let what = if self.with_gradient { "simulation and gradient" } else { "simulation" };
         let mut page = Page::new(prepared.scene, what).with_simulation(prepared, &shown);
         let mut modes = MeasuredModes::of(prepared)?;
         if self.with_gradient {
             modes.differentiate(prepared)?;
         }
-        modes.show(prepared, &mut page);
+        modes.summary(prepared).show(&mut page);
         if self.with_gradient {
             self.add_gradient(&mut page)?;
         } else {
@@ -70,8 +63,7 @@ impl RunReport<'_> {
             false => analysis.adjoint_by_parameters(x, forward, &parts.asked)?,
         };
         parts.colour(prepared, &by_parameters, page);
-        let rows = GradientRows { values: &forward.values, adjoint: &gradient.rows, check: None, verdict: String::new() };
-        page.gradient(prepared, &rows);
+        gradients(prepared, &forward.values, &gradient.rows, None).show(page);
         Ok(())
     }
 }

@@ -4,7 +4,6 @@
 pub struct Findings {
     /// Least and largest value with the places of their designs; the first of equal ones.
     pub extremes: [(f64, usize); 2],
-    /// Mean.
     pub mean: f64,
     /// Rank correlation with each variable that varies.
     pub correlations: Vec<f64>,

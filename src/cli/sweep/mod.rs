@@ -11,11 +11,11 @@ use super::console::{count, print, print_files, print_json};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
-use super::options::SceneOptions;
+use super::options::{SceneOptions, whole_number};
 use super::results::check_folder;
 use super::simulation::{steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
-use crate::io::{Progress, write_file};
+use crate::io::{Progress, write_json};
 use clap::Args;
 use costate::exchange::{is_first, of_first_at_work, see_work, world};
 use costate::history::{Keep, Watch};
@@ -38,7 +38,7 @@ pub struct SweepOptions {
     #[arg(long, value_name = "NAME=VALUES")]
     vary: Vec<String>,
     /// Draw N designs in the ranges of --vary, or without it within the bounds of all variables but those of --set
-    #[arg(long, value_name = "N", value_parser = design_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole_number::<MOST_DESIGNS>, allow_negative_numbers = true)]
     samples: Option<usize>,
     /// How designs are drawn: a Latin hypercube, or Sobol's sequence in up to 21 variables
     #[arg(long, value_enum, value_name = "WAY", default_value_t = Sampling::LatinHypercube, requires = "samples")]
@@ -47,7 +47,7 @@ pub struct SweepOptions {
     #[arg(long, value_name = "SEED", requires = "samples")]
     seed: Option<u64>,
     /// Threads: as many designs are run at once [default: all]
-    #[arg(long, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole_number::<MOST_THREADS>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Each design also gets the derivatives of all functionals by the variables that vary, by the adjoint: a column for each,
     /// d FUNCTIONAL / d VARIABLE
@@ -59,25 +59,8 @@ pub struct SweepOptions {
     resume: bool,
 }
 
-/// Most threads.
 const MOST_THREADS: usize = 4096;
 
-fn whole_number(text: &str, most: usize) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(number) if (1..=most).contains(&number) => Ok(number),
-        _ => Err(format!("it must be a whole number from 1 to {most}")),
-    }
-}
-
-fn design_count(text: &str) -> Result<usize, String> {
-    whole_number(text, MOST_DESIGNS)
-}
-
-fn thread_count(text: &str) -> Result<usize, String> {
-    whole_number(text, MOST_THREADS)
-}
-
-/// What is run.
 struct Sweep<'s> {
     options: &'s SweepOptions,
     scene: &'s dyn AnyScene,
@@ -120,7 +103,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     files.extend(summary.draw(&folder)?);
     files.push(folder.join("sweep.json"));
     let json = summary.json(&files);
-    write_file(&files[files.len() - 1], format!("{json:#}\n").as_bytes())?;
+    write_json(&files[files.len() - 1], &json)?;
     summary.print();
     print_files(&files);
     print_json(options.scene.json, &json);
@@ -239,7 +222,7 @@ impl<'s> Sweep<'s> {
             let mut modes = MeasuredModes::of(&prepared)?;
             let values: Vec<f64> = forward.values.iter().chain(&modes.values).copied().collect();
             match statement(&prepared, &forward) {
-                Some(Statement::Warning(message)) if self.options.scene.requires_stability() => Err(Failure::run(message)),
+                Some(Statement::Warning(message)) if self.options.scene.stable => Err(Failure::run(message)),
                 _ if self.options.gradient => {
                     modes.differentiate(&prepared)?;
                     let of_modes = modes.rows.iter().flatten().cloned();
@@ -332,29 +315,21 @@ impl<'s> Sweep<'s> {
         };
         let own: Vec<usize> = places.iter().copied().skip(world().rank()).step_by(world().ranks()).collect();
         let wanted = || !guard.requested() && lock().1.is_none();
-        see_work(world(), |found| self.run_own(&own, guard, &wanted, found), see);
+        let run_own = |found: &(dyn Fn(usize, Outcome) + Sync)| {
+            run_at_once(own.len(), self.threads, |number| {
+                if wanted()
+                    && let Some(outcome) = self.outcome(own[number], guard)
+                {
+                    found(own[number], outcome);
+                }
+            });
+        };
+        see_work(world(), run_own, see);
         let (rows, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
         unwritten.map_or(Ok(()), Err)?;
         *outcomes = of_first_at_work(world(), is_first().then(|| outcomes.clone()));
         rows.map_or(Ok(()), |rows| rows.sort(outcomes, &self.variation))?;
         Ok(())
-    }
-
-    /// Runs some designs as long as they are wanted.
-    fn run_own(
-        &self,
-        places: &[usize],
-        guard: &Guard,
-        wanted: &(dyn Fn() -> bool + Sync),
-        found: &(dyn Fn(usize, Outcome) + Sync),
-    ) {
-        run_at_once(places.len(), self.threads, |number| {
-            if wanted()
-                && let Some(outcome) = self.outcome(places[number], guard)
-            {
-                found(places[number], outcome);
-            }
-        });
     }
 }
 

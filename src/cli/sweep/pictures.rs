@@ -12,9 +12,6 @@ const MOST_PANELS: usize = 12;
 const MOST_VARIABLES: usize = 12;
 
 /// Draws what is finished; returns the files.
-///
-/// # Errors
-/// A file that cannot be written.
 pub fn draw(
     sweep: &Sweep,
     done: &[(usize, &Outcome)],

@@ -18,7 +18,6 @@ pub struct Outcome {
     pub values: Vec<f64>,
     /// A whole number for what these follow from: laws, numbers, method, settings; NaN for a design that cannot be built.
     pub fingerprint: f64,
-    /// It could not be simulated.
     pub failed: bool,
     /// Why, or warnings about the run.
     pub message: String,
@@ -52,7 +51,6 @@ pub fn row(number: usize, point: &[f64], Outcome { values, fingerprint, failed, 
     format!("{number},{numbers}{},{}\n", STATES[usize::from(*failed)], quoted(&message.replace(['\n', '\r'], " ")))
 }
 
-/// Opens a file and locks it.
 fn locked(path: &Path, options: &OpenOptions) -> io::Result<File> {
     check_place(path)?;
     let file = options.open(path)?;
@@ -62,9 +60,6 @@ fn locked(path: &Path, options: &OpenOptions) -> io::Result<File> {
 
 impl Rows {
     /// Begins a file with the names of its numbers; an earlier one keeps its rows under another name.
-    ///
-    /// # Errors
-    /// A place that cannot be written to, and a file that another sweep is writing.
     pub fn begin(path: &Path, names: &[String]) -> Result<Self, Failure> {
         let cannot = |cause: io::Error| Failure::input(format!("cannot write {}: {cause}", path.display()));
         if path.is_file() {
@@ -76,9 +71,6 @@ impl Rows {
     }
 
     /// Goes on with a file: its rows are what is finished. A last line that was not written whole counts as not there.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or whose rows are no designs of this sweep, with the line.
     pub fn resume(path: &Path, names: &[String], variation: &Variation) -> Result<(Self, Outcomes), Failure> {
         let refused = |message: String| Failure::input(format!("--resume {}: {message}", path.display()));
         let header = header(names);
@@ -96,9 +88,6 @@ impl Rows {
     }
 
     /// Cuts off what is no whole row, once it is known that the file is of this sweep.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn cut(&mut self) -> Result<(), IoError> {
         let mut cut = || {
             self.file.set_len(self.end as u64)?;
@@ -108,18 +97,11 @@ impl Rows {
         cut().map_err(|cause: io::Error| IoError::new(&self.path, cause))
     }
 
-    /// Adds the row of a design.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn add(&mut self, row: &str) -> Result<(), IoError> {
         self.file.write_all(row.as_bytes()).map_err(|cause| IoError::new(&self.path, cause))
     }
 
     /// Puts the rows in the order of their numbers.
-    ///
-    /// # Errors
-    /// A file that cannot be written: the rows remain as they are.
     pub fn sort(self, outcomes: &[Option<Outcome>], variation: &Variation) -> Result<(), IoError> {
         let rows = outcomes.iter().zip(&variation.points).enumerate();
         let rows = rows.filter_map(|(place, (outcome, point))| Some(row(place + 1, point, outcome.as_ref()?)));
@@ -128,9 +110,6 @@ impl Rows {
 }
 
 /// The numbers of the finished rows as columns, with 1 where a design failed and 0 where it did not.
-///
-/// # Errors
-/// A file that cannot be written.
 #[cfg(feature = "arrow")]
 pub fn write_columns(path: &Path, names: &[String], outcomes: &Outcomes, variation: &Variation) -> Result<(), IoError> {
     let names = [&["number".to_string()], names, &["fingerprint".to_string(), "failed".to_string()]].concat();

@@ -4,18 +4,18 @@ use super::findings::Findings;
 use super::pictures;
 use super::rows::Outcome;
 use super::{Sampling, Sweep};
-use crate::console::{count, json_number, print, seconds, warn};
+use crate::console::{count, print, seconds, warn};
 use crate::failure::{Failure, INTERRUPTED};
-use crate::io::{Cell, Table};
+use crate::io::{Cell, Table, cells};
 use crate::simulation::names;
-use serde_json::{Map, Value, json};
+use crate::summary::by_name;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Most variables that have a column in the console, and most failed designs that are listed in JSON.
 const MOST_COLUMNS: usize = 8;
 const MOST_LISTED: usize = 100;
 
-/// A sweep that ended.
 pub struct Summary<'s> {
     sweep: &'s Sweep<'s>,
     /// Designs that were simulated, and those that could not be, by their places.
@@ -24,12 +24,10 @@ pub struct Summary<'s> {
     /// Rows of an earlier sweep.
     kept: usize,
     seconds: f64,
-    /// Of each functional.
     findings: Vec<Findings>,
 }
 
 impl<'s> Summary<'s> {
-    /// Of what is finished.
     pub fn new(sweep: &'s Sweep<'s>, outcomes: &'s [Option<Outcome>], kept: usize, seconds: f64) -> Self {
         let finished = outcomes.iter().enumerate().filter_map(|(place, outcome)| Some((place, outcome.as_ref()?)));
         let (failed, done): (Vec<_>, Vec<_>) = finished.partition(|(_, outcome)| outcome.failed);
@@ -40,10 +38,6 @@ impl<'s> Summary<'s> {
         Summary { sweep, done, failed, kept, seconds, findings }
     }
 
-    /// Draws the pictures.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn draw(&self, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         if self.findings.is_empty() {
             Ok(Vec::new())
@@ -74,20 +68,13 @@ impl<'s> Summary<'s> {
     }
 
     fn extremes(&self) -> Table {
-        let mut table = Table::new(&["functional", "smallest", "design", "largest", "design", "mean", "unit"]);
+        let titles = ["functional", "smallest", "design", "largest", "design", "mean", "unit"];
+        let keys = ["name", "smallest.value", "smallest.design", "largest.value", "largest.design", "mean", "unit"];
+        let mut table = Table::new(&titles).keyed(&keys);
         for ((name, unit), Findings { extremes: [least, most], mean, .. }) in
             self.sweep.functionals.iter().zip(&self.findings)
         {
-            let number = |place: usize| Cell::Number((place + 1) as f64);
-            table.row([
-                name.as_str().into(),
-                least.0.into(),
-                number(least.1),
-                most.0.into(),
-                number(most.1),
-                (*mean).into(),
-                unit.as_str().into(),
-            ]);
+            table.row(cells![name, least.0, least.1 + 1, most.0, most.1 + 1, *mean, unit]);
         }
         table
     }
@@ -101,8 +88,8 @@ impl<'s> Summary<'s> {
         places.sort_unstable();
         places.dedup();
         for place in places {
-            let values = axes.clone().map(|axis| Cell::Number(self.sweep.variation.points[place][axis]));
-            table.row([Cell::Number((place + 1) as f64)].into_iter().chain(values));
+            let values = axes.clone().map(|axis| Cell::from(self.sweep.variation.points[place][axis]));
+            table.row([Cell::from(place + 1)].into_iter().chain(values));
         }
         table
     }
@@ -113,7 +100,7 @@ impl<'s> Summary<'s> {
         let mut table = Table::new(&["rank correlation of"].into_iter().chain(labels).collect::<Vec<_>>());
         for ((name, _), own) in self.sweep.functionals.iter().zip(&self.findings) {
             let values = axes.clone().map(|axis| match own.correlations[axis] {
-                correlation if correlation.is_finite() => Cell::Text(format!("{correlation:>6.3}")),
+                correlation if correlation.is_finite() => Cell::from(format!("{correlation:>6.3}")),
                 _ => "-".into(),
             });
             table.row([Cell::from(name.as_str())].into_iter().chain(values));
@@ -124,21 +111,16 @@ impl<'s> Summary<'s> {
     /// The same and more as one object.
     pub fn json(&self, files: &[PathBuf]) -> Value {
         let Summary { sweep, done, failed, kept, seconds, findings } = self;
-        let design = sweep.base.variables.iter().zip(&sweep.base.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
         let axes = sweep.variation.axes.iter().enumerate().map(|(k, axis)| {
             let (from, to) = axis.range;
             json!({"name": sweep.axis_name(k), "unit": sweep.base.variables[axis.place].unit, "from": from, "to": to, "logarithmic": axis.log})
         });
-        let extreme = |(value, place): (f64, usize)| json!({"value": json_number(value), "design": place + 1});
-        let functional = |((name, unit), own): (&(String, String), &Findings)| {
-            let [smallest, largest] = own.extremes.map(extreme);
-            let correlations = own.correlations.iter().enumerate();
-            let correlations = correlations.map(|(axis, &value)| (sweep.axis_name(axis).to_string(), json_number(value)));
-            json!({
-                "name": name, "unit": unit, "smallest": smallest, "largest": largest, "mean": json_number(own.mean),
-                "rank_correlation": correlations.collect::<Map<_, _>>(),
-            })
-        };
+        let mut functionals = self.extremes().json();
+        for (functional, own) in functionals.iter_mut().zip(findings) {
+            for (axis, &correlation) in own.correlations.iter().enumerate() {
+                functional["rank_correlation"][sweep.axis_name(axis)] = json!(correlation);
+            }
+        }
         let failure = |(place, outcome): &(usize, &Outcome)| json!({"design": place + 1, "message": outcome.message});
         json!({
             "scene": sweep.name(),
@@ -146,22 +128,18 @@ impl<'s> Summary<'s> {
             "designs": sweep.variation.points.len(),
             "sampling": sweep.options.samples.map_or("grid", |_| Sampling::name(sweep.options.sampling)),
             "varied": axes.collect::<Vec<_>>(),
-            "design": design.collect::<Map<_, _>>(),
+            "design": by_name(&sweep.base.variables, sweep.base.x.iter().copied()),
             "finished": done.len() + failed.len(),
             "taken_over": kept,
             "failed": failed.len(),
             "failures": failed.iter().take(MOST_LISTED).map(failure).collect::<Vec<_>>(),
-            "functionals": sweep.functionals.iter().zip(findings).map(functional).collect::<Vec<_>>(),
+            "functionals": functionals,
             "threads": sweep.threads,
-            "time_s": json_number(*seconds),
+            "time_s": *seconds,
             "files": names(files),
         })
     }
 
-    /// What the program ends with.
-    ///
-    /// # Errors
-    /// Designs that are left, or that failed.
     pub fn verdict(&self) -> Result<(), Failure> {
         let (all, finished) = (self.sweep.variation.points.len(), self.done.len() + self.failed.len());
         if finished < all {

@@ -6,10 +6,8 @@ use crate::options::variable_named;
 use clap::ValueEnum;
 use costate::design::{DesignVariable, check_design, latin_hypercube, shortest, sobol};
 
-/// Most designs of a sweep.
 pub const MOST_DESIGNS: usize = 1_000_000;
 
-/// How designs are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Sampling {
     // each of N equal strata of a range has one design
@@ -19,7 +17,6 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Sampling::LatinHypercube => "latin-hypercube",
@@ -28,15 +25,12 @@ impl Sampling {
     }
 }
 
-/// A variable that varies.
 pub struct Axis {
     /// Its place among the variables of the scene.
     pub place: usize,
-    /// Least and largest value.
     pub range: (f64, f64),
     /// Equal steps are those of the logarithm.
     pub log: bool,
-    /// Values of a grid.
     values: Option<Vec<f64>>,
 }
 
@@ -55,11 +49,8 @@ impl Axis {
     }
 }
 
-/// The designs of a sweep.
 pub struct Variation {
-    /// What varies.
     pub axes: Vec<Axis>,
-    /// Values of the axes, for each design.
     pub points: Vec<Vec<f64>>,
     /// How they were chosen, in words.
     pub words: String,
@@ -67,9 +58,6 @@ pub struct Variation {
 
 impl Variation {
     /// What `--vary`, `--samples`, `--sampling` and `--seed` say together.
-    ///
-    /// # Errors
-    /// The option, what it says, and what it may say.
     pub fn of(options: &SweepOptions, variables: &[DesignVariable], set: &[usize]) -> Result<Self, Failure> {
         let Some(samples) = options.samples else { return Self::grid(options, variables, set) };
         let mut axes = axes(&options.vary, variables, set)?;

@@ -172,7 +172,6 @@ impl Description {
 }
 
 impl Part {
-    /// Replays a formula, if there is one.
     fn replay<S: Scalar>(&self, name: &str, arguments: &[&[S]]) -> Option<Vec<S>> {
         Some(self.formulas.get(name)?.values(&arguments.concat()))
     }
@@ -207,7 +206,6 @@ impl Part {
         own.flat_map(|(own, key)| own.values(key.name, given)).collect()
     }
 
-    /// Kinds of its nodes.
     pub fn kinds(&self) -> &[NodeKind] {
         self.kinds
     }
@@ -313,9 +311,6 @@ impl MadeEntry for Law {
 }
 
 /// The part of a description in JSON.
-///
-/// # Errors
-/// A description that `costate.parts` cannot have made.
 pub fn part(text: &str) -> PyResult<&'static Law> {
     static PARTS: Mutex<Option<HashMap<String, &'static Law>>> = Mutex::new(None);
     let mut parts = PARTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -330,9 +325,6 @@ pub fn part(text: &str) -> PyResult<&'static Law> {
 }
 
 /// Parts for the reader of scene files.
-///
-/// # Errors
-/// As [`part`].
 pub fn own_parts(texts: &[String]) -> PyResult<OwnParts> {
     texts.iter().try_fold(OwnParts::default(), |parts, text| {
         let own = part(text)?;

@@ -16,7 +16,6 @@ use std::sync::Arc;
 
 type Simulated<'p> = scenes::Run<'p>;
 
-/// An array of floats.
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 self_cell!(
@@ -55,11 +54,6 @@ impl Run {
         self.is_stopped.then(|| format!("the run was stopped after step {steps}, before its end"))
     }
 
-    /// A run that has its end.
-    fn whole(&self) -> Result<(), RunError> {
-        self.stopped().map_or(Ok(()), |why| Err(RunError::Input(format!("{why}: it has no derivatives"))))
-    }
-
     fn run(&self) -> &Simulated<'_> {
         self.own.borrow_dependent()
     }
@@ -67,6 +61,19 @@ impl Run {
     /// Reads something of the steps without holding up other threads of Python.
     fn read<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&Simulated) -> Result<T, RunError> + Send) -> PyResult<T> {
         py.detach(|| guarded(|| read(self.run()).map_err(run_error)))
+    }
+
+    /// Rows of derivatives of a run that has its end.
+    fn derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        rows: impl FnOnce(&Simulated) -> Result<Vec<Vec<f64>>, RunError> + Send,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = self.read(py, |run| match self.stopped() {
+            Some(why) => Err(RunError::Input(format!("{why}: it has no derivatives"))),
+            None => rows(run),
+        })?;
+        matrix(py, &rows, self.run().prepared.x.len())
     }
 }
 
@@ -181,9 +188,7 @@ impl Run {
 
     /// Derivatives of some functionals by all design variables, by the discrete adjoint, a row for each that is wanted.
     fn gradient<'py>(&self, py: Python<'py>, wanted: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = self.read(py, |run| {
-            self.whole()?;
-            let (prepared, forward) = (run.prepared, &run.forward);
+        self.derivatives(py, |Simulated { prepared, forward }| {
             let asked: Vec<bool> = (0..forward.values.len()).map(|k| wanted.contains(&k)).collect();
             let gradient = prepared.analysis().adjoint_of(&prepared.x, forward, &asked)?;
             let wrong = prepared.analysis().switch_errors(forward, &gradient)?;
@@ -191,26 +196,19 @@ impl Run {
             if let Some(why) = wrong.iter().filter(is_wanted).find_map(SwitchError::refused) {
                 return Err(RunError::Input(why));
             }
-            Ok(wanted.iter().map(|&k| gradient.rows[k].clone()).collect::<Vec<_>>())
-        })?;
-        matrix(py, &rows, self.run().prepared.x.len())
+            Ok(wanted.iter().map(|&k| gradient.rows[k].clone()).collect())
+        })
     }
 
     /// The same by complex-step runs of the whole simulation, for checks.
     fn complex_step<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = self.read(py, |run| {
-            self.whole()?;
-            Ok(run.prepared.analysis().complex_step(&run.prepared.x, &run.forward)?.rows)
-        })?;
-        matrix(py, &rows, self.run().prepared.x.len())
+        self.derivatives(py, |Simulated { prepared, forward }| {
+            Ok(prepared.analysis().complex_step(&prepared.x, forward)?.rows)
+        })
     }
 
     /// The same by tangent runs, eight variables at a time.
     fn tangent<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = self.read(py, |run| {
-            self.whole()?;
-            Ok(run.prepared.analysis().tangent(&run.prepared.x, &run.forward)?.rows)
-        })?;
-        matrix(py, &rows, self.run().prepared.x.len())
+        self.derivatives(py, |Simulated { prepared, forward }| Ok(prepared.analysis().tangent(&prepared.x, forward)?.rows))
     }
 }

@@ -64,31 +64,28 @@ type Variable = (String, f64, (f64, f64), String);
 /// Frequency, growth, whirl; then d omega/dx, d growth/dx and how many modes have the value, if they are asked for and there.
 type ModeNumbers = (f64, f64, Option<f64>, Option<(Vec<f64>, Vec<f64>, usize)>);
 
-/// What vibrates, and about which state.
-#[derive(Clone, Copy, PartialEq)]
-enum About {
-    Undamped,
-    Damped,
-    Periodic,
-}
-
-/// Modes of a scene at rest or in a steady turn.
-fn modes(prepared: &Prepared, count: usize, about: About, gradients: bool) -> Result<Vec<ModeNumbers>, RunError> {
-    let is_complex = about == About::Damped || prepared.spin_rate().is_some();
-    let found = match (about, gradients) {
-        (About::Periodic, _) => {
-            let PeriodicModes { q, modes, .. } = prepared.periodic_modes(count)?;
-            DifferentiatedModes { q, modes, gradients: Vec::new(), proved: true }
-        }
-        (_, true) => prepared.modes_with_gradients(count, is_complex)?,
-        _ => prepared.modes_at_rest(count, is_complex)?,
+/// Modes of a scene at rest or in a steady turn, or about the motion of a period.
+fn modes(
+    prepared: &Prepared,
+    count: usize,
+    (is_damped, is_periodic): (bool, bool),
+    gradients: bool,
+) -> Result<Vec<ModeNumbers>, RunError> {
+    let is_complex = is_damped || prepared.spin_rate().is_some();
+    let found = if is_periodic {
+        let PeriodicModes { q, modes, .. } = prepared.periodic_modes(count)?;
+        DifferentiatedModes { q, modes, gradients: Vec::new(), proved: true }
+    } else if gradients {
+        prepared.modes_with_gradients(count, is_complex)?
+    } else {
+        prepared.modes_at_rest(count, is_complex)?
     };
     let mut derivatives = found.gradients.into_iter();
-    let mut one = |mode: &Mode| {
+    let one = |mode: &Mode| {
         let gradient = derivatives.next().flatten().map(|own| (own.frequency, own.growth, own.equal));
         (mode.frequency, mode.growth, prepared.whirl(&found.q, mode), gradient)
     };
-    Ok(found.modes.iter().map(&mut one).collect())
+    Ok(found.modes.iter().map(one).collect())
 }
 
 impl Scene {
@@ -212,11 +209,6 @@ impl Scene {
         about: (bool, bool),
         gradients: bool,
     ) -> PyResult<Vec<ModeNumbers>> {
-        let about = match about {
-            (_, true) => About::Periodic,
-            (true, _) => About::Damped,
-            _ => About::Undamped,
-        };
         let find = || {
             let prepared = self.prepared(at.0, &at.1).map_err(run_error)?;
             modes(prepared.borrow_dependent(), count, about, gradients).map_err(run_error)

@@ -14,22 +14,17 @@ struct Operation {
 /// The operations of a formula in their order, and which of its numbers are the results.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Tape {
-    /// Number of arguments.
     arguments: usize,
     operations: Vec<Operation>,
     results: Vec<usize>,
 }
 
 impl Tape {
-    /// Number of results.
     pub fn count(&self) -> usize {
         self.results.len()
     }
 
     /// The recording of a formula of so many arguments and results.
-    ///
-    /// # Errors
-    /// Other numbers of them, and what Python cannot have recorded.
     pub fn recorded(&self, arguments: usize, results: usize) -> Result<Replay, String> {
         let counts = [(self.arguments, arguments, "arguments"), (self.results.len(), results, "results")];
         if let Some((own, wanted, what)) = counts.into_iter().find(|(own, wanted, _)| own != wanted) {
