@@ -43,6 +43,8 @@ pub enum Outcome {
 const SAFETY: f64 = 10.0;
 /// Shares of a functional's size by which values, and derivatives, may be off in any case: what nobody notices.
 const SLIGHT: [f64; 2] = [1e-6, 1e-4];
+/// By how much more than a step's share of the run values, and derivatives, are off that are right to first order of the step.
+const FIRST_ORDER: [f64; 2] = [1.0, 2.0];
 /// Share of a functional's size by which a derivative may differ from quotients of runs of the same steps, beside their noise.
 const OF_QUOTIENTS: f64 = 1e-6;
 /// Share of a size at which references that differ more tell nothing.
@@ -208,7 +210,7 @@ impl Case {
                     let (off, allowed) = (off[i] / sizes[k], allowed / sizes[k]);
                     wrong.push((
                         format!("{what} of \"{name}\" {own:e} for {right:e}: {off:.1e} of its size off, {allowed:.1e} said"),
-                        off,
+                        off / FIRST_ORDER[i],
                     ));
                 } else if apart[i][k] > ROUGH * sizes[k] {
                     rough.push(format!(
