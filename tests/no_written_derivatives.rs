@@ -43,7 +43,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 49] = [
+const OTHERS: [(&str, &str, &str); 50] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -108,11 +108,12 @@ const OTHERS: [(&str, &str, &str); 49] = [
     ("optimize/program.rs", "gradients", "the contract of a program to be optimized"),
     ("optimize/scaling.rs", "gradient", "in scaled variables"),
     ("cli/gradient.rs", "adjoint_work print_gradient", "print"),
+    ("cli/influences.rs", "gradients insert_gradient", "write"),
     ("cli/meshes.rs", "write_gradients", "writes"),
     ("cli/optimize.rs", "gradient_by gradient_name", "names of a choice"),
     ("cli/report/sections.rs", "gradient", "writes"),
     ("testing.rs", "adjoints", "made up, for a check"),
-    ("python/src/run.rs", "gradient tangent", "hand out"),
+    ("python/src/run.rs", "gradient tangent derivatives", "hand out"),
 ];
 
 fn source() -> std::path::PathBuf {

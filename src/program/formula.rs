@@ -66,25 +66,34 @@ impl Stages<Recorded> {
 /// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one. Reading writes
 /// nothing, so that threads do not wait for each other.
 #[derive(Debug, Default)]
-pub struct ProgramCache(OnceLock<Box<(u32, Arc<Program>, ProgramCache)>>);
+pub struct ProgramCache {
+    known: [OnceLock<(u32, Arc<Program>)>; USUAL],
+    more: OnceLock<Box<ProgramCache>>,
+}
+
+/// Usual number of programs of a batch.
+const USUAL: usize = 12;
 
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
     pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> &Arc<Program> {
-        let mut end = self;
-        while let Some((own, program, others)) = end.0.get().map(|own| &**own) {
-            if *own == code {
-                return program;
-            }
-            end = others;
-        }
-        end.keep(code, make())
+        self.find(code).unwrap_or_else(|| self.keep(code, make()))
+    }
+
+    fn find(&self, code: u32) -> Option<&Arc<Program>> {
+        let known = self.known.iter().map_while(OnceLock::get).find(|(own, _)| *own == code);
+        known.map(|(_, program)| program).or_else(|| self.more.get()?.find(code))
     }
 
     /// Keeps a program, unless another thread has made it, too, and been first.
     fn keep(&self, code: u32, program: Arc<Program>) -> &Arc<Program> {
-        let (own, kept, others) = &**self.0.get_or_init(|| Box::new((code, Arc::clone(&program), Self::default())));
-        if *own == code { kept } else { others.keep(code, program) }
+        for place in &self.known {
+            let (own, kept) = place.get_or_init(|| (code, Arc::clone(&program)));
+            if *own == code {
+                return kept;
+            }
+        }
+        self.more.get_or_init(Box::default).keep(code, program)
     }
 }
 

@@ -25,7 +25,7 @@ pub struct Emitted {
 
 /// Makes the code of a listing, in sections of so many bytes or some more; none where it is too long for the addresses of the instructions.
 pub fn emit(listing: &Listing, lanes: usize, level: Level, section: usize) -> Option<Emitted> {
-    let longest = listing.outputs.len().max(listing.operations.len()) + 64;
+    let longest = listing.outputs.len().max(listing.operations.len()).max(listing.inputs) + 64;
     i32::try_from(longest.checked_mul(8 * lanes)?).ok()?;
 
     let calls: Box<[Call]> =

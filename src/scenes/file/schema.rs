@@ -158,7 +158,9 @@ fn of_type(takes: &Type) -> Value {
         Type::List(Type::Number(_, range), least, _) => any_of(&[text(), at_least(least, formula(*range))]),
         Type::List(each, least, usize::MAX) => at_least(least, of_type(each)),
         Type::List(each, least, most) => array(of_type(each), least, most),
-        Type::OneOrMore(each) | Type::Strips(each) => any_of(&[of_type(each), at_least(0, of_type(each))]),
+        Type::OneOrMore(each) | Type::Strips(each) => {
+            any_of(&[of_type(each), at_least(usize::from(!matches!(each, Type::Choice(_) | Type::Item(_))), of_type(each))])
+        }
         Type::Count(least, most) => count(least, most),
         Type::Flag => json!({"type": "boolean"}),
         Type::NamedNodes(forms) => named(any_of(&[text(), inner(forms)])),
