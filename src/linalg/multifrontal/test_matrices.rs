@@ -126,10 +126,9 @@ pub fn dominant(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
 /// Numbers of which those near the diagonal are small, so that pivots have to be searched.
 pub fn weak(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
     let mut values = noise.vector(pattern.rows.len());
-    for column in 0..pattern.size {
-        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            values[place] *= if (pattern.rows[place] as usize).abs_diff(column) < 4 { 1e-6 } else { 1.0 };
-        }
+    for (column, ends) in pattern.column_starts.windows(2).enumerate() {
+        let entries = values[ends[0]..ends[1]].iter_mut().zip(&pattern.rows[ends[0]..ends[1]]);
+        entries.filter(|(_, row)| (**row as usize).abs_diff(column) < 4).for_each(|(value, _)| *value *= 1e-6);
     }
     values
 }

@@ -395,9 +395,12 @@ impl<'c> RunEntries<'c> {
     }
 
     fn limit(&mut self, fields: &Fields) -> Limit {
-        let kinds: [(&str, fn(f64) -> Limit); 3] =
-            [("at_most", Limit::AtMost), ("at_least", Limit::AtLeast), ("equal", Limit::Equal)];
-        let given: Vec<Limit> = kinds.iter().filter_map(|(key, limit)| fields.fixed(key).map(limit)).collect();
+        let given = [
+            fields.fixed("at_most").map(Limit::AtMost),
+            fields.fixed("at_least").map(Limit::AtLeast),
+            fields.fixed("equal").map(Limit::Equal),
+        ];
+        let given: Vec<Limit> = given.into_iter().flatten().collect();
         if let [one] = given[..] {
             return one;
         }
