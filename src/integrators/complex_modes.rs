@@ -45,6 +45,11 @@ const RIGID: f64 = 1e-3;
 /// theta below this share of the largest one is none.
 const INFINITE: f64 = 1e-10;
 const SPARE: usize = 2;
+/// Growth and rate of a mode, and the parts of its vector.
+type Pair = ([f64; 2], [Vec<f64>; 2]);
+
+/// What the operator may leave of a mode beside theta times itself, where stiff members leave more of the equations of the mode.
+const OF_OPERATOR: f64 = 1e-6;
 /// Growth that is round-off of none, by the distance from the shift: a hundred times what values are converged to.
 const NO_GROWTH: f64 = 1e-9;
 /// Rigid motions that differ by this share of their size are the same.
@@ -262,8 +267,18 @@ impl Search<'_> {
         let applied = pair.vector.each_ref().map(|part| damped.apply(part));
         let mut vectors = pair.vector.each_ref().map(|part| part[..nodes].to_vec());
         // beside what is much slower the operator leaves few digits to a mode, which has them by its own equations
-        if !is_rigid && !(left_over(&applied, pair) <= LEFT) {
-            ([growth, frequency], vectors) = self.refined([growth, frequency], &vectors)?;
+        let left = left_over(&applied, pair);
+        if !is_rigid && !(left <= LEFT) {
+            match self.refined([growth, frequency], &vectors)? {
+                Ok((value, refined)) => ([growth, frequency], vectors) = (value, refined),
+                Err(_) if left <= OF_OPERATOR => {}
+                Err(left) => {
+                    return Err(RunError::Input(format!(
+                        "a mode is known to a share of {left:.1e} only: masses, stiffnesses or dampings differ by more than the digits of a number \
+                         hold; ask for fewer modes"
+                    )));
+                }
+            }
         }
         let [shape, ahead] = self.operator.in_coordinates(vectors);
         if is_rigid {
@@ -277,12 +292,9 @@ impl Search<'_> {
         Ok((Mode { frequency: frequency.abs(), growth, shape, ahead: turned }, false))
     }
 
-    /// A value and the vector of its mode by (lambda^2 M + lambda C + K) x + A^T nu = 0, from those that the operator gave.
-    fn refined(
-        &self,
-        [growth, frequency]: [f64; 2],
-        [re, im]: &[Vec<f64>; 2],
-    ) -> Result<([f64; 2], [Vec<f64>; 2]), RunError> {
+    /// A value and the vector of its mode by (lambda^2 M + lambda C + K) x + A^T nu = 0, from those that the operator gave; or the share of its terms
+    /// that is left, where it is more than round-off.
+    fn refined(&self, [growth, frequency]: [f64; 2], [re, im]: &[Vec<f64>; 2]) -> Result<Result<Pair, f64>, RunError> {
         let Search { operator, stiffness, damping, .. } = self;
         let (system, nodes) = (&operator.newton.system, operator.nodes);
         let pencil = Pencil::new(system, nodes, [stiffness, &operator.mass], Some(damping));
@@ -294,13 +306,10 @@ impl Search<'_> {
         let nothing = vec![Complex64::ZERO; pencil.size];
         let left = amplitudes::left_over(&pencil, value, (&vector, &nothing), false);
         if !(left <= LEFT) {
-            return Err(RunError::Input(format!(
-                "a mode is known to a share of {left:.1e} only: masses, stiffnesses or dampings differ by more than the digits of a number hold; \
-                 ask for fewer modes"
-            )));
+            return Ok(Err(left));
         }
         let part = |part: fn(&Complex64) -> f64| vector[..nodes].iter().map(part).collect();
-        Ok(([value.re, value.im], [part(|own| own.re), part(|own| own.im)]))
+        Ok(Ok(([value.re, value.im], [part(|own| own.re), part(|own| own.im)])))
     }
 }
 
