@@ -148,14 +148,14 @@ class Model:
         from_: Vector,
         to: Vector | None = None,
         elements: int | str,
-        section: str,
-        second_axis: Vector | None = None,
-        arc: Table | None = None,
-        twist: Scalar | None = None,
         start_node: str | None = None,
         end_node: str | None = None,
         clamped: Literal['start', 'end'] | Sequence[Literal['start', 'end']] | None = None,
         motion: Table | None = None,
+        section: str,
+        second_axis: Vector | None = None,
+        arc: Table | None = None,
+        twist: Scalar | None = None,
     ) -> str:
         """A beam, geometrically exact, with shear and torsion, of three-node elements.
 
@@ -163,14 +163,14 @@ class Model:
         * ``from_`` (vector): where it starts [m]
         * ``to`` (vector, optional): where it ends; required unless `arc` is given [m]
         * ``elements`` (whole number): equal elements
-        * ``section`` (text): name of a section
-        * ``second_axis`` (vector, optional): direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken [-]
-        * ``arc`` (table arc with centre, axis, angle, optional): part of a circle instead of a straight line
-        * ``twist`` (number or formula, optional): turn of the section from start to end; 0 [rad]
         * ``start_node`` (text, optional): node that it starts in; its own
         * ``end_node`` (text, optional): node that it ends in; its own
         * ``clamped`` ("start" or "end", or list of "start" or "end", optional): ends that never move; none
         * ``motion`` (table motion with point, velocity, angular_velocity, optional): rigid motion that it starts with; at rest
+        * ``section`` (text): name of a section
+        * ``second_axis`` (vector, optional): direction that spans the plane of axes 1 and 2 with the line; required unless `arc` is given, whose axis is taken [-]
+        * ``arc`` (table arc with centre, axis, angle, optional): part of a circle instead of a straight line
+        * ``twist`` (number or formula, optional): turn of the section from start to end; 0 [rad]
         """
     def cable(
         self,
@@ -180,12 +180,12 @@ class Model:
         from_: Vector,
         to: Vector | None = None,
         elements: int | str,
-        section: str,
-        strains: Literal['exact', 'small'] | None = None,
         start_node: str | None = None,
         end_node: str | None = None,
         clamped: Literal['start', 'end'] | Sequence[Literal['start', 'end']] | None = None,
         motion: Table | None = None,
+        section: str,
+        strains: Literal['exact', 'small'] | None = None,
     ) -> str:
         """A cable in absolute nodal coordinates: straight at the start, without torsion.
 
@@ -193,12 +193,12 @@ class Model:
         * ``from_`` (vector): where it starts [m]
         * ``to`` (vector, optional): where it ends; required unless `arc` is given [m]
         * ``elements`` (whole number): equal elements
-        * ``section`` (text): name of a section that is not of type beam
-        * ``strains`` ("exact" or "small", optional): strains of its energy; exact
         * ``start_node`` (text, optional): node that it starts in; its own
         * ``end_node`` (text, optional): node that it ends in; its own
         * ``clamped`` ("start" or "end", or list of "start" or "end", optional): ends that never move; none
         * ``motion`` (table motion with point, velocity, angular_velocity, optional): rigid motion that it starts with; at rest
+        * ``section`` (text): name of a section that is not of type beam
+        * ``strains`` ("exact" or "small", optional): strains of its energy; exact
         """
     @property
     def shell(self) -> _Shell:
@@ -688,7 +688,7 @@ class _Shell:
         *,
         elements: Sequence[int | str],
         material: str | None = None,
-        thickness: float | str | Sequence[Scalar] | None = None,
+        thickness: Scalar | Sequence[Scalar] | None = None,
         laminate: str | None = None,
         direction: Vector | None = None,
         damping: Scalar | None = None,
@@ -707,7 +707,7 @@ class _Shell:
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
         * ``material`` (text, optional): name of a material; required unless `laminate` is given
-        * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
+        * ``thickness`` (number or formula, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
         * ``damping`` (number or formula, optional): damping proportional to stiffness; none [s]
@@ -727,7 +727,7 @@ class _Shell:
         *,
         elements: Sequence[int | str],
         material: str | None = None,
-        thickness: float | str | Sequence[Scalar] | None = None,
+        thickness: Scalar | Sequence[Scalar] | None = None,
         laminate: str | None = None,
         direction: Vector | None = None,
         damping: Scalar | None = None,
@@ -748,7 +748,7 @@ class _Shell:
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
         * ``material`` (text, optional): name of a material; required unless `laminate` is given
-        * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
+        * ``thickness`` (number or formula, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
         * ``damping`` (number or formula, optional): damping proportional to stiffness; none [s]
@@ -770,7 +770,7 @@ class _Shell:
         *,
         elements: Sequence[int | str],
         material: str | None = None,
-        thickness: float | str | Sequence[Scalar] | None = None,
+        thickness: Scalar | Sequence[Scalar] | None = None,
         laminate: str | None = None,
         direction: Vector | None = None,
         damping: Scalar | None = None,
@@ -790,7 +790,7 @@ class _Shell:
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
         * ``material`` (text, optional): name of a material; required unless `laminate` is given
-        * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
+        * ``thickness`` (number or formula, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
         * ``damping`` (number or formula, optional): damping proportional to stiffness; none [s]
@@ -811,7 +811,7 @@ class _Shell:
         *,
         elements: Sequence[int | str],
         material: str | None = None,
-        thickness: float | str | Sequence[Scalar] | None = None,
+        thickness: Scalar | Sequence[Scalar] | None = None,
         laminate: str | None = None,
         direction: Vector | None = None,
         damping: Scalar | None = None,
@@ -831,7 +831,7 @@ class _Shell:
         * ``name`` (text): name, by which others refer to it
         * ``elements`` (list of 2 times whole number): elements along both directions
         * ``material`` (text, optional): name of a material; required unless `laminate` is given
-        * ``thickness`` (number, or text, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
+        * ``thickness`` (number or formula, or list of number or formula, optional): thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, which is taken at the middle of each element; needed with material [m]
         * ``laminate`` (text, optional): name of a laminate
         * ``direction`` (vector, optional): of laminates: axis 1, projected on the surface; needed with laminate [-]
         * ``damping`` (number or formula, optional): damping proportional to stiffness; none [s]
@@ -960,7 +960,7 @@ class _ThinWalls:
         twist: Scalar | None = None,
         elements: int | str,
         material: str,
-        thickness: float | str | Sequence[Scalar],
+        thickness: Scalar | Sequence[Scalar],
         width: Scalar,
         height: Scalar,
         across: Sequence[int | str],
@@ -975,7 +975,7 @@ class _ThinWalls:
         * ``twist`` (number or formula, optional): turn of the profile about the line from start to end; 0 [rad]
         * ``elements`` (whole number): elements along the line
         * ``material`` (text): name of a material
-        * ``thickness`` (number, or text, or list of number or formula): thickness, or that of each wall [m]
+        * ``thickness`` (number or formula, or list of number or formula): thickness, or that of each wall [m]
         * ``width`` (number or formula): of the middle lines along axis 1 [m]
         * ``height`` (number or formula): of the middle lines along axis 2 [m]
         * ``across`` (list of 2 times whole number): elements across lower and upper, and right and left walls
@@ -991,7 +991,7 @@ class _ThinWalls:
         twist: Scalar | None = None,
         elements: int | str,
         material: str,
-        thickness: float | str | Sequence[Scalar],
+        thickness: Scalar | Sequence[Scalar],
         width: Scalar,
         height: Scalar,
         across: Sequence[int | str],
@@ -1006,7 +1006,7 @@ class _ThinWalls:
         * ``twist`` (number or formula, optional): turn of the profile about the line from start to end; 0 [rad]
         * ``elements`` (whole number): elements along the line
         * ``material`` (text): name of a material
-        * ``thickness`` (number, or text, or list of number or formula): thickness, or that of each wall [m]
+        * ``thickness`` (number or formula, or list of number or formula): thickness, or that of each wall [m]
         * ``width`` (number or formula): of the flanges along axis 1 [m]
         * ``height`` (number or formula): of the web along axis 2 [m]
         * ``across`` (list of 2 times whole number): elements across half a flange, and the web
@@ -1022,7 +1022,7 @@ class _ThinWalls:
         twist: Scalar | None = None,
         elements: int | str,
         material: str,
-        thickness: float | str | Sequence[Scalar],
+        thickness: Scalar | Sequence[Scalar],
         corners: Sequence[Sequence[Scalar]],
         walls: Sequence[Table],
     ) -> str:
@@ -1036,7 +1036,7 @@ class _ThinWalls:
         * ``twist`` (number or formula, optional): turn of the profile about the line from start to end; 0 [rad]
         * ``elements`` (whole number): elements along the line
         * ``material`` (text): name of a material
-        * ``thickness`` (number, or text, or list of number or formula): thickness, or that of each wall [m]
+        * ``thickness`` (number or formula, or list of number or formula): thickness, or that of each wall [m]
         * ``corners`` (list of list of 2 times number or formula): places along axes 1 and 2 [m]
         * ``walls`` (list of table walls with between, elements, for): walls between corners
         """
