@@ -190,7 +190,7 @@ mod tests {
         let list = include_str!("items.rs");
         let mut found = 0;
         for folder in ["bodies", "flexible", "forces", "joints"] {
-            let path = format!("{}/src/elements/{folder}", env!("CARGO_MANIFEST_DIR"));
+            let path = format!("{}/../src/elements/{folder}", env!("CARGO_MANIFEST_DIR"));
             for file in std::fs::read_dir(path).expect("a folder of the library") {
                 let path = file.expect("a file").path();
                 // the faces of shells are tables, without formulas
