@@ -84,6 +84,9 @@ const SMALL: f64 = 1e-2;
 /// does not depend on is what round-off leaves of terms of that size, and zero against zero is zero.
 const ZERO: f64 = 1e-2;
 
+/// Roundings of what a functional reads by which its derivatives may be off: each step of the way back adds some.
+const ROUNDINGS: f64 = 100.0;
+
 struct Timed {
     gradient: Gradient,
     /// Steps computed again between checkpoints.
@@ -295,9 +298,8 @@ impl Check {
                 continue;
             }
             let apart = nearby.iter().map(|run| (run.values[k] - value).abs());
-            check.round_off[k] = apart.fold(rounding, f64::max);
-            let (round_off, terms) = (check.round_off[k], rounding / f64::EPSILON);
-            let measure = Measure { round_off, terms, ..Measure::of(prepared, value) };
+            check.round_off[k] = apart.fold(ROUNDINGS * rounding, f64::max);
+            let measure = Measure { round_off: check.round_off[k], ..Measure::of(prepared, value) };
             check.differences[k] = measure.differences([&adjoint.gradient.rows[k], &check.other.gradient.rows[k]]);
             let rows = nearby.each_ref().map(|run| &run.rows[k][..]);
             let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| [*one, *other]));
@@ -422,13 +424,11 @@ struct Measure<'p> {
     value: f64,
     /// Change of the functional that is round-off.
     round_off: f64,
-    /// Size of the terms whose sum it is, as roundings of the states tell: where they cancel, derivatives are of their size.
-    terms: f64,
 }
 
 impl<'p> Measure<'p> {
     fn of(prepared: &'p Prepared, value: f64) -> Self {
-        Measure { variables: &prepared.variables, x: &prepared.x, value, round_off: 0.0, terms: 0.0 }
+        Measure { variables: &prepared.variables, x: &prepared.x, value, round_off: 0.0 }
     }
 
     /// Each relative to the entry, or to [`SMALL`] of the largest change of the functional by a relative change of any variable: an entry
@@ -436,7 +436,7 @@ impl<'p> Measure<'p> {
     /// functional differently by no more than round-off does.
     fn differences(&self, [adjoint, complex_step]: [&[f64]; 2]) -> Vec<f64> {
         let size = |i: usize| self.variables[i].size(self.x[i]);
-        let least = self.terms.max(ZERO * self.value.abs());
+        let least = ZERO * self.value.abs();
         let largest = complex_step.iter().enumerate().fold(least, |most: f64, (i, g)| most.max((g * size(i)).abs()));
         let difference = |(i, (a, c)): (usize, (&f64, &f64))| {
             let apart = (a - c).abs();
@@ -521,7 +521,7 @@ mod tests {
         let x = [2.0, 1e5, 0.0];
         let right = [3.0, 4e-5, 0.0];
         let measure = |value: f64, round_off: f64, rows: [&[f64; 3]; 2]| {
-            let measure = Measure { variables: &variables(), x: &x, value, round_off, terms: 0.0 };
+            let measure = Measure { variables: &variables(), x: &x, value, round_off };
             largest_of(&[measure.differences(rows.map(|row| &row[..]))])
         };
         let compare = |adjoint: [f64; 3]| measure(1e-9, 0.0, [&adjoint, &right]);
