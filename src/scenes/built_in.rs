@@ -4,7 +4,8 @@
 //! use costate::prelude::*;
 //! use costate::scenes::{AnyScene, built_in};
 //!
-//! let run = Prepared::new(built_in::named("five-bar")?)?.run()?;
+//! let five_bar = Prepared::new(built_in::named("five-bar")?)?;
+//! let run = five_bar.run()?;
 //! println!("psi = {:.6}", run.value("psi")?);
 //! // with changes, in the words of a file that extends it
 //! let shorter = built_in::changed("five-bar", "settings = { end = 1.0, steps = 100 }")?;
