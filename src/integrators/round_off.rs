@@ -31,11 +31,7 @@ impl Table {
                     if grid.breakpoints.contains_key(&step) {
                         table.restart(&mut carried);
                     }
-                    // a coordinate that is held at 0, or at 1 at one stage
-                    let x = table.scalar_step(end - t, &mut carried, |index, sum| {
-                        let (stage, aim) = (&table.stages[index], f64::from(u8::from(step == first && index == struck)));
-                        (aim - sum(0, &stage.q)) / (stage.q.stages[index] * (end - t).powi(2))
-                    });
+                    let x = table.held_step(end - t, &mut carried, (step == first).then_some(struck));
                     velocities[step] += carried[1].abs();
                     accelerations[step].iter_mut().zip(&x).for_each(|(sum, x)| *sum += x.abs());
                 }
@@ -44,6 +40,14 @@ impl Table {
         let largest = |sums: &mut dyn Iterator<Item = f64>| sums.fold(0.0, f64::max) * rounding;
         let velocity = largest(&mut velocities.into_iter());
         RoundOff { velocity, acceleration: largest(&mut accelerations.into_iter().flatten()) }
+    }
+
+    /// Makes a step of a coordinate that is held at 0, or at 1 at the stage `struck`; returns its accelerations.
+    fn held_step(&self, h: f64, carried: &mut Vec<f64>, struck: Option<usize>) -> Vec<f64> {
+        self.scalar_step(h, carried, |index, sum| {
+            let (stage, aim) = (&self.stages[index], f64::from(u8::from(struck == Some(index))));
+            (aim - sum(0, &stage.q)) / (stage.q.stages[index] * h * h)
+        })
     }
 
     /// Accelerations that are solved anew follow from coordinates and velocities, not from what was carried.
@@ -73,10 +77,7 @@ impl HeldRoundings {
             if begins_anew {
                 table.restart(&mut vectors);
             }
-            let x = table.scalar_step(h, &mut vectors, |index, sum| {
-                let (stage, aim) = (&table.stages[index], f64::from(u8::from(index + carried == place)));
-                (aim - sum(0, &stage.q)) / (stage.q.stages[index] * h * h)
-            });
+            let x = table.held_step(h, &mut vectors, place.checked_sub(carried));
             made.push((vectors, x));
         }
         let (old, stages) = (std::mem::take(&mut self.covariance), &made[carried..]);
@@ -105,20 +106,18 @@ mod tests {
     fn roundings_are_handed_on_as_each_by_itself() {
         for table in tables() {
             let (h, steps) = (0.1, 12);
+            let scheme = |step: usize| table.scheme(table.scheme_at(&tenths(steps), step));
             let mut held = HeldRoundings::default();
             let mut found = [0.0; 3];
             for index in 0..steps {
-                found = held.step(table.scheme(table.scheme_at(&tenths(steps), index)), h, index == 0);
+                found = held.step(scheme(index), h, index == 0);
             }
             let mut sums = [0.0; 2];
-            for (first, struck) in (0..steps).flat_map(|first| (0..table.stages.len()).map(move |struck| (first, struck))) {
+            let of = |first: usize| (0..scheme(first).stages.len()).map(move |struck| (first, struck));
+            for (first, struck) in (0..steps).flat_map(of) {
                 let mut carried = vec![0.0; table.carried.len()];
                 for step in first..steps {
-                    let table = table.scheme(table.scheme_at(&tenths(steps), step));
-                    table.scalar_step(h, &mut carried, |index, sum| {
-                        let (stage, aim) = (&table.stages[index], f64::from(u8::from(step == first && index == struck)));
-                        (aim - sum(0, &stage.q)) / (stage.q.stages[index] * h * h)
-                    });
+                    scheme(step).held_step(h, &mut carried, (step == first).then_some(struck));
                 }
                 sums.iter_mut().zip(&carried).for_each(|(sum, own)| *sum += own * own);
             }
