@@ -14,6 +14,7 @@ use crate::program::{
     ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramWork, Recorded, continued, gradient_of,
 };
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
+use crate::tolerances::LONG_SUM;
 use nalgebra::{DMatrix, DVector};
 use num_dual::Derivative;
 use std::any::Any;
@@ -602,8 +603,6 @@ pub fn motion_derivatives(graph: &mut Graph, outputs: &[Node], [a, v, q]: [&[Nod
     [outputs.to_vec(), first, second]
 }
 
-/// What is nothing but round-off where a constraint holds; by the root of it, what that makes of a sum of terms.
-const CANCELS: f64 = 1e-12;
 /// Corrections after which no place is found where a constraint holds.
 const PLACING: usize = 50;
 
@@ -816,7 +815,7 @@ impl ConstraintPhysics {
                 first += kind.dofs();
             }
             let mut g = self.value(&q, p, 0.0);
-            if g.iter().all(|g| g.abs() < CANCELS) {
+            if g.iter().all(|g| g.abs() < LONG_SUM) {
                 return Some(q);
             }
             g.splice(0..0, vec![0.0; rows.len() / self.0.dofs]);
@@ -825,7 +824,7 @@ impl ConstraintPhysics {
                 return None;
             }
             let rows = DMatrix::from_row_slice(g.len(), self.0.dofs, &rows);
-            let step = rows.svd(true, true).solve(&DVector::from_vec(g), CANCELS).ok()?;
+            let step = rows.svd(true, true).solve(&DVector::from_vec(g), LONG_SUM).ok()?;
             q.iter_mut().zip(&step).for_each(|(q, step)| *q -= step);
         }
         None
@@ -847,7 +846,7 @@ impl ConstraintPhysics {
             }
             rows.chunks_exact(q.len().max(1)).all(|row| {
                 let terms = || row.iter().zip(&v).map(|(row, v)| row * v);
-                terms().sum::<f64>().abs() <= CANCELS.sqrt() * terms().map(f64::abs).sum::<f64>()
+                terms().sum::<f64>().abs() <= LONG_SUM.sqrt() * terms().map(f64::abs).sum::<f64>()
             })
         })
     }

@@ -72,8 +72,6 @@ pub struct Path {
 /// Corrections that a well chosen arc needs.
 const WANTED: f64 = 5.0;
 const MOST_CORRECTIONS: usize = 15;
-/// Correction at which a point is as good as round-off allows, relative to the largest coordinate.
-const ROUND_OFF: f64 = 1e-14;
 /// Correction that is accepted when corrections no longer shrink.
 const NEARLY: f64 = 1e-9;
 /// Least cosine between the tangents at both ends of an arc.
@@ -302,7 +300,7 @@ impl Follower<'_> {
                 return Err(format!("corrections diverge at the load factor {load}"));
             }
             let stalled = step > 0.5 * previous && step <= NEARLY * size;
-            if step <= ROUND_OFF * size || stalled {
+            if step <= crate::tolerances::ROUND_OFF * size || stalled {
                 self.newton.residual.restore(&self.newton.system, stage, &mut unknowns);
                 let q = from.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
                 let mut point = PathPoint { load, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };

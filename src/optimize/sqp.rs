@@ -40,8 +40,6 @@ const TRIALS: usize = 16;
 const OPTIMAL_SHARE: f64 = 1e-3;
 /// An objective smaller than this, in its scale, is as good as zero.
 const SMALL_OBJECTIVE: f64 = 1e-6;
-/// Decrease that values no longer resolve, relative to the merit.
-const RESOLUTION: f64 = 1e-14;
 /// Share of the best reduction of the violation that a priced step must bring.
 const STEERED: f64 = 0.5;
 /// Share of the violation that a step of the first box must take away; less is none.
@@ -241,7 +239,7 @@ impl State {
             let here = self.merit(evaluations, &self.values);
             let size = self.values.objective.abs() + self.price * violation;
             let x = self.along(evaluations, &direction.step);
-            if !(promised > RESOLUTION * size) || x == self.x {
+            if !(promised > crate::tolerances::ROUND_OFF * size) || x == self.x {
                 return Ok(None);
             }
             let share = self.share(&direction.step);

@@ -6,6 +6,7 @@ use super::surfaces::Surface;
 use crate::assembly::NodeId;
 use crate::elements::NodeKind;
 use crate::elements::flexible::Outline;
+use crate::tolerances::LONG_SUM;
 use std::collections::{HashMap, HashSet};
 
 type Vector = [f64; 3];
@@ -386,7 +387,7 @@ impl Solids<'_> {
                 let (once, centre) = (cross(axis, *offset), node.at(q));
                 // the least rotation from the slope at the start to that of now
                 let twice = cross(axis, once);
-                combined([(1.0, centre), (1.0, *offset), (1.0, once), (1.0 / (1.0 + cosine).max(1e-12), twice)])
+                combined([(1.0, centre), (1.0, *offset), (1.0, once), (1.0 / (1.0 + cosine).max(LONG_SUM), twice)])
             }
             Place::Shell { surface, weights, side } => {
                 let (middle, director, sides) = self.shell_place(*surface, weights, q);

@@ -1,9 +1,10 @@
 //! Derivative parts of the unknowns: linear systems, corrected with the matrix at the solution.
 
 use super::failure::{Failure, FailureKind, PARTS_LIMIT};
-use super::{MOST_ITERATIONS, Newton, ROUND_OFF};
+use super::{MOST_ITERATIONS, Newton};
 use crate::assembly::{StageSystem, Unknowns};
 use crate::elements::RunScalar;
+use crate::tolerances::ROUND_OFF;
 
 /// Corrections of derivative parts that are made before round-off is taken for the reason why they do not end.
 const PASSES: usize = 4;

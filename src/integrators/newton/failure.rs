@@ -1,9 +1,10 @@
-use super::{Newton, ROUND_OFF};
+use super::Newton;
 use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::not_finite::not_finite;
 use crate::integrators::{RunError, Stop, unit_part};
 use crate::linalg::Singular;
+use crate::tolerances::ROUND_OFF;
 
 /// Relative correction of derivative parts that may be round-off.
 pub(super) const PARTS_LIMIT: f64 = 1e-9;

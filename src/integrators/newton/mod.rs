@@ -58,8 +58,6 @@ impl NewtonTolerance {
 }
 
 const MOST_ITERATIONS: usize = 25;
-/// Relative correction at which the unknowns are as good as round-off allows.
-const ROUND_OFF: f64 = 1e-14;
 /// Factorizations for which the size of round-off is taken as it was measured once: two evaluations for each kind of system.
 const MEASURED_FOR: usize = 10;
 

@@ -69,7 +69,7 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         let largest_gap = self.residual.g.iter().fold(0.0, |s: f64, g| s.max(g.value().abs())) * gap;
         let small_force = force <= self.residual.force_floor(&self.system, stage, unknowns);
-        let small_gap = largest_gap <= 1e-12 * length.max(f64::MIN_POSITIVE);
+        let small_gap = largest_gap <= crate::tolerances::LONG_SUM * length.max(f64::MIN_POSITIVE);
         small_force && small_gap
     }
 }

@@ -3,10 +3,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::ROUND_OFF;
 use super::failure::FailureKind;
 use super::round_off::Floor;
-use super::sizes::{NEAR, NOTHING};
+use super::sizes::NEAR;
+use crate::tolerances::{NOTHING, ROUND_OFF};
 
 /// Corrections that shrink less than this ask for a fresh factorization.
 const SLOW: f64 = 0.1;

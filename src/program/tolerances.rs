@@ -1,0 +1,16 @@
+//! Tolerances by what they mean: what each is relative to, and why it has its size. None is in seconds, metres or kilograms.
+//!
+//! What several files mean alike stands here, once. What one algorithm steers itself by stands in its own file, where its comment says the same of it.
+
+/// Round-off of what tens of operations make, by the largest of their terms; of a relative correction that leaves nothing to correct; of a pivot
+/// that is zero in a matrix whose rows and columns have the size 1: 45 roundings, beside which coefficients and numbers that count are large.
+pub const ROUND_OFF: f64 = 1e-14;
+/// Round-off of what thousands of operations make, as sums over a model or solutions of small dense systems, by the largest of their terms:
+/// 4500 roundings, which add up to less unless all have one sign.
+pub const LONG_SUM: f64 = 1e-12;
+/// Round-off of a factorization, as a share of what its factors sum: two roundings for each product and sum, and as many for what scaled them.
+///
+/// Source: Higham, Accuracy and stability of numerical algorithms, chapters 9 and 11.
+pub const FACTORIZATION: f64 = 4.0 * f64::EPSILON;
+/// Numbers below this are zero: what is made of them underflows, so that their last digits are no share of them and never settle.
+pub const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
