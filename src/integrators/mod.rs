@@ -82,8 +82,6 @@ pub(crate) use restart::{Pause, StepSizeState};
 pub(crate) use resting_start::{resting_start, staying_states};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
-#[doc(hidden)]
-pub use start::INCONSISTENT;
 pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;

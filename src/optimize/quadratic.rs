@@ -230,7 +230,7 @@ impl QuadraticProgram {
             let length = to_condition.min(release.map_or(f64::INFINITY, |(length, _)| length));
             if !length.is_finite() {
                 // an equality that follows from the others
-                let follows = self.is_equality(condition) && excess.abs() <= 1e-9 * (1.0 + size);
+                let follows = self.is_equality(condition) && excess.abs() <= crate::tolerances::CONSISTENT * (1.0 + size);
                 return if follows { Ok(()) } else { Err(NoStep::Infeasible) };
             }
             if !dependent {

@@ -14,3 +14,6 @@ pub const LONG_SUM: f64 = 1e-12;
 pub const FACTORIZATION: f64 = 4.0 * f64::EPSILON;
 /// Numbers below this are zero: what is made of them underflows, so that their last digits are no share of them and never settle.
 pub const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+/// Numbers of a model that must fit together, by their size, or by 1 as sines, cosines and unit vectors are: places said twice, right angles,
+/// symmetric tables, constraints at the start. Files that write ten digits pass, and what passes moves nothing that is seen.
+pub const CONSISTENT: f64 = 1e-9;

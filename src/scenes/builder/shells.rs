@@ -14,6 +14,7 @@ use crate::elements::forces::{LOADS, LoadFrame};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{Drawn, Signal};
+use crate::tolerances::CONSISTENT;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
@@ -410,7 +411,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let gap = (self.position(node) - place).length().value();
-        if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
+        if !(gap <= CONSISTENT * size.max(f64::MIN_POSITIVE)) {
             self.mistakes.push(format!(
                 "\"{name}\" lies {gap:.3e} m from its node \"{own}\": it takes hold of the origin of a body's frame; leave a node of its own there and \
                  add a fixed joint, or move the frame"
@@ -418,7 +419,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let e = self.rotation(node).0.map(Scalar::value);
         let before = *start.get_or_insert(e);
-        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
+        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > CONSISTENT) {
             self.mistakes.push(format!(
                 "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
                  or join nodes of its own by fixed joints"

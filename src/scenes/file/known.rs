@@ -436,7 +436,7 @@ impl<'k> Entry<'k> {
             _ => {
                 let values: [Recorded; 4] = own.numbers("values")?;
                 let norm = values.iter().map(|own| own.value() * own.value()).sum::<f64>().sqrt();
-                if (norm - 1.0).abs() > 1e-9 {
+                if (norm - 1.0).abs() > crate::tolerances::CONSISTENT {
                     return own.wrong(format!("these Euler parameters have length {}; it must be 1", shortest(norm)));
                 }
                 Ok(Quaternion(values))
