@@ -1,15 +1,12 @@
 //! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
 
-use super::measured_moments::ENERGY_ROUNDING;
 use crate::io::number;
 use costate::assembly::{ConstraintId, Model, last_bit};
 use costate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Sample, Values};
 use costate::integrators::{StartRecord, StepRecord};
+use costate::program::tolerances::{LONG_SUM, ROUND_OFF};
 use costate::scenes::Prepared;
 use serde_json::{Value, json};
-
-/// What Newton's method leaves of coordinates, as a share of the largest.
-const ROUND_OFF: f64 = 1e-14;
 
 /// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.
 pub struct Ledger {
@@ -181,7 +178,7 @@ impl Course<'_> {
     /// At the end of the last step; `None` of a run without steps.
     pub fn finish(self) -> Option<EnergyBalance> {
         let EnergyRange { start, end, kinetic, potential: [lowest, highest] } = self.range?;
-        let round_off = self.round_off().max(ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs()));
+        let round_off = self.round_off().max(LONG_SUM * self.held.max(start.abs()).max(end.abs()));
         let (works, ..) = self.values.finish();
         let (change, drivers) = (end - start, works[1..].iter().sum());
         let size = kinetic + (highest - lowest) + self.exchanged;
