@@ -389,5 +389,5 @@ fn agree(values: &[f64], own: &[Recorded], made: &[Recorded]) -> bool {
     let numbers = crate::program::evaluate(values, &[own, made].concat());
     let (own, made) = numbers.split_at(own.len());
     let size = numbers.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-    own.iter().zip(made).all(|(own, made)| !((own - made).abs() > 1e-9 * size))
+    own.iter().zip(made).all(|(own, made)| !((own - made).abs() > crate::tolerances::SAME_DERIVATIVE * size))
 }

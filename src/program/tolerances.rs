@@ -17,3 +17,11 @@ pub const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Numbers of a model that must fit together, by their size, or by 1 as sines, cosines and unit vectors are: places said twice, right angles,
 /// symmetric tables, constraints at the start. Files that write ten digits pass, and what passes moves nothing that is seen.
 pub const CONSISTENT: f64 = 1e-9;
+/// Derivatives by two ways that are the same, by the largest of their terms: formulas whose terms cancel lose up to half of their digits, and other
+/// derivatives differ by a share of 1.
+pub const SAME_DERIVATIVE: f64 = 1e-9;
+/// Times that are one, and steps and their coefficients that are one, by a step: times are rounded, after a million steps by 2e-10 of
+/// one, and events that are two lie farther apart.
+pub const SAME_TIME: f64 = 1e-9;
+/// Places of a mesh that are one, by its diagonal, or by an edge or face in their own coordinates: mesh files may hold seven digits.
+pub const SAME_VERTEX: f64 = 1e-6;

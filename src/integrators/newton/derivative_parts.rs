@@ -1,14 +1,14 @@
 //! Derivative parts of the unknowns: linear systems, corrected with the matrix at the solution.
 
-use super::failure::{Failure, FailureKind, PARTS_LIMIT};
+use super::failure::{Failure, FailureKind};
 use super::{MOST_ITERATIONS, Newton};
 use crate::assembly::{StageSystem, Unknowns};
 use crate::elements::RunScalar;
-use crate::tolerances::ROUND_OFF;
+use crate::tolerances::{ROUND_OFF, SAME_DERIVATIVE};
 
 /// Corrections of derivative parts that are made before round-off is taken for the reason why they do not end.
 const PASSES: usize = 4;
-/// Share of a value, per relative change of a number, that is no derivative but round-off, with [`PARTS_LIMIT`] of it.
+/// Share of a value, per relative change of a number, that is no derivative but round-off, with [`SAME_DERIVATIVE`] of it.
 const ZERO_SHARE: f64 = 1e-3;
 const STAGNATED: &str = "stagnated in the derivative parts";
 /// Corrections of derivative parts that shrink less than this do not converge any more.
@@ -83,7 +83,7 @@ impl<S: RunScalar> Newton<'_, S> {
                     beyond = beyond.max(step / self.size_of_part(part, stage, unknowns));
                 }
             }
-            if pass > 1 && largest <= ROUND_OFF || pass >= PASSES && beyond <= PARTS_LIMIT {
+            if pass > 1 && largest <= ROUND_OFF || pass >= PASSES && beyond <= SAME_DERIVATIVE {
                 return Ok(());
             }
             if pass >= PASSES && beyond > SLOW_PARTS * previous {

@@ -6,8 +6,6 @@ use crate::scalar::{SpatialVector, Vector3};
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
-/// Points nearer than this share of the diagonal of their meshes stand at the same place, and a point as near to a face lies on it.
-pub(super) const SAME_PLACE: f64 = 1e-6;
 /// Lines that enclose a smaller angle \[rad\], and faces, run along each other: 6 degrees.
 pub(super) const ALONG: f64 = 0.1;
 

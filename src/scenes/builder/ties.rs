@@ -5,7 +5,7 @@
 
 use super::carriers::{Carriers, Shares, Sum};
 use super::mortar::{EdgePoint, TiedEdge};
-use super::surface_search::{Point, SAME_PLACE, length, shown};
+use super::surface_search::{Point, length, shown};
 use super::{MechanismBuilder, MeshedShell};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::joints::TiedNode;
@@ -156,7 +156,7 @@ impl<'n, S: Scalar> Tie<'n, S> {
     ) -> Result<Self, String> {
         let carriers = Carriers::new(m, shells, 0.0);
         let places = carriers.nodes().chain(nodes.iter().copied()).map(|node| place_of(m, node));
-        let reach = within.unwrap_or(SAME_PLACE * diagonal(places));
+        let reach = within.unwrap_or(crate::tolerances::SAME_VERTEX * diagonal(places));
         if !(reach >= 0.0 && reach.is_finite()) {
             return Err(format!("nodes cannot lie within {reach} m of faces; give a distance that is not negative"));
         }
