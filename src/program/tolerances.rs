@@ -25,3 +25,9 @@ pub const SAME_DERIVATIVE: f64 = 1e-9;
 pub const SAME_TIME: f64 = 1e-9;
 /// Places of a mesh that are one, by its diagonal, or by an edge or face in their own coordinates: mesh files may hold seven digits.
 pub const SAME_VERTEX: f64 = 1e-6;
+/// What no longer shrinks may be round-off up to here, corrections by the unknowns and residuals by the largest force: round-off by a condition of
+/// half a million of a scaled matrix.
+pub const STALLED: f64 = 1e-10;
+/// Beyond this nothing is round-off, corrections by the unknowns or displacements by the model's length, and two solutions are not of one problem:
+/// it takes a condition of 5e9, with which a solution has no digits for a later one to build on.
+pub const NO_ROUND_OFF: f64 = 1e-6;

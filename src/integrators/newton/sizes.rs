@@ -6,8 +6,6 @@ use crate::elements::RunScalar;
 use crate::integrators::lists::largest_scaled;
 use crate::scalar::larger;
 
-/// Correction beyond which nothing is round-off, as a displacement by the model's length.
-pub(super) const NEAR: f64 = 1e-6;
 /// Displacement by the model's length that no state could show.
 const UNSEEN: f64 = f64::EPSILON * f64::EPSILON;
 /// Coordinates that are smaller than this share of the lengths among the parameters say nothing about the size of the model.
