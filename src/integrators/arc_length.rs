@@ -76,8 +76,6 @@ const MOST_CORRECTIONS: usize = 15;
 const NEARLY: f64 = 1e-9;
 /// Least cosine between the tangents at both ends of an arc.
 const STRAIGHT: f64 = 0.9;
-/// Arcs below this share of the first one no longer advance.
-const SHORTEST: f64 = 1e-6;
 /// Slope at a limit; the load there is off by its square.
 const LEVEL: f64 = 1e-7;
 /// Most points that are tried to locate a limit or an end.
@@ -197,7 +195,7 @@ impl Follower<'_> {
                 }
                 // not by one half: an end that is singular by chance is not met again
                 arc *= 0.4;
-                if arc < SHORTEST * first {
+                if arc < super::load_steps::SHORTEST * first {
                     let hint = "the path ends or branches there; start from a disturbed shape";
                     return Err(RunError::NoEquilibrium { t: point.load, h: arc, hint, cause });
                 }
