@@ -44,9 +44,9 @@ pub(super) fn set_motion(e: Entry, nodes: &[NodeId], m: &mut Builder) -> Found<(
     let given: Vec<(&Item, NodeId, Vec<f64>)> = given.map(|(item, node)| (item, node, rates(node, m))).collect();
     m.set_rigid_motion(nodes, vector("point")?, vector("velocity")?, vector("angular_velocity")?);
     for (item, node, before) in given {
-        let differs =
-            rates(node, m).iter().zip(&before).any(|(now, before)| (now - before).abs() > 1e-9 * (1.0 + before.abs()));
-        if differs {
+        let now = rates(node, m);
+        let size = now.iter().chain(&before).fold(0.0, |most: f64, own| most.max(own.abs()));
+        if now.iter().zip(&before).any(|(now, before)| (now - before).abs() > crate::tolerances::CONSISTENT * size) {
             let name = &item.name;
             return e.wrong_key("motion", format!(
                 "this motion gives \"{name}\" another velocity than it has of its own: let both be the same, or one of them say it"
