@@ -26,13 +26,11 @@ pub struct Sqp;
 const FIRST_STEP: f64 = 0.2;
 /// Range of a variable without bounds, by its size.
 const UNBOUNDED: f64 = 5.0;
-/// Share of the predicted decrease that a step must bring.
+/// Share of the predicted decrease that a step must bring: Nocedal & Wright, section 3.1.
 const TAKEN: f64 = 1e-4;
-/// Share with which the box grows.
+/// Share with which the box grows, by how much, and of a step to a point without values what is tried next: Nocedal & Wright, algorithm 4.1.
 const GOOD: f64 = 0.75;
-/// Share of a step to a point without values that is tried next.
 const SHORTER: f64 = 0.25;
-/// By how much the box grows after a good step.
 const LONGER: f64 = 2.0;
 /// Points tried from one point.
 const TRIALS: usize = 16;

@@ -6,7 +6,7 @@ use super::product::Target;
 use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 
-/// Smallest pivot, as a share of the largest entry of its column.
+/// Smallest pivot, as a share of the largest entry of its column: that of MA57 and MUMPS.
 pub const PIVOT_SHARE: f64 = 0.01;
 /// Columns that are eliminated before the rest of the front is changed.
 pub const PANEL: usize = 32;
