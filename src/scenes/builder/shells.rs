@@ -107,18 +107,6 @@ impl Deref for ShellMember {
     }
 }
 
-impl AsRef<MeshedShell> for ShellMember {
-    fn as_ref(&self) -> &MeshedShell {
-        &self.shell
-    }
-}
-
-impl AsRef<MeshedShell> for MeshedShell {
-    fn as_ref(&self) -> &MeshedShell {
-        self
-    }
-}
-
 impl ShellMember {
     /// Node (i, j) of the grid.
     pub fn node(&self, i: usize, j: usize) -> NodeId {
