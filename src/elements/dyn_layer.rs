@@ -208,7 +208,7 @@ pub struct StressFormulas<'e> {
 }
 
 /// Arguments one after the other.
-fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
+pub(super) fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
     let mut first = 0;
     counts.map(|count| {
         first += count;

@@ -3,6 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::dyn_layer::arguments;
 use super::{Element, NodeKind, Output, Parameter, State, dofs_of};
 use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
@@ -300,26 +301,32 @@ fn work_of(forces: &[Recorded], rates: &[Recorded]) -> Recorded {
 
 /// Which of two ways to calculate a power serves: the shorter one where both agree at two states.
 pub(super) fn shorter_power_serves(element: &dyn ElementFormulas) -> bool {
-    let (n, m) = sizes(element);
-    (0..2).all(|probe| {
-        let values = probed(3 * n + m + 1, probe);
-        let (agrees, recording) = record(&values, |x| {
-            let (state, rest) = x.split_at(3 * n);
-            let (p, t) = rest.split_at(m);
-            let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
-            let (short, whole) = power(element, s, p, t[0]);
-            let parts = residual(element, s, p, t[0]).0;
-            // by the size of what cancels
-            let sizes: Vec<Recorded> = parts.iter().zip(s.v).map(|(&force, &rate)| force * rate).collect();
-            agree(&values, &[&[short][..], &sizes].concat(), &[&[whole][..], &sizes].concat())
-        });
-        agrees && !recording.graph.has_choices()
+    agrees_at_two_states(element, |values, s, p, t| {
+        let (short, whole) = power(element, s, p, t);
+        let parts = residual(element, s, p, t).0;
+        // by the size of what cancels
+        let sizes: Vec<Recorded> = parts.iter().zip(s.v).map(|(&force, &rate)| force * rate).collect();
+        (agree(values, &[&[short][..], &sizes].concat(), &[&[whole][..], &sizes].concat()), false)
     })
 }
 
-/// Numbers of the size of Euler parameters, none of them alike.
-fn probed(count: usize, probe: usize) -> Vec<f64> {
-    (0..count).map(|i| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin()).collect()
+/// Whether two ways to calculate something agree at two states, of whose numbers none are alike and all have the size of those of Euler parameters.
+///
+/// `agrees` says whether they do, from the numbers and the same as recorded, and whether formulas may choose, so that they could differ elsewhere.
+fn agrees_at_two_states(
+    element: &dyn ElementFormulas,
+    agrees: impl Fn(&[f64], State<Recorded>, &[Recorded], Recorded) -> (bool, bool),
+) -> bool {
+    let (n, m) = sizes(element);
+    (0..2).all(|probe| {
+        let number = |i: usize| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin();
+        let values: Vec<f64> = (0..3 * n + m + 1).map(number).collect();
+        let ((agree, may_choose), recording) = record(&values, |x| {
+            let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+            agrees(&values, State { a, v, q }, p, t[0])
+        });
+        agree && (may_choose || !recording.graph.has_choices())
+    })
 }
 
 /// True for the constant 0.
@@ -343,26 +350,15 @@ pub(super) fn is_steady_in(equations: &[Recorded], number: Recorded) -> bool {
 ///
 /// A written residual that chooses between formulas may agree at some states and not at others: it counts as more than its energies.
 pub(super) fn has_energies(element: &dyn ElementFormulas) -> bool {
-    let (n, m) = sizes(element);
-    (0..2).all(|probe| {
-        let values = probed(3 * n + m + 1, probe);
-        let mut is_written = false;
-        let (agrees, recording) = record(&values, |x| {
-            let (state, rest) = x.split_at(3 * n);
-            let (p, t) = rest.split_at(m);
-            let (a, v, q) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
-            let s = State { a, v, q };
-            let e = strains(element, q, p, t[0]);
-            let stored = element.stored(&e, p);
-            // strains that depend on time do work
-            let steady = is_zero(gradient(stored, t)[0]);
-            let lossless = losses(element, [&e, &zeros(e.len()), p], t[0]).into_iter().all(is_zero);
-            let Some(own) = written(element, s, p, t[0]) else { return steady && lossless };
-            let [own, made] = [own, from_energies(element, s, p, t[0])].map(|rows| of_coordinates(element, &rows));
-            is_written = !own.iter().all(|row| is_zero(*row));
-            steady && lossless && agree(&values, &own, &made)
-        });
-        agrees && !(is_written && recording.graph.has_choices())
+    agrees_at_two_states(element, |values, s, p, t| {
+        let e = strains(element, s.q, p, t);
+        let stored = element.stored(&e, p);
+        // strains that depend on time do work
+        let steady = is_zero(gradient(stored, &[t])[0]);
+        let lossless = losses(element, [&e, &zeros(e.len()), p], t).into_iter().all(is_zero);
+        let Some(own) = written(element, s, p, t) else { return (steady && lossless, true) };
+        let [own, made] = [own, from_energies(element, s, p, t)].map(|rows| of_coordinates(element, &rows));
+        (steady && lossless && agree(values, &own, &made), own.iter().all(|row| is_zero(*row)))
     })
 }
 
