@@ -17,17 +17,34 @@ pub(super) struct Energies {
     pub strain: Recorded,
 }
 
-/// What a residual is made of, in recorded numbers: an element, or the same in numbers that a node map makes of its coordinates.
-pub trait Formulas {
-    fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]);
-    fn strain_count(&self) -> usize;
-    fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
-    fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
-    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded;
+/// A trait whose methods are those of an [`Element`] in recorded numbers, which every element has.
+macro_rules! in_recorded_numbers {
+    ($(#[$doc:meta])* $trait:ident: $(fn $method:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*) => {
+        $(#[$doc])*
+        pub trait $trait {
+            $(fn $method(&self, $($argument: $type),*) $(-> $result)?;)*
+        }
+
+        impl<E: Element> $trait for E {
+            $(fn $method(&self, $($argument: $type),*) $(-> $result)? {
+                Element::$method(self, $($argument),*)
+            })*
+        }
+    };
+}
+
+in_recorded_numbers! {
+    /// What a residual is made of: an element, or the same in numbers that a node map makes of its coordinates.
+    Formulas:
+    fn kinetic(v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn potential(q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn strain_energy(q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn add_force(v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]);
+    fn strain_count() -> usize;
+    fn strains(q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
+    fn stored(e: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn damping(e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
+    fn dissipation(e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded;
 }
 
 /// An element with its type erased where it is recorded, so that what is made of its formulas is compiled once for all of them.
@@ -62,36 +79,6 @@ impl<E: Element> ElementFormulas for E {
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
         Element::in_stages(self, s, p, t)
-    }
-}
-
-impl<E: Element> Formulas for E {
-    fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::kinetic(self, v, q, p)
-    }
-    fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::potential(self, q, p)
-    }
-    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::strain_energy(self, q, p)
-    }
-    fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]) {
-        Element::add_force(self, v, q, p, t, force);
-    }
-    fn strain_count(&self) -> usize {
-        Element::strain_count(self)
-    }
-    fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]) {
-        Element::strains(self, q, p, t, e);
-    }
-    fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::stored(self, e, p)
-    }
-    fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]) {
-        Element::damping(self, e, rate, p, t, s);
-    }
-    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::dissipation(self, e, rate, p)
     }
 }
 
