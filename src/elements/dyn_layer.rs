@@ -294,11 +294,8 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     Formula::record([(Coordinate, n), (OfPart, m), (MeasureParameter, 6)], |x| {
         let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
         let mut v = vec![Recorded::from(0.0); n];
-        let mut first = 0;
-        for kind in element.node_kinds() {
-            let places = first..first + kind.dofs();
-            kind.turn(&q[places.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[places]);
-            first += kind.dofs();
+        for (kind, dofs) in dofs_of_each(&element.node_kinds()) {
+            kind.turn(&q[dofs.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[dofs]);
         }
         vec![element.kinetic(&v, q, p) * 2.0]
     })
@@ -307,6 +304,14 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
 /// Number of coordinates of some nodes.
 pub(crate) fn dofs_of(nodes: &[NodeKind]) -> usize {
     nodes.iter().map(|kind| kind.dofs()).sum()
+}
+
+/// Each of some nodes with the places of its coordinates among those of all.
+pub(crate) fn dofs_of_each(nodes: &[NodeKind]) -> impl Iterator<Item = (NodeKind, Range<usize>)> {
+    nodes.iter().scan(0, |end, &kind| {
+        *end += kind.dofs();
+        Some((kind, *end - kind.dofs()..*end))
+    })
 }
 
 /// An element of a model with its recordings, each made when it is first asked for, and once for all clones.
@@ -802,18 +807,15 @@ impl ConstraintPhysics {
     fn held_place(&self, p: &[f64]) -> Option<Vec<f64>> {
         let (kinds, mut q) = (self.0.own.node_kinds(), unrelated_numbers().take(self.0.dofs).collect::<Vec<f64>>());
         for _ in 0..PLACING {
-            let (mut first, mut rows) = (0, Vec::new());
-            for kind in &kinds {
-                if *kind == NodeKind::Body {
-                    // corrections turn: they do not change the length of Euler parameters
-                    let e = &mut q[first + 3..][..4];
-                    let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
-                    e.iter_mut().for_each(|e| *e /= length);
-                    let mut row = vec![0.0; self.0.dofs];
-                    row[first + 3..][..4].copy_from_slice(e);
-                    rows.extend(row);
-                }
-                first += kind.dofs();
+            let mut rows = Vec::new();
+            for (_, dofs) in dofs_of_each(&kinds).filter(|(kind, _)| *kind == NodeKind::Body) {
+                // corrections turn: they do not change the length of Euler parameters
+                let e = &mut q[dofs.clone()][3..];
+                let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
+                e.iter_mut().for_each(|e| *e /= length);
+                let mut row = vec![0.0; self.0.dofs];
+                row[dofs][3..].copy_from_slice(e);
+                rows.extend(row);
             }
             let mut g = self.value(&q, p, 0.0);
             if g.iter().all(|g| g.abs() < CANCELS) {
@@ -836,13 +838,11 @@ impl ConstraintPhysics {
         let rows = self.rows(q, p, 0.0);
         (0..6).all(|motion| {
             let along = Vector3::from([0, 1, 2].map(|k| f64::from(u8::from(k == motion % 3))));
-            let (mut v, mut first) = (vec![0.0; q.len()], 0);
-            for kind in self.0.own.node_kinds() {
-                let own = first..first + kind.dofs();
-                first = own.end;
+            let mut v = vec![0.0; q.len()];
+            for (kind, dofs) in dofs_of_each(&self.0.own.node_kinds()) {
                 match motion {
-                    0..3 => v[own][..3].copy_from_slice(&along.components()),
-                    _ => kind.turn(&q[own.clone()], Vector3::zeros(), along, &mut v[own]),
+                    0..3 => v[dofs][..3].copy_from_slice(&along.components()),
+                    _ => kind.turn(&q[dofs.clone()], Vector3::zeros(), along, &mut v[dofs]),
                 }
             }
             rows.chunks_exact(q.len().max(1)).all(|row| {
