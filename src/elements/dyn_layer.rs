@@ -207,8 +207,8 @@ pub struct StressFormulas<'e> {
     pub force: &'e Arc<Formula>,
 }
 
-/// Arguments one after the other.
-pub(super) fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
+/// The arguments of a formula, by how many there are of each kind, one behind the other.
+pub(crate) fn split_arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
     let mut first = 0;
     counts.map(|count| {
         first += count;
@@ -227,44 +227,44 @@ impl ElementFormula {
         let ((n, m), count) = (sizes(element), element.strain_count());
         match self {
             ElementFormula::Residual => Formula::record_in_stages(of_residual(n, m), |x| {
-                let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+                let [a, v, q, p, t] = split_arguments(x, [n, n, n, m, 1]);
                 residual(element, State { a, v, q }, p, t[0])
             }),
             ElementFormula::Impulse => record_impulse(element),
             ElementFormula::Energies => Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m)], |x| {
-                let [v, q, p] = arguments(x, [n, n, m]);
+                let [v, q, p] = split_arguments(x, [n, n, m]);
                 let Energies { kinetic, potential, strain } = Energies::of(element, [v, q, p], Recorded::from(0.0));
                 vec![kinetic, potential, element.mass(p), strain]
             }),
             ElementFormula::Power => {
                 let is_short = shorter_power_serves(element);
                 Formula::record(of_residual(n, m), |x| {
-                    let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+                    let [a, v, q, p, t] = split_arguments(x, [n, n, n, m, 1]);
                     let (short, whole) = power(element, State { a, v, q }, p, t[0]);
                     vec![if is_short { short } else { whole }]
                 })
             }
             ElementFormula::InertiaMoment => record_inertia_moment(element),
             ElementFormula::Outputs => Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)], |x| {
-                let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+                let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
                 told(element, [v, q, p], t[0])
             }),
             ElementFormula::Stresses => Formula::record([(Strain, 2 * count), (OfPart, m), (Time, 1)], |x| {
-                let [e, rate, p, t] = arguments(x, [count, count, m, 1]);
+                let [e, rate, p, t] = split_arguments(x, [count, count, m, 1]);
                 stresses(element, [e, rate, p], t[0])
             }),
             ElementFormula::StrainCourse => Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
-                let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
+                let [from, d, to, p, t] = split_arguments(x, [n, n, n, m, 1]);
                 strain_course(element, [from, d, to, p], t[0])
             }),
             ElementFormula::StressDeviation => Formula::record([(Strain, 3 * count), (OfPart, m)], |x| {
-                let [start, change, end, p] = arguments(x, [count, count, count, m]);
+                let [start, change, end, p] = split_arguments(x, [count, count, count, m]);
                 stress_deviation(element, [start, change, end], p)
             }),
             ElementFormula::StressForce => {
                 let weights = [(Weight, count)];
                 Formula::record([&of_residual(n, m)[..], &weights].concat(), |x| {
-                    let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
+                    let [_, _, q, p, t, w] = split_arguments(x, [n, n, n, m, 1, count]);
                     stress_force(element, [q, p, w], t[0])
                 })
             }
@@ -276,7 +276,7 @@ fn record_impulse(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     let mut depends = false;
     let formula = Formula::record([&of_residual(n, m)[..], &[(Weight, 2)]].concat(), |x| {
-        let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
+        let [a, v, q, p, t, weights] = split_arguments(x, [n, n, n, m, 1, 2]);
         let own = impulse(element, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
         depends = own.is_none();
         own.unwrap_or_default()
@@ -292,7 +292,7 @@ fn record_impulse(element: &dyn ElementFormulas) -> Recording {
 fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     Formula::record([(Coordinate, n), (OfPart, m), (MeasureParameter, 6)], |x| {
-        let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
+        let [q, p, point, axis] = split_arguments(x, [n, m, 3, 3]);
         let mut v = vec![Recorded::from(0.0); n];
         for (kind, dofs) in dofs_of_each(&element.node_kinds()) {
             kind.turn(&q[dofs.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[dofs]);
@@ -546,7 +546,7 @@ fn record(constraint: &dyn AnyConstraint) -> Recording {
     let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
     let mut linear = true;
     let formula = Formula::record(of_constraint(constraint), |x| {
-        let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+        let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
         let equations = constraint.evaluate([v, q, p], t[0]);
         linear = !constraint.is_nonholonomic() || is_linear_in(&equations, v);
         equations
@@ -722,7 +722,7 @@ impl ConstraintPhysics {
         let mut is_steady = !self.is_nonholonomic();
         let (n, m) = (self.0.dofs, self.0.parameters);
         let recorded = Formula::record(of_constraint(&*self.0.own), |x| {
-            let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+            let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
             let equations = self.0.own.evaluate([v, q, p], t[0]);
             is_steady &= is_steady_in(&equations, t[0]);
             equations

@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::dyn_layer::arguments;
+use super::dyn_layer::split_arguments;
 use super::{Element, NodeKind, Output, Parameter, State, dofs_of};
 use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
@@ -309,7 +309,7 @@ fn agrees_at_two_states(
         let number = |i: usize| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin();
         let values: Vec<f64> = (0..3 * n + m + 1).map(number).collect();
         let ((agree, may_choose), recording) = record(&values, |x| {
-            let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+            let [a, v, q, p, t] = split_arguments(x, [n, n, n, m, 1]);
             agrees(&values, State { a, v, q }, p, t[0])
         });
         agree && (may_choose || !recording.graph.has_choices())
@@ -354,9 +354,7 @@ pub(super) fn is_conservative(element: &dyn ElementFormulas) -> bool {
     let (n, m) = sizes(element);
     let mut is_free = true;
     let forces = Formula::record(2 * n + m + 1, |x| {
-        let (v, rest) = x.split_at(n);
-        let ((q, rest), mut force) = (rest.split_at(n), zeros(n));
-        let (p, t) = rest.split_at(m);
+        let ([v, q, p, t], mut force) = (split_arguments(x, [n, n, m, 1]), zeros(n));
         element.add_force(v, q, p, t[0], &mut force);
         let mut e = strains(element, q, p, t[0]);
         let losses = losses(element, [&e, &along_motion(&e, &paired(q, v)), p], t[0]);
