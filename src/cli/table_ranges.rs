@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// A part with tables, and where it left one of them: the time, and the number furthest beyond.
-struct Watched {
+struct WatchedTable {
     part: String,
     times: Times,
     ranges: Vec<TableRange>,
@@ -22,7 +22,7 @@ struct Watched {
 /// Looks at the tables of a model's elements, joints and functionals.
 pub struct TableWatch<'p> {
     p: &'p [f64],
-    parts: Vec<Watched>,
+    parts: Vec<WatchedTable>,
     is_begun: bool,
 }
 
@@ -38,7 +38,7 @@ impl<'p> TableWatch<'p> {
         let mut add = |name: &str, times: Times, formula: &Formula, places: &dyn Fn() -> Vec<Place>| {
             if let Some((ranges, program)) = formula.table_arguments() {
                 let left = vec![None; ranges.len()];
-                parts.push(Watched { part: name.into(), times, ranges, program, places: places(), left });
+                parts.push(WatchedTable { part: name.into(), times, ranges, program, places: places(), left });
             }
         };
         for own in &model.elements {
@@ -67,7 +67,7 @@ impl<'p> TableWatch<'p> {
             Place::Time => *t,
         };
         let is_begun = std::mem::replace(&mut self.is_begun, true);
-        for Watched { times, ranges, program, places, left, .. } in &mut self.parts {
+        for WatchedTable { times, ranges, program, places, left, .. } in &mut self.parts {
             match times {
                 Times::Start if is_begun => continue,
                 // until a later one comes
@@ -89,7 +89,7 @@ impl<'p> TableWatch<'p> {
 
     /// Which tables were left.
     pub fn in_words(&self) -> Vec<String> {
-        let words = |own: &Watched| -> Vec<String> {
+        let words = |own: &WatchedTable| -> Vec<String> {
             let left = own.ranges.iter().zip(&own.left).filter_map(|(range, left)| Some((range, (*left)?)));
             let sentence = |([first, last], (t, most)): (&TableRange, (f64, f64))| {
                 let [first, last, most, t] = [*first, *last, most, t].map(shortest);

@@ -110,7 +110,7 @@ pub struct Ended {
     pub failed: usize,
 }
 
-struct Known {
+struct EvaluatedPoint {
     x: Vec<f64>,
     values: Result<Values, NoValue>,
     gradients: Option<Result<Gradients, NoValue>>,
@@ -124,7 +124,7 @@ pub struct Evaluations<'p> {
     kinds: Vec<ConstraintKind>,
     linear_from: usize,
     /// All points, so that an optimizer may ask for objective, constraints and gradients separately.
-    known: Vec<Known>,
+    known: Vec<EvaluatedPoint>,
     best_gradients: Option<Gradients>,
     last: Option<f64>,
     calm: usize,
@@ -244,7 +244,7 @@ impl<'p> Evaluations<'p> {
             }
             Err(_) => self.ended.failed += 1,
         }
-        self.known.push(Known { x: x.to_vec(), values, gradients: None });
+        self.known.push(EvaluatedPoint { x: x.to_vec(), values, gradients: None });
         Ok(self.known.len() - 1)
     }
 

@@ -63,7 +63,7 @@ struct State {
 }
 
 /// A better point, and the multipliers of the step that led there.
-struct Found {
+struct BetterPoint {
     x: Vec<f64>,
     values: Values,
     gradients: Gradients,
@@ -71,7 +71,7 @@ struct Found {
 }
 
 /// What came of a trial point.
-enum Tried {
+enum TrialResult {
     Taken(Values, Gradients, Vec<f64>),
     Worse(Values),
     Failed,
@@ -125,7 +125,7 @@ fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason
             None => None,
         };
         match step {
-            Some(Found { x, values, gradients, multipliers }) => {
+            Some(BetterPoint { x, values, gradients, multipliers }) => {
                 state.learn(&x, &gradients, &multipliers);
                 (state.x, state.values, state.gradients) = (x, values, gradients);
                 end = evaluations.accept(&state.x)?;
@@ -234,7 +234,7 @@ impl State {
     }
 
     /// A better point, tried along steps in boxes that shrink.
-    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Step) -> Result<Option<Found>, NoValue> {
+    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Step) -> Result<Option<BetterPoint>, NoValue> {
         let violation = evaluations.violation(&self.values);
         for trial in 0..TRIALS {
             let promised = self.promised(violation, &direction);
@@ -246,15 +246,15 @@ impl State {
             }
             let share = self.share(&direction.step);
             match self.taken(evaluations, x, here - TAKEN * promised)? {
-                Tried::Taken(values, gradients, x) => {
+                TrialResult::Taken(values, gradients, x) => {
                     let good = here - self.merit(evaluations, &values) >= GOOD * promised;
                     if good && share > 0.5 * self.reach {
                         self.reach *= LONGER;
                     }
-                    return Ok(Some(Found { x, values, gradients, multipliers: direction.multipliers }));
+                    return Ok(Some(BetterPoint { x, values, gradients, multipliers: direction.multipliers }));
                 }
-                Tried::Failed => self.reach = SHORTER * share,
-                Tried::Worse(values) => {
+                TrialResult::Failed => self.reach = SHORTER * share,
+                TrialResult::Worse(values) => {
                     if trial == 0 && self.price * (evaluations.violation(&values) - direction.left) > 0.5 * promised {
                         // curved constraints: the same linearization, set right by their values at the full step
                         let normals = columns(self.x.len(), &self.gradients.constraints);
@@ -262,8 +262,8 @@ impl State {
                         if let Some(corrected) = self.direction(evaluations, self.reach, offsets.as_slice()) {
                             let x = self.along(evaluations, &corrected.step);
                             let limit = here - TAKEN * promised;
-                            if let Tried::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
-                                return Ok(Some(Found { x, values, gradients, multipliers: direction.multipliers }));
+                            if let TrialResult::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
+                                return Ok(Some(BetterPoint { x, values, gradients, multipliers: direction.multipliers }));
                             }
                         }
                     }
@@ -296,18 +296,18 @@ impl State {
     }
 
     /// Tries a point: it is taken if its merit is at most `limit` and it has gradients.
-    fn taken(&self, evaluations: &mut Evaluations, x: Vec<f64>, limit: f64) -> Result<Tried, NoValue> {
+    fn taken(&self, evaluations: &mut Evaluations, x: Vec<f64>, limit: f64) -> Result<TrialResult, NoValue> {
         let values = match evaluations.values(&x) {
             Ok(values) => values,
-            Err(NoValue::Failed) => return Ok(Tried::Failed),
+            Err(NoValue::Failed) => return Ok(TrialResult::Failed),
             Err(stop) => return Err(stop),
         };
         if !(self.merit(evaluations, &values) <= limit) {
-            return Ok(Tried::Worse(values));
+            return Ok(TrialResult::Worse(values));
         }
         match evaluations.gradients(&x) {
-            Ok(gradients) => Ok(Tried::Taken(values, gradients, x)),
-            Err(NoValue::Failed) => Ok(Tried::Failed),
+            Ok(gradients) => Ok(TrialResult::Taken(values, gradients, x)),
+            Err(NoValue::Failed) => Ok(TrialResult::Failed),
             Err(stop) => Err(stop),
         }
     }

@@ -61,7 +61,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let made = part.make(&mut given);
         wrong.extend(given.mistakes());
         let made = made.map_err(|why| wrong = vec![(None, format!("\"{name}\": {why}"))]).ok().filter(|_| wrong.is_empty());
-        self.tell(name, wrong);
+        self.keep_mistakes(name, wrong);
         made
     }
 
@@ -74,7 +74,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Keeps mistakes, those in values of keys apart.
-    pub(super) fn tell(&mut self, name: &str, wrong: Vec<(Option<&'static str>, String)>) {
+    pub(super) fn keep_mistakes(&mut self, name: &str, wrong: Vec<(Option<&'static str>, String)>) {
         for (key, text) in wrong {
             match key {
                 Some(key) => self.wrong_keys.push((name.into(), key, text)),
