@@ -46,6 +46,7 @@ pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
 pub(crate) use lagrangian::paired;
 pub use node_kind::NodeKind;
+pub(crate) use node_kind::NodePair;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use table::Table;
