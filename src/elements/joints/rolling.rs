@@ -1,7 +1,7 @@
 use super::{PointInPlane, vectors};
 use crate::elements::entries::Range::Positive;
 use crate::elements::entries::Type::{Number, Vector};
-use crate::elements::entries::{AXIS, BETWEEN, Forms, Given, NORMAL, forms, may, need};
+use crate::elements::entries::{AXIS, BETWEEN, Forms, Given, NORMAL, WithParameters, forms, may, need};
 use crate::elements::{
     AnyConstraint, Constraint, Frame, NodeKind, NodePair, Nonholonomic, NonholonomicConstraint, Parameter,
 };
@@ -133,11 +133,8 @@ pub(crate) const ROLLING: Forms = forms!([]
     need("radius", Number("m", Positive), "radius"),
 ]);
 
-/// A constraint with its parameters.
-type WithParameters<S> = (Box<dyn AnyConstraint>, Vec<S>);
-
 /// The contact and the rolling of a form of [`ROLLING`].
-pub(crate) fn contact_and_rolling<S: Scalar>(form: &str, given: &mut Given<S>) -> [WithParameters<S>; 2] {
+pub(crate) fn contact_and_rolling<S: Scalar>(form: &str, given: &mut Given<S>) -> [WithParameters<dyn AnyConstraint, S>; 2] {
     let nodes = given.bodies();
     let (centre, normal) = (given.point("centre", 1), given.unit("normal"));
     let of_centre = given.node(1).local_point(centre).components().to_vec();
