@@ -15,9 +15,8 @@ use crate::program::Recorded;
 use crate::scalar::Scalar;
 use crate::scenes::{
     AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
-    Scenario, Sense, Settings, built,
+    Scenario, Sense, Settings, built, check_folders, unknown,
 };
-use crate::scenes::{check_folders, unknown};
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::path::Path;
