@@ -9,13 +9,17 @@ use costate::scenes::Prepared;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A part with tables, and where it left one of them: the time, and the number furthest beyond.
+/// A part with tables, and where it left them.
 struct WatchedTable {
     part: String,
     times: Times,
+    /// First and last point of each table.
     ranges: Vec<TableRange>,
+    /// Computes what each table is read at.
     program: Arc<Program>,
+    /// Where the arguments of the program stand.
     places: Vec<Place>,
+    /// For each table, if it was left: since when, and the number furthest beyond.
     left: Vec<Option<(f64, f64)>>,
 }
 

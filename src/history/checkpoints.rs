@@ -15,12 +15,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 #[derive(Debug)]
 pub struct Checkpoints {
     budget: usize,
+    /// Steps of the run, if they are known before.
     planned: Option<usize>,
     start: Option<StartRecord<f64>>,
     steps: usize,
+    /// All steps, where these fit into the memory.
     all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
+    /// The step behind which the next checkpoint is kept.
     wanted: usize,
     /// Distance of checkpoints when the number of steps is unknown.
     distance: usize,

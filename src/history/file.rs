@@ -37,6 +37,7 @@ pub struct FileHistory {
     steps: usize,
     /// Bytes of complete frames, header included.
     bytes: u64,
+    /// Where the first step begins, and where the last one ends.
     ends: [u64; 2],
     frame: Vec<u8>,
     /// What an earlier run left, until this one is as far.

@@ -18,7 +18,9 @@ const MOST_ESCAPES: usize = 8;
 /// Source: Roberts (2018), "The unreasonable effectiveness of quasirandom sequences": multiples of powers of the generalized golden ratio.
 pub(super) struct Escape {
     points: usize,
+    /// How often a point was looked for.
     escapes: usize,
+    /// Share of the range of each variable by which the next point goes on.
     shares: Vec<f64>,
 }
 

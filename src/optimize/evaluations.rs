@@ -122,11 +122,14 @@ pub struct Evaluations<'p> {
     stopping: Stopping,
     bounds: Vec<(f64, f64)>,
     kinds: Vec<ConstraintKind>,
+    /// Number of the first linear constraint.
     linear_from: usize,
     /// All points, so that an optimizer may ask for objective, constraints and gradients separately.
     known: Vec<EvaluatedPoint>,
     best_gradients: Option<Gradients>,
+    /// Objective of the last iteration.
     last: Option<f64>,
+    /// Iterations in a row that kept the constraints and changed the objective hardly.
     calm: usize,
     begun: bool,
     ended: Ended,

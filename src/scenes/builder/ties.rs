@@ -134,6 +134,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 struct Tie<'n, S> {
     nodes: &'n [NodeId],
     carriers: Carriers<S>,
+    /// Outer edges that follow, and where their points lie on the carriers.
     edges: Vec<(TiedEdge<S>, Vec<EdgePoint>)>,
     /// Nodes of edges that do not follow.
     left_out: HashSet<NodeId>,

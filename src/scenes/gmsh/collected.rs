@@ -21,8 +21,10 @@ pub(super) struct Element {
 pub(super) struct Collected {
     /// Names of physical groups by dimension and number; those of version 2.0 have no dimension.
     pub names: HashMap<(Option<i32>, u32), String>,
+    /// Places of the points by the numbers of their nodes.
     points: HashMap<usize, usize>,
     face_numbers: HashSet<usize>,
+    /// Faces of physical surfaces, by the number of these.
     groups: BTreeMap<u32, BTreeSet<usize>>,
     /// Points of the elements of physical curves and points, by dimension and number of these.
     sets: BTreeMap<(i32, u32), Vec<Vec<usize>>>,
