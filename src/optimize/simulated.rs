@@ -171,11 +171,8 @@ impl<'o> Optimization<'o> {
 
 /// An error with the name of the scenario; what was interrupted stays that.
 fn in_case(case: &Case, error: RunError) -> RunError {
-    match error {
-        RunError::Interrupted { .. } => error,
-        _ if case.name.is_empty() => error,
-        error => RunError::Input(case.told(error.to_string())),
-    }
+    let stays = case.name.is_empty() || matches!(error, RunError::Interrupted { .. });
+    if stays { error } else { RunError::Input(case.told(error.to_string())) }
 }
 
 impl Simulated<'_> {

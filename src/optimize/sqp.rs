@@ -3,6 +3,7 @@
 
 use super::curvature::Curvature;
 use super::escape::Escape;
+use super::program::unless_failed;
 use super::quadratic::{NoStep, QuadraticProgram, Step, columns};
 use super::subproblem::Subproblem;
 use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
@@ -297,19 +298,12 @@ impl State {
 
     /// Tries a point: it is taken if its merit is at most `limit` and it has gradients.
     fn taken(&self, evaluations: &mut Evaluations, x: Vec<f64>, limit: f64) -> Result<TrialResult, NoValue> {
-        let values = match evaluations.values(&x) {
-            Ok(values) => values,
-            Err(NoValue::Failed) => return Ok(TrialResult::Failed),
-            Err(stop) => return Err(stop),
-        };
+        let Some(values) = unless_failed(evaluations.values(&x))? else { return Ok(TrialResult::Failed) };
         if !(self.merit(evaluations, &values) <= limit) {
             return Ok(TrialResult::Worse(values));
         }
-        match evaluations.gradients(&x) {
-            Ok(gradients) => Ok(TrialResult::Taken(values, gradients, x)),
-            Err(NoValue::Failed) => Ok(TrialResult::Failed),
-            Err(stop) => Err(stop),
-        }
+        let gradients = unless_failed(evaluations.gradients(&x))?;
+        Ok(gradients.map_or(TrialResult::Failed, |gradients| TrialResult::Taken(values, gradients, x)))
     }
 
     /// Learns what a step says about the curvature of the Lagrangian.
