@@ -145,13 +145,11 @@ impl<'k> Entry<'k> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
         let value = formula.value(known);
         let range = *range;
-        match value.components().iter().map(|own| own.value()).find(|own| !(own.is_finite() && range.holds(*own))) {
-            None => Ok(value),
-            Some(own) => {
-                let (own, wanted) = (shortest(own), if range == Range::Any { "finite" } else { range.words() });
-                Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
-            }
-        }
+        let is_wrong = |own: &f64| !(own.is_finite() && range.holds(*own));
+        value.components().iter().map(|own| own.value()).find(is_wrong).map_or(Ok(value), |own| {
+            let (own, wanted) = (shortest(own), if range == Range::Any { "finite" } else { range.words() });
+            Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
+        })
     }
 
     pub fn number(&self, key: &str) -> Result<Recorded> {

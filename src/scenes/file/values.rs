@@ -290,14 +290,10 @@ impl Reader {
     }
 
     fn fixed(&mut self, raw: &Raw, what: &str, range: Range) -> Option<f64> {
-        let formula = self.formula(raw, what, Some(range))?;
-        match formula.constant_number() {
-            Some(value) => Some(value),
-            None => {
-                let text = format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words());
-                self.refuse(raw.at, text)
-            }
-        }
+        self.formula(raw, what, Some(range))?.constant_number().or_else(|| {
+            let text = format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words());
+            self.refuse(raw.at, text)
+        })
     }
 
     fn count(&mut self, raw: &Raw, what: &str, [least, most]: [usize; 2]) -> Option<usize> {

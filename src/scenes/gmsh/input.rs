@@ -94,15 +94,12 @@ impl<'b> Input<'b> {
         self.skip_blanks();
         let (at, line) = (self.at, self.line);
         let word = self.word(what)?;
-        let own = word.parse().ok().filter(is_right);
-        if own.is_none() {
+        let Some(own) = word.parse().ok().filter(is_right) else {
             // the place of the word, not of what follows
             (self.at, self.line) = (at, line);
-        }
-        match own {
-            Some(own) => Ok(own),
-            None => self.wrong(format!("{what} must be {wanted}; it is \"{}\"", shown(word))),
-        }
+            return self.wrong(format!("{what} must be {wanted}; it is \"{}\"", shown(word)));
+        };
+        Ok(own)
     }
     fn raw<const N: usize>(&mut self, what: &str) -> Result<[u8; N]> {
         match self.bytes[self.at..].first_chunk::<N>() {
@@ -123,10 +120,7 @@ impl<'b> Input<'b> {
             true => u64::from_le_bytes(self.raw(what)?),
             false => self.parsed(what, "a whole number, at least 0", |_| true)?,
         };
-        match usize::try_from(own) {
-            Ok(own) => Ok(own),
-            Err(_) => self.wrong(format!("{what} is {own}, which is too large for this machine")),
-        }
+        usize::try_from(own).or_else(|_| self.wrong(format!("{what} is {own}, which is too large for this machine")))
     }
     /// The number of a node or an element.
     pub fn number(&mut self, what: &str) -> Result<usize> {

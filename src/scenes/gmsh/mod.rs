@@ -118,13 +118,11 @@ impl Reader<'_> {
         if is_empty {
             return Err(Wrong { place: None, what: "the file is empty".into() });
         }
-        match ["Nodes", "Elements"].into_iter().find(|own| !done.contains(own)) {
-            None => Ok(()),
-            Some(section) => {
-                let what = format!("the section ${section} is missing: the file is cut off, or nothing was meshed");
-                Err(Wrong { place: None, what })
-            }
-        }
+        let missing = ["Nodes", "Elements"].into_iter().find(|own| !done.contains(own));
+        missing.map_or(Ok(()), |section| {
+            let what = format!("the section ${section} is missing: the file is cut off, or nothing was meshed");
+            Err(Wrong { place: None, what })
+        })
     }
 
     /// Reads a section, whose header stands at a place.

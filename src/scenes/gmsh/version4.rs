@@ -30,10 +30,8 @@ impl Reader<'_> {
                 }
                 let of_groups = self.input.size("the number of physical groups")?;
                 self.input.check_count(of_groups, "physical groups", [2, 4])?;
-                let mut groups = Vec::new();
-                for _ in 0..of_groups {
-                    groups.push(self.input.int("the number of a physical group")?);
-                }
+                let groups = (0..of_groups).map(|_| self.input.int("the number of a physical group"));
+                let groups = groups.collect::<Result<_>>()?;
                 if dimension > 0 {
                     let parts = self.input.size("the number of bounding entities")?;
                     self.input.check_count(parts, "bounding entities", [2, 4])?;
@@ -172,13 +170,10 @@ impl Reader<'_> {
 
     fn groups_of(&self, entity: (i32, i32), block: FilePlace) -> Result<Groups> {
         let Some(entities) = &self.entities else { return Ok(Vec::new()) };
-        match entities.get(&entity) {
-            Some(groups) => Ok(groups.clone()),
-            None => {
-                let what = format!("there is no {} in $Entities", self.called(entity));
-                Err(Wrong { place: Some(block), what })
-            }
-        }
+        entities.get(&entity).cloned().ok_or_else(|| {
+            let what = format!("there is no {} in $Entities", self.called(entity));
+            Wrong { place: Some(block), what }
+        })
     }
 
     fn is_turned(&self, groups: &Groups, entity: (i32, i32), block: FilePlace) -> Result<bool> {
