@@ -62,18 +62,16 @@ const MOST_ITERATIONS: usize = 1_000_000;
 const MOST_STARTS: usize = 10_000;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
-    match text.split_once(':') {
-        None if text == "adjoint" => return Ok(GradientBy::Adjoint),
-        None if text == "complex-step" => return Ok(GradientBy::ComplexStep),
-        None if text == "difference" => return Ok(GradientBy::Difference { share: DEFAULT_SHARE }),
-        Some(("difference", size)) => {
-            if let Ok(share) = share(size) {
-                return Ok(GradientBy::Difference { share });
-            }
-        }
-        _ => {}
-    }
-    Err("it must be adjoint, complex-step, difference, or difference:SHARE with a number between 0 and 1, as in difference:0.01".into())
+    let by_difference = |share| GradientBy::Difference { share };
+    let by = match text {
+        "adjoint" => Some(GradientBy::Adjoint),
+        "complex-step" => Some(GradientBy::ComplexStep),
+        "difference" => Some(by_difference(DEFAULT_SHARE)),
+        _ => text.strip_prefix("difference:").and_then(|size| share(size).ok()).map(by_difference),
+    };
+    by.ok_or_else(|| {
+        "it must be adjoint, complex-step, difference, or difference:SHARE with a number between 0 and 1, as in difference:0.01".into()
+    })
 }
 
 fn share(text: &str) -> Result<f64, String> {
