@@ -144,10 +144,9 @@ impl<'k> Entry<'k> {
     ) -> Result<Quantity<Recorded>> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
         let value = formula.value(known);
-        let range = *range;
         let is_wrong = |own: &f64| !(own.is_finite() && range.holds(*own));
         value.components().iter().map(|own| own.value()).find(is_wrong).map_or(Ok(value), |own| {
-            let (own, wanted) = (shortest(own), if range == Range::Any { "finite" } else { range.words() });
+            let (own, wanted) = (shortest(own), if *range == Range::Any { "finite" } else { range.words() });
             Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
         })
     }
