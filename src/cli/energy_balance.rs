@@ -9,7 +9,7 @@ use costate::scenes::Prepared;
 use serde_json::{Value, json};
 
 /// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.
-pub struct Ledger {
+pub struct BalanceFunctionals {
     functionals: Vec<Functional>,
     /// Parameters of the model, and behind them those of loads, which a power does not read.
     p: Vec<f64>,
@@ -54,7 +54,7 @@ impl EnergyBalance {
     }
 }
 
-impl Ledger {
+impl BalanceFunctionals {
     /// Of a scene; `None` where nothing moves or all is conservative.
     pub fn new(prepared: &Prepared) -> Option<Self> {
         let model = prepared.model();
@@ -75,13 +75,13 @@ impl Ledger {
                 functionals.push(work(&attached.name, measured));
             }
         }
-        Some(Ledger { functionals, p })
+        Some(BalanceFunctionals { functionals, p })
     }
 
     /// What sees the run.
-    pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> Course<'l> {
+    pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> RunningBalance<'l> {
         let values = Values::new(&self.functionals, prepared.model(), &prepared.method.table, &self.p);
-        Course {
+        RunningBalance {
             values,
             works: vec![0.0; self.functionals.len()],
             exchanged: 0.0,
@@ -96,7 +96,7 @@ impl Ledger {
 }
 
 /// The balance while a run goes on.
-pub struct Course<'l> {
+pub struct RunningBalance<'l> {
     values: Values<'l, f64>,
     /// Each work so far.
     works: Vec<f64>,
@@ -122,7 +122,7 @@ struct EnergyRange {
     potential: [f64; 2],
 }
 
-impl Course<'_> {
+impl RunningBalance<'_> {
     fn energy_of(&self, sample: &Sample<f64>) -> f64 {
         self.energy.value(self.model, sample, self.p)
     }

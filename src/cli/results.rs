@@ -40,6 +40,7 @@ pub struct Results<'p> {
     columns: ArrowFile,
     meshes: Option<Meshes<'p>>,
     measured: MeasuredMoments<'p>,
+    /// Places of the columns that are written among those that are measured.
     written: Vec<usize>,
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,

@@ -457,8 +457,7 @@ fn slope(node: &NodePoint, q: &[f64]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::flexible::Shape;
-    use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
+    use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section, Shape};
     use crate::scalar::{Quaternion, SpatialVector, Vector3};
     use crate::scenes::{BeamLine, CableLine, ShellMesh};
 

@@ -22,6 +22,7 @@ pub(super) struct Carriers<S> {
     /// Nodes of each face with their places.
     faces: Vec<Vec<(NodeId, Vector3<S>)>>,
     shells: Vec<String>,
+    /// Place of its shell among `shells`, for each face.
     shell_of: Vec<usize>,
 }
 

@@ -56,8 +56,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Each wall keeps the directors of its own normals, in the frame of the common nodes: turning one about the normal of a wall, which the
     /// penalty against drilling holds, bends the other.
     #[must_use]
-    pub fn joined<M: SurfaceMesh<S>>(&self, mesh: M, shells: &[&impl AsRef<MeshedShell>]) -> M {
-        let shells: Vec<&MeshedShell> = shells.iter().map(|shell| shell.as_ref()).collect();
+    pub fn joined<M: SurfaceMesh<S>>(&self, mesh: M, shells: &[&MeshedShell]) -> M {
         let each: Vec<Vec<&MeshedShell>> = shells.iter().map(|shell| vec![*shell]).collect();
         self.joined_to_each(mesh, &each)
     }

@@ -30,9 +30,11 @@ pub struct MeshedShell {
     pub nodes: Vec<NodeId>,
     /// In the order of the faces.
     pub elements: Vec<ElementId>,
+    /// Of each element its kind and its nodes.
     faces: Vec<(ShellKind, Vec<NodeId>)>,
     /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\].
     layers: Vec<Option<[f64; 2]>>,
+    /// Node at each point of the mesh, if a face has it.
     of_point: Vec<Option<NodeId>>,
     groups: Vec<(String, Vec<usize>)>,
     node_sets: Vec<(String, Vec<usize>)>,
@@ -105,18 +107,6 @@ impl Deref for ShellMember {
     type Target = MeshedShell;
     fn deref(&self) -> &MeshedShell {
         &self.shell
-    }
-}
-
-impl AsRef<MeshedShell> for ShellMember {
-    fn as_ref(&self) -> &MeshedShell {
-        &self.shell
-    }
-}
-
-impl AsRef<MeshedShell> for MeshedShell {
-    fn as_ref(&self) -> &MeshedShell {
-        self
     }
 }
 

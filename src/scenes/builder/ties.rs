@@ -29,22 +29,14 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Nodes of the edge that never move, that belong to the faces or that, at its ends, are tied already do not follow. Every node must lie on a
     /// face, to a millionth of the diagonal of all of them; see [`tie_within`](Self::tie_within).
-    pub fn tie<M: AsRef<MeshedShell>>(&mut self, name: &str, nodes: &[NodeId], to: &[&M]) -> Vec<ConstraintId> {
-        let shells: Vec<&MeshedShell> = to.iter().map(|shell| (*shell).as_ref()).collect();
-        self.tie_to(name, nodes, &shells, None)
+    pub fn tie(&mut self, name: &str, nodes: &[NodeId], to: &[&MeshedShell]) -> Vec<ConstraintId> {
+        self.tie_to(name, nodes, to, None)
     }
 
     /// The same for nodes that lie up to so far \[m\] from the faces, as those of curved surfaces and of walls at a distance do: they keep the distance,
     /// which turns with the faces.
-    pub fn tie_within<M: AsRef<MeshedShell>>(
-        &mut self,
-        name: &str,
-        nodes: &[NodeId],
-        to: &[&M],
-        within: f64,
-    ) -> Vec<ConstraintId> {
-        let shells: Vec<&MeshedShell> = to.iter().map(|shell| (*shell).as_ref()).collect();
-        self.tie_to(name, nodes, &shells, Some(within))
+    pub fn tie_within(&mut self, name: &str, nodes: &[NodeId], to: &[&MeshedShell], within: f64) -> Vec<ConstraintId> {
+        self.tie_to(name, nodes, to, Some(within))
     }
 
     pub(crate) fn tie_to(
@@ -142,6 +134,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 struct Tie<'n, S> {
     nodes: &'n [NodeId],
     carriers: Carriers<S>,
+    /// Outer edges that follow, and where their points lie on the carriers.
     edges: Vec<(TiedEdge<S>, Vec<EdgePoint>)>,
     /// Nodes of edges that do not follow.
     left_out: HashSet<NodeId>,
