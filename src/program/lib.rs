@@ -26,6 +26,7 @@ mod running;
 mod switch_times;
 mod switches;
 mod table_arguments;
+pub mod tolerances;
 mod undefined;
 
 pub use arguments::ArgumentKind;
