@@ -70,7 +70,7 @@ impl HeldRoundings {
     pub fn step(&mut self, table: &Table, h: f64, begins_anew: bool) -> [f64; 3] {
         let (carried, stages) = (table.carried.len(), table.stages.len());
         self.covariance.resize(carried, vec![0.0; carried]);
-        // what the carried vectors and the places of the stages, each 1 by itself, make of carried vectors and accelerations
+        // what each carried vector and each place of a stage, 1 by itself, makes of carried vectors and accelerations
         let mut made = Vec::with_capacity(carried + stages);
         for place in 0..carried + stages {
             let mut vectors: Vec<f64> = (0..carried).map(|other| f64::from(u8::from(other == place))).collect();
@@ -78,20 +78,16 @@ impl HeldRoundings {
                 table.restart(&mut vectors);
             }
             let x = table.held_step(h, &mut vectors, place.checked_sub(carried));
-            made.push((vectors, x));
+            made.push([vectors, x].concat());
         }
-        let (old, stages) = (std::mem::take(&mut self.covariance), &made[carried..]);
-        let covariance = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64, with: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64| {
-            let handed_on = made
-                .iter()
-                .zip(&old)
-                .map(|(i, row)| of(i) * row.iter().zip(&made).map(|(covariance, j)| covariance * with(j)).sum::<f64>());
-            handed_on.sum::<f64>() + stages.iter().map(|own| of(own) * with(own)).sum::<f64>()
+        let old = std::mem::take(&mut self.covariance);
+        let covariance = |i: usize, j: usize| {
+            let of_row = |row: &[f64]| row.iter().zip(&made).map(|(covariance, own)| covariance * own[j]).sum::<f64>();
+            let handed_on: f64 = made.iter().zip(&old).map(|(own, row)| own[i] * of_row(row)).sum();
+            handed_on + made[carried..].iter().map(|own| own[i] * own[j]).sum::<f64>()
         };
-        let of_end = |i: usize| (0..carried).map(|j| covariance(&|own| own.0[i], &|own| own.0[j])).collect();
-        self.covariance = (0..carried).map(of_end).collect();
-        let acceleration =
-            (0..stages.len()).map(|i| covariance(&|own| own.1[i], &|own| own.1[i]).sqrt()).fold(0.0, f64::max);
+        self.covariance = (0..carried).map(|i| (0..carried).map(|j| covariance(i, j)).collect()).collect();
+        let acceleration = (carried..carried + stages).map(|i| covariance(i, i).sqrt()).fold(0.0, f64::max);
         [self.covariance[0][0].sqrt(), self.covariance[1][1].sqrt(), acceleration]
     }
 }
