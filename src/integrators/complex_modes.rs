@@ -16,12 +16,12 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::RunError;
 use super::amplitudes::{self, Amplitudes, Pencil};
 use super::krylov::{Space, WholeBasis, ZERO, add, all_pairs, dot, in_order, largest_pairs};
 use super::mode_vectors::{LEFT, improved};
-use super::vibrations::{Mode, Modes, NOISE, Operator, RestingProblem};
+use super::vibrations::{Mode, Modes, Operator, RestingProblem};
 use super::whole_basis::Motions;
+use super::{RunError, Stop};
 use crate::assembly::{Equations, Jacobian, Level, StageCoefficients};
 use crate::linalg::Eigenpair;
 use crate::scalar::Complex64;
@@ -30,6 +30,8 @@ use nalgebra::{DMatrix, SVD};
 const MOST_SHIFTS: usize = 12;
 /// The first shift, as a share of the root of the largest ratio of stiffness and inertia: below most modes, which one far above would not tell apart.
 const FIRST_SHIFT: f64 = 1e-7;
+/// Up to how much of it the first one grows where so little inertia is round-off of the stiffness, which leaves rigid motions undetermined.
+const MOST_FIRST: f64 = 1e3;
 /// By how much it grows where rigid motions hide all others.
 const GROWTH: f64 = 30.0;
 /// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
@@ -109,8 +111,14 @@ pub(crate) fn complex_modes(resting: RestingProblem, count: usize) -> Result<Mod
         return Ok(Modes { list: Vec::new(), proved: true });
     }
     let largest = operator.largest_ratio();
-    let first = if largest > 0.0 { FIRST_SHIFT * largest.sqrt() } else { 1.0 };
-    operator.set_shift([first * first, first])?;
+    let mut first = if largest > 0.0 { FIRST_SHIFT * largest.sqrt() } else { 1.0 };
+    let most = MOST_FIRST * first;
+    while let Err(why) = operator.set_shift([first * first, first]) {
+        if !why.is(&[Stop::Singular]) || first > most {
+            return Err(why);
+        }
+        first *= GROWTH;
+    }
     let damping = operator.assembled(&Equations::stage(StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity));
     let motions = operator.motions(Some(&damping), 2);
     let stiffness = operator.stiffness();
@@ -245,7 +253,7 @@ impl Search<'_> {
         let (size, nodes) = (place(pair, shift).abs(), self.operator.nodes);
         let x = pair.vector.each_ref().map(|part| part[..nodes].to_vec());
         let of = |matrix: &Jacobian| self.operator.along(matrix, &x);
-        let round_off = NOISE * of(&self.stiffness)[1];
+        let round_off = self.operator.round_off(&self.stiffness, &x);
         let is_round_off = size * size * of(&self.operator.mass)[0] <= round_off && size * of(&self.damping)[0] <= round_off;
         size * size <= ZERO * shift * shift || is_round_off
     }

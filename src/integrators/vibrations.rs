@@ -219,6 +219,8 @@ pub(super) struct Operator<'m> {
     pub reactions: Unknowns<f64>,
     t: f64,
     is_symmetric: bool,
+    /// What [`Operator::largest_ratio`] found.
+    largest_ratio: f64,
 }
 
 impl Space for Operator<'_> {
@@ -261,7 +263,7 @@ impl<'m> Operator<'m> {
         let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());
         let base = VectorsAvq { q: problem.start.q.clone(), ..VectorsAvq::zeros(problem.model.dofs) };
         let (mass, reactions) = (Jacobian::default(), Unknowns::default());
-        Ok(Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false })
+        Ok(Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false, largest_ratio: 0.0 })
     }
 
     /// Where states of first order have come to rest, too.
@@ -274,17 +276,19 @@ impl<'m> Operator<'m> {
         Ok(operator)
     }
 
-    /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2.
+    /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2. One with stiffness alone, as the angle of a joint, moves
+    /// what constraints tie to it: at least the smallest inertia.
     pub fn largest_ratio(&mut self) -> f64 {
         self.reactions = self.newton.reactions_at_release(&self.base, &self.problem.p, self.t);
         self.assemble_mass();
         let stiffness = self.stiffness();
         let system = &self.newton.system;
-        let diagonal = (0..self.nodes).filter_map(|i| system.pattern.position(i, i));
-        diagonal.fold(0.0, |largest: f64, place| {
-            let (stiffness, mass) = (stiffness.values[place].abs(), self.mass.values[place]);
-            if mass > 0.0 { largest.max(stiffness / mass) } else { largest }
-        })
+        let places = (0..self.nodes).filter_map(|i| system.pattern.position(i, i));
+        let pairs: Vec<[f64; 2]> = places.map(|place| [stiffness.values[place].abs(), self.mass.values[place]]).collect();
+        let smallest = pairs.iter().filter(|own| own[1] > 0.0).fold(f64::INFINITY, |least, own| least.min(own[1]));
+        let ratio = |[stiffness, mass]: &[f64; 2]| stiffness / if *mass > 0.0 { *mass } else { smallest };
+        self.largest_ratio = pairs.iter().map(ratio).fold(0.0, f64::max);
+        self.largest_ratio
     }
 
     /// K with the reactions that are known, and the constraints.
@@ -425,10 +429,16 @@ impl<'m> Operator<'m> {
         [sums[0].hypot(sums[1]), sums[2]]
     }
 
-    /// Whether a mode is a rigid motion but for the round-off of its stiffness.
+    /// Whether a mode is a rigid motion but for round-off.
     pub fn is_rigid(&self, stiffness: &Jacobian, vector: &[Vec<f64>; 2]) -> bool {
-        let [own, terms] = self.along(stiffness, vector);
-        own <= NOISE * terms
+        self.along(stiffness, vector)[0] <= self.round_off(stiffness, vector)
+    }
+
+    /// What of x^H K x is round-off of its terms, or of its coordinates: the angle of a joint, which has a stiffness of its own, is one of rounded
+    /// bodies.
+    pub fn round_off(&self, stiffness: &Jacobian, vector: &[Vec<f64>; 2]) -> f64 {
+        let of_coordinates = NOISE * self.largest_ratio * self.along(&self.mass, vector)[0];
+        NOISE * self.along(stiffness, vector)[1].max(of_coordinates)
     }
 
     pub fn times_mass(&self, x: &[f64]) -> Vec<f64> {

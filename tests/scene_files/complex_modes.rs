@@ -220,3 +220,42 @@ fn a_start_that_is_no_equilibrium_is_told_as_that() {
         assert!(why.contains("need an equilibrium") && !why.contains("redundant"), "{why}");
     }
 }
+
+/// Stiffness of the angle of a joint alone: rigid motions leave that angle but for round-off, which no other term of the stiffness is measured by. Two
+/// bodies that turn about the axis through both mass centres: omega^2 = k (1/I_1 + 1/I_2).
+#[test]
+fn free_bodies_are_held_together_by_the_angle_of_their_joint() {
+    let text = |damping: f64, unit: f64| {
+        let [inertia, other, k] = [0.3, 0.7, 5.0].map(|own| own * unit * unit);
+        format!(
+            r#"
+version = 1
+settings = {{ end = 1, steps = 10 }}
+body = [
+    {{ name = "a", position = [0, 0, {unit}], mass = 2, inertia = [{other}, {other}, {inertia}] }},
+    {{ name = "b", mass = 3, inertia = [{other}, {other}, {other}] }},
+]
+joint = [{{ name = "hinge", type = "revolute", between = ["a", "b"], point = [0, 0, 0], axis = [0, 0, 1] }}]
+joint_angle = [{{ name = "angle", between = ["a", "b"], axis = [0, 0, 1] }}]
+element = [{{ name = "spring", nodes = {{ angle = "angle" }}, force = {{ angle = "-{k} * angle.value - {damping} * angle.rate" }} }}]
+functional = [{{ name = "angle", type = "joint_angle", between = ["a", "b"], axis = [0, 0, 1], over = "terminal" }}]
+"#
+        )
+    };
+    let omega = (5.0_f64 * (1.0 / 0.3 + 1.0 / 0.7)).sqrt();
+    for unit in [1e-3, 1.0, 1e3] {
+        for count in [1, 6, 7, 9] {
+            let scene = parsed(&text(0.0, unit));
+            let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+            let undamped = prepared.modes(count).unwrap_or_else(|why| panic!("{unit} {count}: {why}"));
+            for own in [undamped, modes(&text(0.0, unit), count)] {
+                assert_eq!(own.len(), count.min(7), "{unit} {count}");
+                assert!(own.iter().take(6).all(|mode| mode.frequency == 0.0), "{unit} {count}: {own:?}");
+                assert!(
+                    own.iter().skip(6).all(|mode| (mode.frequency - omega).abs() < 1e-9 * omega),
+                    "{unit} {count}: {own:?}"
+                );
+            }
+        }
+    }
+}
