@@ -354,12 +354,21 @@ impl ElementPhysics {
         let own = &at_rest.own.0;
         Self::of(Arc::clone(&own.own), Some(at_rest.clone()), [&own.parameters[..], &further].concat())
     }
-    /// A formula, recorded when it is first asked for.
+    /// A formula, recorded when it is first asked for: all have the sides of the residual's switches among their arguments.
     pub(super) fn recorded(&self, what: ElementFormula) -> &Recording {
         self.0.formulas[what as usize].get_or_init(|| match &self.0.at_rest {
-            None => what.record(&*self.0.own),
             Some(own) => own.record(what),
+            None if what == ElementFormula::Residual => what.record(&*self.0.own)?.with_sides(),
+            None => what.record(&*self.0.own)?.with_sides_unread(self.sides()),
         })
+    }
+
+    /// Number of switches of its residual whose sides are told from outside, as numbers behind its parameters.
+    pub(crate) fn sides(&self) -> usize {
+        match &self.0.at_rest {
+            Some(at_rest) => at_rest.own.sides(),
+            None => self.recorded(ElementFormula::Residual).as_ref().map_or(0, |residual| residual.sides()),
+        }
     }
 
     /// Path of its type.
@@ -382,9 +391,9 @@ impl ElementPhysics {
     pub fn dof_count(&self) -> usize {
         self.0.dofs
     }
-    /// Number of parameters.
+    /// Number of parameters, and of sides of switches behind them.
     pub fn parameter_count(&self) -> usize {
-        self.0.parameters.len()
+        self.0.parameters.len() + self.sides()
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
@@ -470,7 +479,7 @@ impl ElementPhysics {
     }
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
-        let place = 3 * self.0.dofs + self.0.parameters.len();
+        let place = 3 * self.0.dofs + self.parameter_count();
         let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])

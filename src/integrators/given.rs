@@ -52,9 +52,20 @@ pub fn march_dividing(
     plan: &StartPlan,
     recorder: &mut dyn Observer<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
+    march_given(problem, method, (steps, MOST_HALVINGS), plan, recorder)
+}
+
+/// The same with so many halvings.
+pub(crate) fn march_given(
+    problem: &Problem<f64>,
+    method: &Method,
+    (steps, halvings): (&TimeGrid, usize),
+    plan: &StartPlan,
+    recorder: &mut dyn Observer<f64>,
+) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
     let interval = RunInterval::new(steps, &mut grid, WHOLE);
-    let selection = Given { steps: None, halvings: MOST_HALVINGS };
+    let selection = Given { steps: None, halvings };
     let run = time_loop(problem, method, RunStart { plan, clocks: None, guided: None }, (selection, interval), recorder);
     (grid, run)
 }

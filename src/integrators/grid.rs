@@ -1,3 +1,4 @@
+use super::SideChange;
 use crate::assembly::Clock;
 use crate::design::shortest;
 use crate::elements::RunScalar;
@@ -29,6 +30,8 @@ pub struct TimeGrid {
     pub times: Vec<f64>,
     /// Indices into `times` of breakpoints, each with the numbers of all that lie there, in the order in which they were given.
     pub breakpoints: BTreeMap<usize, Vec<usize>>,
+    /// Indices into `times` of events within the run, with the sides that change there.
+    pub events: BTreeMap<usize, Vec<SideChange>>,
     /// How many equal steps were asked for; 0 where steps were chosen.
     pub(super) asked: usize,
 }
@@ -63,7 +66,7 @@ impl TimeGrid {
 
     /// Steps to be laid from a time on, for so many equal ones; 0 for steps to be chosen.
     pub(super) fn begin(t: f64, asked: usize) -> Self {
-        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), asked }
+        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), events: BTreeMap::new(), asked }
     }
 
     fn boundaries(&self) -> impl Iterator<Item = usize> {
@@ -73,6 +76,9 @@ impl TimeGrid {
     /// The same steps where breakpoints lie at other times: those of each stretch keep their relative places. Where breakpoints come in another
     /// order, or others lie within the run, steps are laid anew.
     pub(crate) fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
+        if !self.events.is_empty() {
+            return self.without_events().moved_to(breakpoints);
+        }
         let end = self.times[self.steps()];
         let groups = grouped(breakpoints, end, SAME_TIME * end / self.asked.max(1) as f64);
         if !groups.iter().map(|(_, numbers)| numbers).eq(self.breakpoints.values()) {
@@ -100,6 +106,20 @@ impl TimeGrid {
         Ok(moved)
     }
 
+    /// The steps as they were laid, without the ends at events, which each run finds anew.
+    fn without_events(&self) -> Self {
+        let places = (0..self.times.len()).filter(|place| !self.events.contains_key(place));
+        let times = places.map(|place| self.times[place]).collect();
+        let before = |place: usize| self.events.range(..place).count();
+        let breakpoints = self.breakpoints.iter().map(|(&place, numbers)| (place - before(place), numbers.clone()));
+        TimeGrid { times, breakpoints: breakpoints.collect(), events: BTreeMap::new(), asked: self.asked }
+    }
+
+    /// Whether a step that starts at an end of a step does not go on from those before.
+    pub(super) fn is_interrupted(&self, place: usize) -> bool {
+        self.breakpoints.contains_key(&place) || self.events.contains_key(&place)
+    }
+
     /// Whether another grid was laid for the same run.
     pub(crate) fn is_of_same_run(&self, other: &TimeGrid) -> bool {
         (self.asked, self.times[self.steps()]) == (other.asked, other.times[other.steps()])
@@ -109,7 +129,7 @@ impl TimeGrid {
         let mut times = vec![self.times[0]];
         times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));
         let breakpoints = self.breakpoints.iter().map(|(index, numbers)| (2 * index, numbers.clone())).collect();
-        TimeGrid { times, breakpoints, asked: 2 * self.asked }
+        TimeGrid { times, breakpoints, events: BTreeMap::new(), asked: 2 * self.asked }
     }
 
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.

@@ -1,4 +1,7 @@
-use super::{Scheme, StepSizeState, Table, TimeGrid};
+use super::{Scheme, SideChange, StepSizeState, Table, TimeGrid};
+
+/// Share of a step below which what an event leaves of it is made with the next one.
+const LEFT_OUT: f64 = 0.3;
 
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct RunInterval<'c> {
@@ -28,8 +31,21 @@ impl<'c> RunInterval<'c> {
         self.stretches.times[self.stretches.steps()] - self.stretches.times[0]
     }
 
+    /// Whether earlier steps do not foretell the next one.
     pub fn at_breakpoint(&self) -> bool {
-        self.grid.breakpoints.contains_key(&self.grid.steps())
+        self.grid.is_interrupted(self.grid.steps())
+    }
+
+    /// The breakpoint, or the end of the run, up to which steps may be moved.
+    pub fn next_breakpoint(&self) -> f64 {
+        let stretches = self.stretches;
+        let place = stretches.breakpoints.range(self.target..).next().map_or(stretches.steps(), |(&place, _)| place);
+        stretches.times[place]
+    }
+
+    /// Sides that change at the end of the next step, in a run that is made again.
+    pub fn changes_next(&self) -> Option<&[SideChange]> {
+        self.stretches.events.get(&self.target).map(Vec::as_slice)
     }
 
     /// A step of about the size `h`: start and end as elements see them, and its end.
@@ -50,11 +66,39 @@ impl<'c> RunInterval<'c> {
 
     /// Which scheme of a table makes a step of about the size `h`.
     pub fn scheme(&mut self, table: &Table, h: f64) -> Scheme {
-        let (index, (_, reached)) = (self.grid.steps(), self.span(h));
+        self.scheme_to(table, self.span(h).1)
+    }
+
+    /// Which makes a step to an end.
+    pub fn scheme_to(&mut self, table: &Table, reached: f64) -> Scheme {
+        let index = self.grid.steps();
         self.grid.times.push(reached);
         let scheme = table.scheme_at(self.grid, index);
         self.grid.times.pop();
         scheme
+    }
+
+    /// Takes a step, at whose end sides may change. Of steps that are laid, one that would then be much shorter than it was is left out.
+    pub fn advance_over(&mut self, end: f64, changes: Vec<SideChange>) {
+        if changes.is_empty() || end >= self.next_breakpoint() || self.stretches.events.contains_key(&self.target) {
+            self.advance(end);
+        } else {
+            self.grid.times.push(end);
+            self.leave_out(end);
+        }
+        if !changes.is_empty() {
+            self.grid.events.insert(self.grid.steps(), changes);
+        }
+    }
+
+    fn leave_out(&mut self, end: f64) {
+        while self.stretches.times[self.target] < self.next_breakpoint() {
+            let [before, target] = [0, 1].map(|next| self.stretches.times[self.target - 1 + next]);
+            if target - end > LEFT_OUT * (target - before) {
+                break;
+            }
+            self.target += 1;
+        }
     }
 
     pub fn advance(&mut self, end: f64) {

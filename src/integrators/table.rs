@@ -154,7 +154,7 @@ impl Table {
         let own = size(index);
         let usable = |back: usize| {
             let point = index + 1 - back;
-            !grid.breakpoints.contains_key(&point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
+            !grid.is_interrupted(point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
         };
         if index >= starter.steps && (1..=starter.steps).all(usable) { Scheme::Main } else { Scheme::Starter }
     }
