@@ -52,6 +52,7 @@ pub mod scalar {
 
 #[doc(hidden)]
 pub use costate_program as program;
+use costate_program::tolerances;
 
 #[doc(hidden)]
 pub mod design;

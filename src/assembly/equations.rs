@@ -1,5 +1,6 @@
 use super::Variational;
 use crate::scalar::Scalar;
+use crate::tolerances;
 
 /// Root of the smallest number that keeps all its digits: the square of a smaller one underflows.
 const AT_REST: f64 = 1.5e-154;
@@ -23,7 +24,7 @@ impl StageCoefficients {
 
     /// Whether the coefficients are those of the other but for round-off: steps are differences of times.
     pub(crate) fn is_nearly(&self, other: &Self) -> bool {
-        let near = |a: f64, b: f64| (a - b).abs() <= 1e-13 * a.abs().max(b.abs());
+        let near = |a: f64, b: f64| (a - b).abs() <= 10.0 * tolerances::ROUND_OFF * a.abs().max(b.abs());
         near(self.gamma, other.gamma) && near(self.beta, other.beta) && near(self.alpha, other.alpha)
     }
 }

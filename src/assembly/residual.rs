@@ -10,8 +10,6 @@ use super::{Clock, Equations, StageSystem, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 
-/// Share of the largest force below which a stalled residual counts as round-off.
-const FORCE_FLOOR: f64 = 1e-10;
 /// How many times the effect of one rounding of the coordinates counts as round-off.
 const ROUNDINGS: f64 = 8.0;
 
@@ -287,7 +285,7 @@ impl<S: RunScalar> Residual<S> {
             real(own_p, &mut p[part.parameters.clone()].iter());
             scale = scale.max(largest(system.global_constraint(number).reaction_in((q, own_p, t), mu, work)));
         }
-        (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
+        (crate::tolerances::STALLED * scale).max(ROUNDINGS * noise)
     }
 
     /// The time as formulas see it.

@@ -31,16 +31,13 @@ impl Comparison {
         let place = self.scenarios.len();
         self.scenarios.push(name.into());
         for (functional, &value) in prepared.functionals().iter().zip(&simulation.forward.values) {
-            let row = match self.rows.iter().position(|row| row.name == functional.name) {
-                Some(row) => &mut self.rows[row],
-                None => {
-                    let (name, unit) = (functional.name.clone(), functional.value_unit().to_string());
-                    self.rows.push(Row { name, unit, values: Vec::new() });
-                    self.rows.last_mut().expect("just added")
-                }
-            };
-            row.values.resize(place, None);
-            row.values.push(Some(value));
+            let row = self.rows.iter().position(|row| row.name == functional.name).unwrap_or_else(|| {
+                let (name, unit) = (functional.name.clone(), functional.value_unit().to_string());
+                self.rows.push(Row { name, unit, values: Vec::new() });
+                self.rows.len() - 1
+            });
+            self.rows[row].values.resize(place, None);
+            self.rows[row].values.push(Some(value));
         }
         self.rows.iter_mut().for_each(|row| row.values.resize(place + 1, None));
         for chart in &simulation.measured.charts {

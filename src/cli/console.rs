@@ -40,24 +40,20 @@ pub fn print_argument_error(error: &clap::Error) {
 
 /// Prints the message with which the program ends.
 pub fn print_error(message: &str) {
-    if !is_first() {
-        return;
-    }
-    tell(&format!("error: {message}\n"));
-}
-
-/// Writes a line to stderr at once: what others write in the meantime, as `mpirun` does, is not in the middle of it.
-fn tell(line: &str) {
-    // nobody is left to tell if stderr is gone, too
-    let _ = io::stderr().write_all(line.as_bytes());
+    print_to_stderr(&format!("error: {message}\n"));
 }
 
 /// Prints what a user should know about results that stand.
 pub fn warn(message: &str) {
-    if !is_first() {
-        return;
+    print_to_stderr(&format!("warning: {message}\n"));
+}
+
+/// Writes a line to stderr at once: what others write in the meantime, as `mpirun` does, is not in the middle of it.
+fn print_to_stderr(line: &str) {
+    if is_first() {
+        // nobody is left to tell if stderr is gone, too
+        let _ = io::stderr().write_all(line.as_bytes());
     }
-    tell(&format!("warning: {message}\n"));
 }
 
 /// Prints the JSON object as the last line of stdout if it was asked for.

@@ -1,18 +1,15 @@
 //! The energy of a mechanism against the work of its loads, losses and drivers, by the integrator's own weights.
 
-use super::measured_moments::ENERGY_ROUNDING;
 use crate::io::number;
 use costate::assembly::{ConstraintId, Model, last_bit};
 use costate::functionals::{ElementSum, Functional, JointLoad, Measured, MeasuredGroup, Over, Sample, Values};
 use costate::integrators::{StartRecord, StepRecord};
+use costate::program::tolerances::{LONG_SUM, ROUND_OFF};
 use costate::scenes::Prepared;
 use serde_json::{Value, json};
 
-/// What Newton's method leaves of coordinates, as a share of the largest.
-const ROUND_OFF: f64 = 1e-14;
-
 /// What is measured for the balance of a scene in motion that is not conservative; those that are have a stricter check of their own.
-pub struct Ledger {
+pub struct BalanceFunctionals {
     functionals: Vec<Functional>,
     /// Parameters of the model, and behind them those of loads, which a power does not read.
     p: Vec<f64>,
@@ -57,7 +54,7 @@ impl EnergyBalance {
     }
 }
 
-impl Ledger {
+impl BalanceFunctionals {
     /// Of a scene; `None` where nothing moves or all is conservative.
     pub fn new(prepared: &Prepared) -> Option<Self> {
         let model = prepared.model();
@@ -78,13 +75,13 @@ impl Ledger {
                 functionals.push(work(&attached.name, measured));
             }
         }
-        Some(Ledger { functionals, p })
+        Some(BalanceFunctionals { functionals, p })
     }
 
     /// What sees the run.
-    pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> Course<'l> {
+    pub fn begin<'l>(&'l self, prepared: &'l Prepared) -> RunningBalance<'l> {
         let values = Values::new(&self.functionals, prepared.model(), &prepared.method.table, &self.p);
-        Course {
+        RunningBalance {
             values,
             works: vec![0.0; self.functionals.len()],
             exchanged: 0.0,
@@ -99,7 +96,7 @@ impl Ledger {
 }
 
 /// The balance while a run goes on.
-pub struct Course<'l> {
+pub struct RunningBalance<'l> {
     values: Values<'l, f64>,
     /// Each work so far.
     works: Vec<f64>,
@@ -125,7 +122,7 @@ struct EnergyRange {
     potential: [f64; 2],
 }
 
-impl Course<'_> {
+impl RunningBalance<'_> {
     fn energy_of(&self, sample: &Sample<f64>) -> f64 {
         self.energy.value(self.model, sample, self.p)
     }
@@ -181,7 +178,7 @@ impl Course<'_> {
     /// At the end of the last step; `None` of a run without steps.
     pub fn finish(self) -> Option<EnergyBalance> {
         let EnergyRange { start, end, kinetic, potential: [lowest, highest] } = self.range?;
-        let round_off = self.round_off().max(ENERGY_ROUNDING * self.held.max(start.abs()).max(end.abs()));
+        let round_off = self.round_off().max(LONG_SUM * self.held.max(start.abs()).max(end.abs()));
         let (works, ..) = self.values.finish();
         let (change, drivers) = (end - start, works[1..].iter().sum());
         let size = kinetic + (highest - lowest) + self.exchanged;

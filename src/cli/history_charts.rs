@@ -9,8 +9,9 @@ use costate::elements::Output;
 use costate::functionals::Measured;
 use costate::scenes::Prepared;
 
-/// A joint whose load is below this share of the largest, a moment being a force by the size of the mechanism, carries none.
-const NO_LOAD: f64 = 1e-9;
+/// Below this share of the largest load, a moment being a force by the size of the mechanism, a joint carries none; below this share of that size nothing
+/// moves: no chart shows nine digits.
+const NONE: f64 = 1e-9;
 const MOST_CURVES: usize = 7;
 
 /// Of many nodes those that say something by their name: what functionals measure, then what the scene made itself; all of them where
@@ -80,7 +81,7 @@ fn size_of(moments: &[Snapshot], places: &[&Node]) -> f64 {
 
 /// Those of nodes in space and of free coordinates.
 fn charts_of_places(columns: &Columns, prepared: &Prepared, moments: &[Snapshot], places: &[&Node]) -> Vec<Chart> {
-    let (model, mut charts) = (prepared.model(), Vec::new());
+    let (model, mut charts, size) = (prepared.model(), Vec::new(), size_of(moments, places));
     let all = places.len();
     let places = if all > MOST_CURVES { telling(prepared, places.to_vec()) } else { places.to_vec() };
     let label = |node: &Node| {
@@ -92,7 +93,7 @@ fn charts_of_places(columns: &Columns, prepared: &Prepared, moments: &[Snapshot]
         let named = places.iter().zip(&labels);
         let series: Vec<Series> =
             named.map(|(node, label)| curve(moments, label.clone(), |m| m.q[node.dofs.start + index])).collect();
-        if series.iter().any(|series| extent(series.points.iter().map(|point| point.1)) > 1e-9) {
+        if series.iter().any(|series| extent(series.points.iter().map(|point| point.1)) > NONE * size) {
             charts.push(panel(format!("{direction} [m]"), series, all));
         }
     }
@@ -111,13 +112,13 @@ fn charts_of_places(columns: &Columns, prepared: &Prepared, moments: &[Snapshot]
 /// A number of each moment.
 type Quantity<'c> = Box<dyn Fn(&Snapshot) -> f64 + 'c>;
 
-/// A panel of the largest of some quantities, in their order, without those below the least, or below [`NO_LOAD`] of the largest; none where
+/// A panel of the largest of some quantities, in their order, without those below the least, or below [`NONE`] of the largest; none where
 /// nothing is left.
 fn largest_of(moments: &[Snapshot], y_label: String, all: &[(String, Quantity)], least: Option<f64>) -> Option<Chart> {
     let peak = |own: &(String, Quantity)| moments.iter().fold(0.0, |most: f64, moment| most.max(own.1(moment).abs()));
     let mut peaks: Vec<(usize, f64)> = all.iter().map(peak).enumerate().collect();
     peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let least = least.unwrap_or(NO_LOAD * peaks.first()?.1);
+    let least = least.unwrap_or(NONE * peaks.first()?.1);
     peaks.retain(|own| own.1 > least);
     let count = peaks.len();
     peaks.truncate(MOST_CURVES);
@@ -156,7 +157,7 @@ fn charts_of_joints(moments: &[Snapshot], joints: &[&str], size: f64) -> Vec<Cha
     let loads = || moments.iter().flat_map(|moment| &moment.loads);
     let [force, moment] = [0, 1].map(|kind| loads().fold(0.0, |most: f64, own| most.max(own[kind])));
     // moments of a planar mechanism's hinges are what rounding leaves of its forces
-    let least = [force + moment / size, moment + force * size].map(|scale| NO_LOAD * scale);
+    let least = [force + moment / size, moment + force * size].map(|scale| NONE * scale);
     let chart = |(kind, y_label): (usize, &str)| {
         let own = |(k, joint): (usize, &&str)| -> (String, Quantity) {
             ((*joint).into(), Box::new(move |moment| moment.loads[k][kind]))

@@ -7,6 +7,7 @@ use costate::integrators::{RunError, StartRecord, StepRecord};
 /// Every so many-th moment, and the last one.
 pub struct KeptMoments {
     moments: Vec<Snapshot>,
+    /// How many moments come for one that is kept; doubles when too many are kept.
     stride: usize,
     last: Option<Snapshot>,
     count: usize,

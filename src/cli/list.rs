@@ -25,16 +25,11 @@ pub struct ListOptions {
 /// `costate list`: the scenes, a line each; of one scene its design variables and functionals.
 pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> {
     match &options.scene {
-        Some(name) => one(&*program.find_scene(name)?, name, options.json),
-        None if options.parts => {
-            parts(program, options.json);
-            Ok(())
-        }
-        None => {
-            all(&program.all_scenes()?, program, options.json);
-            Ok(())
-        }
+        Some(name) => one(&*program.find_scene(name)?, name, options.json)?,
+        None if options.parts => parts(program, options.json),
+        None => all(&program.all_scenes()?, program, options.json),
     }
+    Ok(())
 }
 
 /// Joints, drivers, springs, dampers and functionals by their entries.

@@ -8,6 +8,7 @@ use super::table_ranges::TableWatch;
 use crate::io::Chart;
 use costate::assembly::VectorsAvq;
 use costate::functionals::{Measured, Sample};
+use costate::program::tolerances;
 use costate::scenes::Prepared;
 
 /// How the energy of a conservative scene, which is constant in an exact motion, changes.
@@ -21,9 +22,6 @@ pub struct EnergyCourse {
     /// Largest size of the kinetic and of the potential energy [J].
     size: f64,
 }
-
-/// Share of the energies up to which a change is round-off: bodies at rest have nothing but that.
-pub const ENERGY_ROUNDING: f64 = 1e-12;
 
 impl EnergyCourse {
     fn new(start: f64, t: f64) -> Self {
@@ -43,7 +41,7 @@ impl EnergyCourse {
 
     /// Largest growth and largest loss beyond round-off as shares of the largest kinetic energy, and when [s].
     pub fn shares(&self) -> [(f64, f64); 2] {
-        let is_some = |change: f64| change > ENERGY_ROUNDING * self.size && self.kinetic > 0.0;
+        let is_some = |change: f64| change > tolerances::LONG_SUM * self.size && self.kinetic > 0.0;
         self.changes.map(|(change, t)| (if is_some(change) { change / self.kinetic } else { 0.0 }, t))
     }
 }

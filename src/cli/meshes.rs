@@ -30,10 +30,10 @@ type Layers = Option<Vec<[f64; 3]>>;
 const LAYERS: [&str; 3] = ["bottom", "middle", "top"];
 
 /// Where points with an identity stand.
-type Known = HashMap<(usize, [u64; 3]), usize>;
+type PointPlaces = HashMap<(usize, [u64; 3]), usize>;
 
 /// Where a point stands among others, which it joins if it is new.
-fn place(points: &mut Vec<NodePoint>, known: &mut Known, point: &NodePoint) -> usize {
+fn place(points: &mut Vec<NodePoint>, known: &mut PointPlaces, point: &NodePoint) -> usize {
     *known.entry(point.identity()).or_insert_with(|| {
         points.push(point.clone());
         points.len() - 1
@@ -44,7 +44,7 @@ impl<'p> Meshes<'p> {
     pub fn new(prepared: &'p Prepared<'p>, folder: &Path) -> Self {
         let mechanism = &prepared.mechanism;
         let (surfaces, sketch) = (mechanism.surfaces(), mechanism.sketch());
-        let (mut points, mut known, mut cells) = (Vec::new(), Known::new(), Vec::new());
+        let (mut points, mut known, mut cells) = (Vec::new(), PointPlaces::new(), Vec::new());
         for surface in &surfaces {
             let nodes = surface.nodes.iter().map(|node| place(&mut points, &mut known, node)).collect();
             cells.push(MeshCell::Face(surface.kind.face, nodes));

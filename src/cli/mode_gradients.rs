@@ -5,12 +5,11 @@ use super::failure::Failure;
 use super::summary::{Summary, by_name};
 use crate::io::{Cell, Table, cells, write_csv};
 use costate::design::DesignVariable;
+use costate::program::tolerances::ROUND_OFF;
 use costate::scenes::{DifferentiatedModes, ModeGradient, Prepared};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What is shown as zero, relative.
-const ROUND_OFF: f64 = 1e-14;
 const SHOWN: usize = 6;
 
 /// What is said of the derivatives of a scene's modes.

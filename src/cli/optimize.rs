@@ -1,13 +1,11 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::CommandLine;
 use super::console::{count, print, print_files, print_json, seconds, warn};
 use super::earlier::keep_earlier;
 use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
 use super::kept_moments::KeptMoments;
-use super::optimization_charts;
 use super::optimum::{conditions_json, largest_json, smooth_only};
 use super::options::{SceneOptions, whole_number};
 use super::report::Page;
@@ -16,6 +14,7 @@ use super::simulation::{crossings_json, names, steps_in_words};
 use super::snapshot::Snapshot;
 use super::stability::{Statement, statement};
 use super::summary::{Summary, by_name};
+use super::{CommandLine, optimization_charts};
 use crate::io::{Cell, Chart, IoError, Progress, Table, cells, read_csv, write_csv, write_json};
 use clap::Args;
 use costate::design::DesignVariable;
@@ -24,8 +23,7 @@ use costate::integrators::{Crossing, RunError};
 use costate::optimize::{
     Case, DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
-use costate::scenes::unknown;
-use costate::scenes::{AnyScene, FunctionalConstraint, Prepared, Scenario, Sense};
+use costate::scenes::{AnyScene, FunctionalConstraint, Prepared, Scenario, Sense, unknown};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -64,18 +62,16 @@ const MOST_ITERATIONS: usize = 1_000_000;
 const MOST_STARTS: usize = 10_000;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
-    match text.split_once(':') {
-        None if text == "adjoint" => return Ok(GradientBy::Adjoint),
-        None if text == "complex-step" => return Ok(GradientBy::ComplexStep),
-        None if text == "difference" => return Ok(GradientBy::Difference { share: DEFAULT_SHARE }),
-        Some(("difference", size)) => {
-            if let Ok(share) = share(size) {
-                return Ok(GradientBy::Difference { share });
-            }
-        }
-        _ => {}
-    }
-    Err("it must be adjoint, complex-step, difference, or difference:SHARE with a number between 0 and 1, as in difference:0.01".into())
+    let by_difference = |share| GradientBy::Difference { share };
+    let by = match text {
+        "adjoint" => Some(GradientBy::Adjoint),
+        "complex-step" => Some(GradientBy::ComplexStep),
+        "difference" => Some(by_difference(DEFAULT_SHARE)),
+        _ => text.strip_prefix("difference:").and_then(|size| share(size).ok()).map(by_difference),
+    };
+    by.ok_or_else(|| {
+        "it must be adjoint, complex-step, difference, or difference:SHARE with a number between 0 and 1, as in difference:0.01".into()
+    })
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -7,8 +7,7 @@ use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, StepControl, table_named, table_names,
 };
 use costate::linalg::Backend;
-use costate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in};
-use costate::scenes::{check_folders, unknown};
+use costate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings, built_in, check_folders, unknown};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,8 @@ use super::console::count;
 use super::summary::Summary;
 use crate::io::{Cell, Table, cells, number};
 use costate::elements::{Frame, NodeKind};
-use costate::integrators::{INCONSISTENT, StartRecord};
+use costate::integrators::StartRecord;
+use costate::program::tolerances::CONSISTENT;
 use costate::scalar::{SpatialVector, Vector3};
 use costate::scenes::Prepared;
 use serde_json::{Value, json};
@@ -86,7 +87,7 @@ impl ProjectedStart {
         let (mut changes, mut kept) = (Vec::new(), Vec::new());
         for (part, (what, unit, [given, used])) in &all {
             let apart: Vec<f64> = given.iter().zip(used).map(|(given, used)| used - given).collect();
-            if largest(&apart) > INCONSISTENT * size(unit) {
+            if largest(&apart) > CONSISTENT * size(unit) {
                 let (part, given, used) = (part.clone(), given.clone(), used.clone());
                 changes.push(Change { part, what, unit, given, used });
             } else if unit.ends_with("/s") && largest(given) > 0.0 {

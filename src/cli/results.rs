@@ -40,6 +40,7 @@ pub struct Results<'p> {
     columns: ArrowFile,
     meshes: Option<Meshes<'p>>,
     measured: MeasuredMoments<'p>,
+    /// Places of the columns that are written among those that are measured.
     written: Vec<usize>,
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
@@ -129,7 +130,7 @@ impl<'p> Results<'p> {
         while let Rows::AtMultiples { dt, next, dense: Some(dense) } = &mut self.rows {
             let ((start, end), t) = (dense.span(), f64::from(*next) * *dt);
             // a multiple within round-off of the end is the end
-            if t >= end - 1e-9 * dt.min(end - start) {
+            if t >= end - costate::program::tolerances::SAME_TIME * dt.min(end - start) {
                 break;
             }
             *next += 1;

@@ -1,5 +1,5 @@
 use super::console::{count, print, seconds};
-use super::energy_balance::{Course, EnergyBalance, Ledger};
+use super::energy_balance::{BalanceFunctionals, EnergyBalance, RunningBalance};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::measured_modes::MeasuredModes;
@@ -52,11 +52,11 @@ pub struct Simulation {
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
-struct Watched<'p, 'g> {
+struct ProgressObserver<'p, 'g> {
     prepared: &'p Prepared<'p>,
     results: Results<'p>,
     start: Option<ProjectedStart>,
-    balance: Option<Course<'g>>,
+    balance: Option<RunningBalance<'g>>,
     progress: Progress,
     /// Marks of the progress bar per second.
     pace: f64,
@@ -66,7 +66,7 @@ struct Watched<'p, 'g> {
 /// Marks of the progress bar: steps that choose their size do not tell how many there will be.
 const MARKS: f64 = 1000.0;
 
-impl Observer for Watched<'_, '_> {
+impl Observer for ProgressObserver<'_, '_> {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         self.balance.iter_mut().for_each(|balance| balance.start(start));
         self.start = ProjectedStart::of(self.prepared, start);
@@ -91,22 +91,22 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let progress = Progress::new("simulating", marks as u64);
     let output = options.output(prepared.scene);
     let results = Results::begin(prepared, &output, &folder)?;
-    let ledger = Ledger::new(prepared);
-    let balance = ledger.as_ref().map(|ledger| ledger.begin(prepared));
-    let mut watched = Watched { prepared, results, start: None, balance, progress, pace, guard: &guard };
+    let functionals = BalanceFunctionals::new(prepared);
+    let balance = functionals.as_ref().map(|own| own.begin(prepared));
+    let mut observer = ProgressObserver { prepared, results, start: None, balance, progress, pace, guard: &guard };
     let begun = Instant::now();
-    let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
+    let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut observer)?;
     let (seconds, program_seconds) = (begun.elapsed().as_secs_f64(), making_time());
     if refuses_machine_code() {
         print("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
     }
-    let Watched { results, start, balance, progress, .. } = watched;
+    let ProgressObserver { results, start, balance, progress, .. } = observer;
     drop(progress);
     start.iter().for_each(|start| start.summary().print());
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
-    let balance = balance.and_then(Course::finish);
+    let balance = balance.and_then(RunningBalance::finish);
     let Finished { files, unwritten, measured } = results.finish();
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });

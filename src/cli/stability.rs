@@ -17,24 +17,23 @@ pub enum Statement {
 
 /// What is said of the last equilibrium of a run.
 pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
-    let StabilityCourse { end: Stability { negative, determinant, turns, .. }, lost } = forward.stability?;
+    let StabilityCourse { end, lost } = forward.stability?;
+    let Stability { negative, determinant, turns, .. } = end;
     let is_start = prepared.plan.equilibrium.is_some();
     let which = match is_start {
-        // nothing is said of it once it is let go
-        true if !prepared.model().holds.is_empty() => {
+        true => {
             let what = if turns { "steady turn" } else { "equilibrium" };
-            format!("the {what} at which the motion begins, while it is held,")
+            // nothing is said of it once it is let go
+            let held = if prepared.model().holds.is_empty() { "" } else { ", while it is held," };
+            format!("the {what} at which the motion begins{held}")
         }
-        true if turns => "the steady turn at which the motion begins".to_string(),
-        true => "the equilibrium at which the motion begins".to_string(),
         false => format!("the equilibrium at the load factor {}", forward.grid.times[forward.grid.steps()]),
     };
     let lost = lost.map(|([from, to], step)| {
         let [from, to] = [from, to].map(number);
         format!("the path lost its stability between the load factors {from} and {to} (step {step})")
     });
-    let verdict = forward.stability.map(|course| course.end.verdict());
-    Some(match verdict? {
+    Some(match end.verdict() {
         Verdict::Stable => {
             let mut words = format!("{which} is stable");
             if determinant.is_some() {
@@ -72,11 +71,10 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
 
 /// How a stable equilibrium is found.
 fn way(prepared: &Prepared) -> String {
-    let shorter = match prepared.control {
-        // these look for the stable branch already, as does a start
-        Some(_) => String::new(),
-        None if prepared.plan.equilibrium.is_some() => String::new(),
-        None => format!(
+    let shorter = match prepared.control.is_some() || prepared.plan.equilibrium.is_some() {
+        // these look for the stable branch already
+        true => String::new(),
+        false => format!(
             "let load steps be chosen (--tolerance 1e-6: those that lose stability are shortened) or take more (--steps above {}); ",
             prepared.grid.steps()
         ),

@@ -9,20 +9,24 @@ use costate::scenes::Prepared;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A part with tables, and where it left one of them: the time, and the number furthest beyond.
-struct Watched {
+/// A part with tables, and where it left them.
+struct WatchedTable {
     part: String,
     times: Times,
+    /// First and last point of each table.
     ranges: Vec<TableRange>,
+    /// Computes what each table is read at.
     program: Arc<Program>,
+    /// Where the arguments of the program stand.
     places: Vec<Place>,
+    /// For each table, if it was left: since when, and the number furthest beyond.
     left: Vec<Option<(f64, f64)>>,
 }
 
 /// Looks at the tables of a model's elements, joints and functionals.
 pub struct TableWatch<'p> {
     p: &'p [f64],
-    parts: Vec<Watched>,
+    parts: Vec<WatchedTable>,
     is_begun: bool,
 }
 
@@ -38,7 +42,7 @@ impl<'p> TableWatch<'p> {
         let mut add = |name: &str, times: Times, formula: &Formula, places: &dyn Fn() -> Vec<Place>| {
             if let Some((ranges, program)) = formula.table_arguments() {
                 let left = vec![None; ranges.len()];
-                parts.push(Watched { part: name.into(), times, ranges, program, places: places(), left });
+                parts.push(WatchedTable { part: name.into(), times, ranges, program, places: places(), left });
             }
         };
         for own in &model.elements {
@@ -67,7 +71,7 @@ impl<'p> TableWatch<'p> {
             Place::Time => *t,
         };
         let is_begun = std::mem::replace(&mut self.is_begun, true);
-        for Watched { times, ranges, program, places, left, .. } in &mut self.parts {
+        for WatchedTable { times, ranges, program, places, left, .. } in &mut self.parts {
             match times {
                 Times::Start if is_begun => continue,
                 // until a later one comes
@@ -89,7 +93,7 @@ impl<'p> TableWatch<'p> {
 
     /// Which tables were left.
     pub fn in_words(&self) -> Vec<String> {
-        let words = |own: &Watched| -> Vec<String> {
+        let words = |own: &WatchedTable| -> Vec<String> {
             let left = own.ranges.iter().zip(&own.left).filter_map(|(range, left)| Some((range, (*left)?)));
             let sentence = |([first, last], (t, most)): (&TableRange, (f64, f64))| {
                 let [first, last, most, t] = [*first, *last, most, t].map(shortest);

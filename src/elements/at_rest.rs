@@ -16,7 +16,7 @@
 //! mass instead of time lets states follow their rates. A state that stays keeps the equation z - z_0 = 0 in the search (z_0 in v), and z'' = 0 in
 //! small motions.
 
-use super::dyn_layer::{ElementFormula, ElementPhysics, Recording};
+use super::dyn_layer::{ElementFormula, ElementPhysics, Recording, dofs_of_each};
 use super::{NodeKind, Parameter};
 use crate::program::ArgumentKind::{Coordinate, Parameter as OfPart};
 use crate::program::{Codes, Formula, ProgramWork, Recorded, continued};
@@ -120,11 +120,8 @@ impl AtRest {
         formula.with_parameters(self.added(), |x, spin| {
             let mut all = if spin.is_empty() { x.to_vec() } else { self.in_world(x, spin) };
             if let Some(states) = self.states {
-                let first_dofs = self.own.node_kinds().into_iter().scan(0, |first, kind| {
-                    *first += kind.dofs();
-                    Some((*first - kind.dofs()..*first, kind))
-                });
-                for dof in first_dofs.filter(|(_, kind)| kind.is_of_states()).flat_map(|(dofs, _)| dofs) {
+                let kinds = self.own.node_kinds();
+                for dof in dofs_of_each(&kinds).filter(|(kind, _)| kind.is_of_states()).flat_map(|(_, dofs)| dofs) {
                     states.in_motion(&mut all, self.own.dof_count(), dof);
                 }
             }
@@ -145,18 +142,12 @@ impl AtRest {
             let along = axis * axis.dot(&Vector3::first_three(gravity));
             gravity.copy_from_slice(&along.components());
         }
-        let mut first = 0;
-        for (kind, &turns) in self.own.node_kinds().into_iter().zip(&self.turns) {
-            let places = first..first + kind.dofs();
-            first = places.end;
+        for ((kind, places), _) in dofs_of_each(&self.own.node_kinds()).zip(&self.turns).filter(|(_, turns)| **turns) {
             let carried = |q: &[Recorded], about: Vector3<Recorded>| {
                 let mut v = vec![Recorded::from(0.0); q.len()];
                 kind.turn(q, about, omega, &mut v);
                 v
             };
-            if !turns {
-                continue;
-            }
             let of_places = carried(&arguments[2 * n..][places.clone()], about);
             let mut both = arguments[n..][places.clone()].to_vec();
             for ((v, both), of_place) in all[n..][places.clone()].iter_mut().zip(&mut both).zip(of_places) {

@@ -14,6 +14,7 @@ use crate::program::{
     ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramWork, Recorded, continued, gradient_of,
 };
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
+use crate::tolerances::LONG_SUM;
 use nalgebra::{DMatrix, DVector};
 use num_dual::Derivative;
 use std::any::Any;
@@ -207,8 +208,8 @@ pub struct StressFormulas<'e> {
     pub force: &'e Arc<Formula>,
 }
 
-/// Arguments one after the other.
-fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
+/// The arguments of a formula, by how many there are of each kind, one behind the other.
+pub(crate) fn split_arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
     let mut first = 0;
     counts.map(|count| {
         first += count;
@@ -227,44 +228,44 @@ impl ElementFormula {
         let ((n, m), count) = (sizes(element), element.strain_count());
         match self {
             ElementFormula::Residual => Formula::record_in_stages(of_residual(n, m), |x| {
-                let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+                let [a, v, q, p, t] = split_arguments(x, [n, n, n, m, 1]);
                 residual(element, State { a, v, q }, p, t[0])
             }),
             ElementFormula::Impulse => record_impulse(element),
             ElementFormula::Energies => Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m)], |x| {
-                let [v, q, p] = arguments(x, [n, n, m]);
+                let [v, q, p] = split_arguments(x, [n, n, m]);
                 let Energies { kinetic, potential, strain } = Energies::of(element, [v, q, p], Recorded::from(0.0));
                 vec![kinetic, potential, element.mass(p), strain]
             }),
             ElementFormula::Power => {
                 let is_short = shorter_power_serves(element);
                 Formula::record(of_residual(n, m), |x| {
-                    let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+                    let [a, v, q, p, t] = split_arguments(x, [n, n, n, m, 1]);
                     let (short, whole) = power(element, State { a, v, q }, p, t[0]);
                     vec![if is_short { short } else { whole }]
                 })
             }
             ElementFormula::InertiaMoment => record_inertia_moment(element),
             ElementFormula::Outputs => Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)], |x| {
-                let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+                let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
                 told(element, [v, q, p], t[0])
             }),
             ElementFormula::Stresses => Formula::record([(Strain, 2 * count), (OfPart, m), (Time, 1)], |x| {
-                let [e, rate, p, t] = arguments(x, [count, count, m, 1]);
+                let [e, rate, p, t] = split_arguments(x, [count, count, m, 1]);
                 stresses(element, [e, rate, p], t[0])
             }),
             ElementFormula::StrainCourse => Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
-                let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
+                let [from, d, to, p, t] = split_arguments(x, [n, n, n, m, 1]);
                 strain_course(element, [from, d, to, p], t[0])
             }),
             ElementFormula::StressDeviation => Formula::record([(Strain, 3 * count), (OfPart, m)], |x| {
-                let [start, change, end, p] = arguments(x, [count, count, count, m]);
+                let [start, change, end, p] = split_arguments(x, [count, count, count, m]);
                 stress_deviation(element, [start, change, end], p)
             }),
             ElementFormula::StressForce => {
                 let weights = [(Weight, count)];
                 Formula::record([&of_residual(n, m)[..], &weights].concat(), |x| {
-                    let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
+                    let [_, _, q, p, t, w] = split_arguments(x, [n, n, n, m, 1, count]);
                     stress_force(element, [q, p, w], t[0])
                 })
             }
@@ -276,7 +277,7 @@ fn record_impulse(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     let mut depends = false;
     let formula = Formula::record([&of_residual(n, m)[..], &[(Weight, 2)]].concat(), |x| {
-        let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
+        let [a, v, q, p, t, weights] = split_arguments(x, [n, n, n, m, 1, 2]);
         let own = impulse(element, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
         depends = own.is_none();
         own.unwrap_or_default()
@@ -292,13 +293,10 @@ fn record_impulse(element: &dyn ElementFormulas) -> Recording {
 fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     Formula::record([(Coordinate, n), (OfPart, m), (MeasureParameter, 6)], |x| {
-        let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
+        let [q, p, point, axis] = split_arguments(x, [n, m, 3, 3]);
         let mut v = vec![Recorded::from(0.0); n];
-        let mut first = 0;
-        for kind in element.node_kinds() {
-            let places = first..first + kind.dofs();
-            kind.turn(&q[places.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[places]);
-            first += kind.dofs();
+        for (kind, dofs) in dofs_of_each(&element.node_kinds()) {
+            kind.turn(&q[dofs.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[dofs]);
         }
         vec![element.kinetic(&v, q, p) * 2.0]
     })
@@ -307,6 +305,14 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
 /// Number of coordinates of some nodes.
 pub(crate) fn dofs_of(nodes: &[NodeKind]) -> usize {
     nodes.iter().map(|kind| kind.dofs()).sum()
+}
+
+/// Each of some nodes with the places of its coordinates among those of all.
+pub(crate) fn dofs_of_each(nodes: &[NodeKind]) -> impl Iterator<Item = (NodeKind, Range<usize>)> {
+    nodes.iter().scan(0, |end, &kind| {
+        *end += kind.dofs();
+        Some((kind, *end - kind.dofs()..*end))
+    })
 }
 
 /// An element of a model with its recordings, each made when it is first asked for, and once for all clones.
@@ -550,7 +556,7 @@ fn record(constraint: &dyn AnyConstraint) -> Recording {
     let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
     let mut linear = true;
     let formula = Formula::record(of_constraint(constraint), |x| {
-        let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+        let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
         let equations = constraint.evaluate([v, q, p], t[0]);
         linear = !constraint.is_nonholonomic() || is_linear_in(&equations, v);
         equations
@@ -611,8 +617,6 @@ pub fn motion_derivatives(graph: &mut Graph, outputs: &[Node], [a, v, q]: [&[Nod
     [outputs.to_vec(), first, second]
 }
 
-/// What is nothing but round-off where a constraint holds; by the root of it, what that makes of a sum of terms.
-const CANCELS: f64 = 1e-12;
 /// Corrections after which no place is found where a constraint holds.
 const PLACING: usize = 50;
 
@@ -726,7 +730,7 @@ impl ConstraintPhysics {
         let mut is_steady = !self.is_nonholonomic();
         let (n, m) = (self.0.dofs, self.0.parameters);
         let recorded = Formula::record(of_constraint(&*self.0.own), |x| {
-            let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+            let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
             let equations = self.0.own.evaluate([v, q, p], t[0]);
             is_steady &= is_steady_in(&equations, t[0]);
             equations
@@ -811,21 +815,18 @@ impl ConstraintPhysics {
     fn held_place(&self, p: &[f64]) -> Option<Vec<f64>> {
         let (kinds, mut q) = (self.0.own.node_kinds(), unrelated_numbers().take(self.0.dofs).collect::<Vec<f64>>());
         for _ in 0..PLACING {
-            let (mut first, mut rows) = (0, Vec::new());
-            for kind in &kinds {
-                if *kind == NodeKind::Body {
-                    // corrections turn: they do not change the length of Euler parameters
-                    let e = &mut q[first + 3..][..4];
-                    let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
-                    e.iter_mut().for_each(|e| *e /= length);
-                    let mut row = vec![0.0; self.0.dofs];
-                    row[first + 3..][..4].copy_from_slice(e);
-                    rows.extend(row);
-                }
-                first += kind.dofs();
+            let mut rows = Vec::new();
+            for (_, dofs) in dofs_of_each(&kinds).filter(|(kind, _)| *kind == NodeKind::Body) {
+                // corrections turn: they do not change the length of Euler parameters
+                let e = &mut q[dofs.clone()][3..];
+                let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
+                e.iter_mut().for_each(|e| *e /= length);
+                let mut row = vec![0.0; self.0.dofs];
+                row[dofs][3..].copy_from_slice(e);
+                rows.extend(row);
             }
             let mut g = self.value(&q, p, 0.0);
-            if g.iter().all(|g| g.abs() < CANCELS) {
+            if g.iter().all(|g| g.abs() < LONG_SUM) {
                 return Some(q);
             }
             g.splice(0..0, vec![0.0; rows.len() / self.0.dofs]);
@@ -834,7 +835,7 @@ impl ConstraintPhysics {
                 return None;
             }
             let rows = DMatrix::from_row_slice(g.len(), self.0.dofs, &rows);
-            let step = rows.svd(true, true).solve(&DVector::from_vec(g), CANCELS).ok()?;
+            let step = rows.svd(true, true).solve(&DVector::from_vec(g), LONG_SUM).ok()?;
             q.iter_mut().zip(&step).for_each(|(q, step)| *q -= step);
         }
         None
@@ -845,18 +846,16 @@ impl ConstraintPhysics {
         let rows = self.rows(q, p, 0.0);
         (0..6).all(|motion| {
             let along = Vector3::from([0, 1, 2].map(|k| f64::from(u8::from(k == motion % 3))));
-            let (mut v, mut first) = (vec![0.0; q.len()], 0);
-            for kind in self.0.own.node_kinds() {
-                let own = first..first + kind.dofs();
-                first = own.end;
+            let mut v = vec![0.0; q.len()];
+            for (kind, dofs) in dofs_of_each(&self.0.own.node_kinds()) {
                 match motion {
-                    0..3 => v[own][..3].copy_from_slice(&along.components()),
-                    _ => kind.turn(&q[own.clone()], Vector3::zeros(), along, &mut v[own]),
+                    0..3 => v[dofs][..3].copy_from_slice(&along.components()),
+                    _ => kind.turn(&q[dofs.clone()], Vector3::zeros(), along, &mut v[dofs]),
                 }
             }
             rows.chunks_exact(q.len().max(1)).all(|row| {
                 let terms = || row.iter().zip(&v).map(|(row, v)| row * v);
-                terms().sum::<f64>().abs() <= CANCELS.sqrt() * terms().map(f64::abs).sum::<f64>()
+                terms().sum::<f64>().abs() <= LONG_SUM.sqrt() * terms().map(f64::abs).sum::<f64>()
             })
         })
     }

@@ -112,7 +112,7 @@ pub(super) const fn rows<const N: usize>(runs: &[(usize, usize, &'static [f64])]
 pub struct Flexible<F>(pub F);
 
 /// Numbers of one point: on the stack.
-type Few<S> = SmallVec<[S; 12]>;
+type PointNumbers<S> = SmallVec<[S; 12]>;
 
 /// Numbers of one node that are interpolated.
 const fn numbers<F: Field>() -> usize {
@@ -123,7 +123,7 @@ const fn numbers<F: Field>() -> usize {
 }
 
 /// W x.
-pub fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S]) -> SmallVec<[S; 12]> {
+pub fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S]) -> PointNumbers<S> {
     let number = |row: &Interpolation| {
         let mut sum = x[row.component] * row.weights[0];
         for node in 1..F::NODES {
@@ -196,7 +196,7 @@ impl<F: Field> Flexible<F> {
     fn add_force_of<S: Scalar>(&self, v: &[S], y: &[S], p: &[S], t: S, force: &mut [S]) {
         self.for_each_point(|point, rows, _| {
             let (rates, h) = (interpolate::<F, S>(rows, v), interpolate::<F, S>(rows, y));
-            let mut own: Few<S> = SmallVec::from_elem(S::zero(), rows.len());
+            let mut own: PointNumbers<S> = SmallVec::from_elem(S::zero(), rows.len());
             self.0.add_force(point, &rates, &h, &p[self.0.parameters_of(point)], t, &mut own);
             distribute::<F, S>(rows, &own, force);
         });
@@ -269,7 +269,7 @@ impl<F: Field> Element for Flexible<F> {
         }
         self.for_each_point(|point, rows, _| {
             let [a, v, q] = [s.a, s.v, s.q].map(|x| interpolate::<F, S>(rows, x));
-            let mut own: Few<S> = SmallVec::from_elem(S::zero(), rows.len());
+            let mut own: PointNumbers<S> = SmallVec::from_elem(S::zero(), rows.len());
             self.0.residual(point, State { a: &a, v: &v, q: &q }, &p[self.0.parameters_of(point)], t, &mut own);
             distribute::<F, S>(rows, &own, r);
         });

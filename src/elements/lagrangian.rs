@@ -3,6 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::dyn_layer::split_arguments;
 use super::{Element, NodeKind, Output, Parameter, State, dofs_of};
 use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
@@ -16,17 +17,34 @@ pub(super) struct Energies {
     pub strain: Recorded,
 }
 
-/// What a residual is made of, in recorded numbers: an element, or the same in numbers that a node map makes of its coordinates.
-pub trait Formulas {
-    fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]);
-    fn strain_count(&self) -> usize;
-    fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
-    fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded;
-    fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
-    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded;
+/// A trait whose methods are those of an [`Element`] in recorded numbers, which every element has.
+macro_rules! in_recorded_numbers {
+    ($(#[$doc:meta])* $trait:ident: $(fn $method:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*) => {
+        $(#[$doc])*
+        pub trait $trait {
+            $(fn $method(&self, $($argument: $type),*) $(-> $result)?;)*
+        }
+
+        impl<E: Element> $trait for E {
+            $(fn $method(&self, $($argument: $type),*) $(-> $result)? {
+                Element::$method(self, $($argument),*)
+            })*
+        }
+    };
+}
+
+in_recorded_numbers! {
+    /// What a residual is made of: an element, or the same in numbers that a node map makes of its coordinates.
+    Formulas:
+    fn kinetic(v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn potential(q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn strain_energy(q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn add_force(v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]);
+    fn strain_count() -> usize;
+    fn strains(q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
+    fn stored(e: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn damping(e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
+    fn dissipation(e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded;
 }
 
 /// An element with its type erased where it is recorded, so that what is made of its formulas is compiled once for all of them.
@@ -61,36 +79,6 @@ impl<E: Element> ElementFormulas for E {
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
         Element::in_stages(self, s, p, t)
-    }
-}
-
-impl<E: Element> Formulas for E {
-    fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::kinetic(self, v, q, p)
-    }
-    fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::potential(self, q, p)
-    }
-    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::strain_energy(self, q, p)
-    }
-    fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]) {
-        Element::add_force(self, v, q, p, t, force);
-    }
-    fn strain_count(&self) -> usize {
-        Element::strain_count(self)
-    }
-    fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]) {
-        Element::strains(self, q, p, t, e);
-    }
-    fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::stored(self, e, p)
-    }
-    fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]) {
-        Element::damping(self, e, rate, p, t, s);
-    }
-    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded {
-        Element::dissipation(self, e, rate, p)
     }
 }
 
@@ -300,26 +288,32 @@ fn work_of(forces: &[Recorded], rates: &[Recorded]) -> Recorded {
 
 /// Which of two ways to calculate a power serves: the shorter one where both agree at two states.
 pub(super) fn shorter_power_serves(element: &dyn ElementFormulas) -> bool {
-    let (n, m) = sizes(element);
-    (0..2).all(|probe| {
-        let values = probed(3 * n + m + 1, probe);
-        let (agrees, recording) = record(&values, |x| {
-            let (state, rest) = x.split_at(3 * n);
-            let (p, t) = rest.split_at(m);
-            let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
-            let (short, whole) = power(element, s, p, t[0]);
-            let parts = residual(element, s, p, t[0]).0;
-            // by the size of what cancels
-            let sizes: Vec<Recorded> = parts.iter().zip(s.v).map(|(&force, &rate)| force * rate).collect();
-            agree(&values, &[&[short][..], &sizes].concat(), &[&[whole][..], &sizes].concat())
-        });
-        agrees && !recording.graph.has_choices()
+    agrees_at_two_states(element, |values, s, p, t| {
+        let (short, whole) = power(element, s, p, t);
+        let parts = residual(element, s, p, t).0;
+        // by the size of what cancels
+        let sizes: Vec<Recorded> = parts.iter().zip(s.v).map(|(&force, &rate)| force * rate).collect();
+        (agree(values, &[&[short][..], &sizes].concat(), &[&[whole][..], &sizes].concat()), false)
     })
 }
 
-/// Numbers of the size of Euler parameters, none of them alike.
-fn probed(count: usize, probe: usize) -> Vec<f64> {
-    (0..count).map(|i| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin()).collect()
+/// Whether two ways to calculate something agree at two states, of whose numbers none are alike and all have the size of those of Euler parameters.
+///
+/// `agrees` says whether they do, from the numbers and the same as recorded, and whether formulas may choose, so that they could differ elsewhere.
+fn agrees_at_two_states(
+    element: &dyn ElementFormulas,
+    agrees: impl Fn(&[f64], State<Recorded>, &[Recorded], Recorded) -> (bool, bool),
+) -> bool {
+    let (n, m) = sizes(element);
+    (0..2).all(|probe| {
+        let number = |i: usize| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin();
+        let values: Vec<f64> = (0..3 * n + m + 1).map(number).collect();
+        let ((agree, may_choose), recording) = record(&values, |x| {
+            let [a, v, q, p, t] = split_arguments(x, [n, n, n, m, 1]);
+            agrees(&values, State { a, v, q }, p, t[0])
+        });
+        agree && (may_choose || !recording.graph.has_choices())
+    })
 }
 
 /// True for the constant 0.
@@ -343,26 +337,15 @@ pub(super) fn is_steady_in(equations: &[Recorded], number: Recorded) -> bool {
 ///
 /// A written residual that chooses between formulas may agree at some states and not at others: it counts as more than its energies.
 pub(super) fn has_energies(element: &dyn ElementFormulas) -> bool {
-    let (n, m) = sizes(element);
-    (0..2).all(|probe| {
-        let values = probed(3 * n + m + 1, probe);
-        let mut is_written = false;
-        let (agrees, recording) = record(&values, |x| {
-            let (state, rest) = x.split_at(3 * n);
-            let (p, t) = rest.split_at(m);
-            let (a, v, q) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
-            let s = State { a, v, q };
-            let e = strains(element, q, p, t[0]);
-            let stored = element.stored(&e, p);
-            // strains that depend on time do work
-            let steady = is_zero(gradient(stored, t)[0]);
-            let lossless = losses(element, [&e, &zeros(e.len()), p], t[0]).into_iter().all(is_zero);
-            let Some(own) = written(element, s, p, t[0]) else { return steady && lossless };
-            let [own, made] = [own, from_energies(element, s, p, t[0])].map(|rows| of_coordinates(element, &rows));
-            is_written = !own.iter().all(|row| is_zero(*row));
-            steady && lossless && agree(&values, &own, &made)
-        });
-        agrees && !(is_written && recording.graph.has_choices())
+    agrees_at_two_states(element, |values, s, p, t| {
+        let e = strains(element, s.q, p, t);
+        let stored = element.stored(&e, p);
+        // strains that depend on time do work
+        let steady = is_zero(gradient(stored, &[t])[0]);
+        let lossless = losses(element, [&e, &zeros(e.len()), p], t).into_iter().all(is_zero);
+        let Some(own) = written(element, s, p, t) else { return (steady && lossless, true) };
+        let [own, made] = [own, from_energies(element, s, p, t)].map(|rows| of_coordinates(element, &rows));
+        (steady && lossless && agree(values, &own, &made), own.iter().all(|row| is_zero(*row)))
     })
 }
 
@@ -371,9 +354,7 @@ pub(super) fn is_conservative(element: &dyn ElementFormulas) -> bool {
     let (n, m) = sizes(element);
     let mut is_free = true;
     let forces = Formula::record(2 * n + m + 1, |x| {
-        let (v, rest) = x.split_at(n);
-        let ((q, rest), mut force) = (rest.split_at(n), zeros(n));
-        let (p, t) = rest.split_at(m);
+        let ([v, q, p, t], mut force) = (split_arguments(x, [n, n, m, 1]), zeros(n));
         element.add_force(v, q, p, t[0], &mut force);
         let mut e = strains(element, q, p, t[0]);
         let losses = losses(element, [&e, &along_motion(&e, &paired(q, v)), p], t[0]);
@@ -389,5 +370,5 @@ fn agree(values: &[f64], own: &[Recorded], made: &[Recorded]) -> bool {
     let numbers = crate::program::evaluate(values, &[own, made].concat());
     let (own, made) = numbers.split_at(own.len());
     let size = numbers.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-    own.iter().zip(made).all(|(own, made)| !((own - made).abs() > 1e-9 * size))
+    own.iter().zip(made).all(|(own, made)| !((own - made).abs() > crate::tolerances::SAME_DERIVATIVE * size))
 }

@@ -37,7 +37,8 @@ pub use constraint::Constraint;
 pub use dyn_layer::ElementPhysics;
 pub use dyn_layer::{AnyConstraint, AnyElement};
 pub(crate) use dyn_layer::{
-    ConstraintPhysics, FormulaWork, RunScalar, dofs_of, instantiate_here, motion_derivatives, unrelated_numbers,
+    ConstraintPhysics, FormulaWork, RunScalar, dofs_of, instantiate_here, motion_derivatives, split_arguments,
+    unrelated_numbers,
 };
 pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;
@@ -45,6 +46,7 @@ pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
 pub(crate) use lagrangian::paired;
 pub use node_kind::NodeKind;
+pub(crate) use node_kind::NodePair;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use table::Table;

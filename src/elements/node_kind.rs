@@ -23,6 +23,9 @@ pub enum NodeKind {
     States(usize),
 }
 
+/// Kinds of both nodes, a and b, of what stands between two.
+pub type NodePair = [NodeKind; 2];
+
 impl NodeKind {
     /// Number of coordinates.
     pub const fn dofs(self) -> usize {

@@ -1,5 +1,5 @@
 use crate::elements::forces::LoadFrame;
-use crate::elements::{ConstraintPhysics, Frame, NodeKind};
+use crate::elements::{ConstraintPhysics, Frame, NodeKind, split_arguments};
 use crate::program::ArgumentKind::{Coordinate, MeasureParameter, Multiplier, Parameter as OfPart, Time, Velocity};
 use crate::program::{Digest, Formula};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -85,11 +85,7 @@ impl JointLoad {
             let own = (MeasureParameter, Self::PARAMETERS);
             let of_joint = [(Velocity, n), (Coordinate, n), (Multiplier, count), (OfPart, m), own, (Time, 1)];
             let formula = Formula::record(of_joint, |x| {
-                let (v, rest) = x.split_at(n);
-                let (q, rest) = rest.split_at(n);
-                let (mu, rest) = rest.split_at(count);
-                let (joint_p, rest) = rest.split_at(m);
-                let (p, t) = rest.split_at(Self::PARAMETERS);
+                let [v, q, mu, joint_p, p, t] = split_arguments(x, [n, n, count, m, Self::PARAMETERS, 1]);
                 let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0]);
                 let [v, q, reaction] = [v, q, &reaction].map(|own| &own[self.node.clone()]);
                 vec![self.value([v, q], reaction, p)]

@@ -1,5 +1,5 @@
 use super::measured_group::{Argument, GroupFormula};
-use crate::elements::{Element, ElementPhysics, Parameter, State};
+use crate::elements::{Element, ElementPhysics, Parameter, State, split_arguments};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Time, Velocity};
 use crate::program::{Formula, Recorded};
 use crate::scalar::Scalar;
@@ -82,11 +82,8 @@ pub(super) fn record_points(
     let state = [Acceleration, Velocity, Coordinate].map(|kind| (kind, n));
     let rest = [(OfPart, m), (MeasureParameter, own), (Time, 1)];
     let formula = Formula::record([state, rest].concat(), |x| {
-        let (state, rest) = x.split_at(3 * n);
-        let (of_element, rest) = rest.split_at(m);
-        let (own, t) = rest.split_at(own);
-        let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
-        let all = at_points(s, PointParameters { element: of_element, own }, t[0]);
+        let [a, v, q, element, own, t] = split_arguments(x, [n, n, n, m, own, 1]);
+        let all = at_points(State { a, v, q }, PointParameters { element, own }, t[0]);
         points = all.len();
         all.iter().map(|point| point.value).chain(all.iter().map(|point| point.weight)).collect()
     })?;

@@ -1,5 +1,5 @@
 use crate::elements::entries::{Entry, Erase, Part};
-use crate::elements::{OfStates, Parameter, State, paired};
+use crate::elements::{OfStates, Parameter, State, paired, split_arguments};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
 use crate::scalar::Scalar;
@@ -63,17 +63,14 @@ impl<Q: Quantity> AnyQuantity for Q {
         let state = [Acceleration, Velocity, Coordinate].map(|kind| (kind, n));
         let rest = [(Multiplier, multipliers), (MeasureParameter, m), (Time, 1)];
         Formula::record([state, rest].concat(), |x| {
-            let (state, rest) = x.split_at(3 * n);
-            let (mu, rest) = rest.split_at(multipliers);
-            let (p, t) = rest.split_at(m);
-            let (a, v, q, t) = (&state[..n], &state[n..2 * n], &state[2 * n..], t[0]);
+            let [a, v, q, mu, p, t] = split_arguments(x, [n, n, n, multipliers, m, 1]);
             let rated = self.rated_count();
             if rated == 0 {
-                return vec![self.value(State { a, v, q }, mu, p, t)];
+                return vec![self.value(State { a, v, q }, mu, p, t[0])];
             }
             let mut e = vec![Recorded::from(0.0); rated];
-            self.rated(q, p, t, &mut e);
-            let moving = [paired(q, v), vec![(t, Recorded::from(1.0))]].concat();
+            self.rated(q, p, t[0], &mut e);
+            let moving = [paired(q, v), vec![(t[0], Recorded::from(1.0))]].concat();
             vec![self.value_with_rates(&e, &along_motion(&e, &moving), p)]
         })
     }

@@ -46,8 +46,9 @@ const PATTERNS: usize = 2;
 /// A pattern that was analysed.
 struct Analysed {
     size: usize,
-    /// Rows and columns of the entries, as they came, and where each stands among the values.
+    /// Rows and columns of the entries, as they came.
     places: Vec<[usize; 2]>,
+    /// Where each entry stands among the values.
     positions: Vec<usize>,
     count: usize,
     factors: Factorization,
@@ -119,6 +120,7 @@ fn corrected<S: RunScalar>(factors: &mut Factorization, entries: &[(usize, usize
 
 /// Columns of the generalized forces on the moving nodes: force and moment of a body, the coordinates of others.
 struct Columns {
+    /// The first one of each node, if it moves and a joint holds it.
     first: Vec<Option<usize>>,
     count: usize,
     /// Those of moments.

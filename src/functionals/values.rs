@@ -20,6 +20,7 @@ pub struct Values<'f, S> {
     p: &'f [S],
     /// Offsets follow the largest value; otherwise they are given.
     following: bool,
+    /// Of aggregates: c, to which their sums are relative.
     offsets: Vec<f64>,
     /// Of aggregates: smallest and largest value.
     seen: Vec<Option<[Seen; 2]>>,

@@ -15,12 +15,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 #[derive(Debug)]
 pub struct Checkpoints {
     budget: usize,
+    /// Steps of the run, if they are known before.
     planned: Option<usize>,
     start: Option<StartRecord<f64>>,
     steps: usize,
+    /// All steps, where these fit into the memory.
     all: Option<PackedSteps>,
     /// Number of checkpoints that fit into the memory beside one step; known after the first step.
     slots: usize,
+    /// The step behind which the next checkpoint is kept.
     wanted: usize,
     /// Distance of checkpoints when the number of steps is unknown.
     distance: usize,
@@ -201,14 +204,14 @@ impl History for Checkpoints {
             resume(&mut stepper, kept.checkpoints.first(), || rerun.grid.place(0))?;
         }
         let (grid, slots, end) = (rerun.grid, self.slots, self.steps);
-        Ok(Box::new(Again { grid, direction, stepper, kept, slots, end, last: None }))
+        Ok(Box::new(RecomputedSteps { grid, direction, stepper, kept, slots, end, last: None }))
     }
     fn usage(&self) -> Usage {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).usage
     }
 }
 
-struct Again<'h> {
+struct RecomputedSteps<'h> {
     grid: &'h TimeGrid,
     direction: Direction,
     stepper: Stepper<'h, f64>,
@@ -220,7 +223,7 @@ struct Again<'h> {
     last: Option<StepRecord<f64>>,
 }
 
-impl Again<'_> {
+impl RecomputedSteps<'_> {
     fn advance(&mut self) -> Result<&StepRecord<f64>, RunError> {
         self.kept.usage.recomputed += 1;
         self.stepper.step(self.grid, None)
@@ -252,7 +255,7 @@ impl Again<'_> {
     }
 }
 
-impl Steps for Again<'_> {
+impl Steps for RecomputedSteps<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         match self.direction {
             Direction::Backward => self.backward(),

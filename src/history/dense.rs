@@ -1,5 +1,6 @@
 use super::{Direction, History, Rerun};
 use crate::integrators::{RunError, SolveRecord, StageRecord, StartRecord, StepRecord};
+use crate::tolerances::SAME_TIME;
 
 /// The state at one time.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,7 @@ impl End {
         let mut state = Snapshot { t, q: step.q.clone(), v: step.v.clone(), a: Vec::new(), mu: Vec::new() };
         let mut is_static = false;
         if let Some(StageRecord { solve, .. }) = step.stages.last() {
-            if (t - solve.t).abs() <= 1e-9 * step.h {
+            if (t - solve.t).abs() <= SAME_TIME * step.h {
                 state.a.clone_from(&solve.unknowns.x);
             }
             state.mu.clone_from(&solve.unknowns.mu);
@@ -117,7 +118,7 @@ pub fn moments(history: &dyn History, rerun: &Rerun<'_>, times: &[f64]) -> Resul
         }
         let ((start, to), from) = (dense.span(), latest);
         // the last step may end within round-off of the end that was asked for
-        if !(from <= t && t <= to + 1e-9 * (to - start)) {
+        if !(from <= t && t <= to + SAME_TIME * (to - start)) {
             return Err(RunError::Input(format!(
                 "the motion is asked for at {t} s, after {from} s and within a run to {to} s"
             )));

@@ -37,16 +37,17 @@ pub struct FileHistory {
     steps: usize,
     /// Bytes of complete frames, header included.
     bytes: u64,
+    /// Where the first step begins, and where the last one ends.
     ends: [u64; 2],
     frame: Vec<u8>,
     /// What an earlier run left, until this one is as far.
-    found: Option<Found>,
+    earlier: Option<EarlierRun>,
     taken_over: usize,
     /// Where the last pause ends, how long it is, and when it was written.
     paused: (u64, u64, Instant),
 }
 
-struct Found {
+struct EarlierRun {
     steps: usize,
     /// Where the last pause begins, and how many steps there are before.
     pause: Option<(u64, usize)>,
@@ -147,7 +148,7 @@ impl FileHistory {
             bytes: 0,
             ends: [0; 2],
             frame: Vec::new(),
-            found: None,
+            earlier: None,
             taken_over: 0,
             paused: (HEADER, 0, Instant::now()),
         }
@@ -233,7 +234,7 @@ impl FileHistory {
             }
             own.bytes += reader.length;
         }
-        own.found = Some(Found { steps: own.steps, pause, reader, position });
+        own.earlier = Some(EarlierRun { steps: own.steps, pause, reader, position });
         Ok((own, damage))
     }
 
@@ -266,11 +267,11 @@ impl FileHistory {
     }
 
     fn is_behind(&self) -> bool {
-        self.found.as_ref().is_some_and(|found| found.steps > self.steps)
+        self.earlier.as_ref().is_some_and(|earlier| earlier.steps > self.steps)
     }
 
     /// A record made again must be the one that is there.
-    fn check_found(&self, found: &[u8], again: &impl Flat, place: &str) -> Result<(), RunError> {
+    fn check_same(&self, found: &[u8], again: &impl Flat, place: &str) -> Result<(), RunError> {
         if *found == again.bytes() {
             return Ok(());
         }
@@ -304,7 +305,7 @@ impl FileHistory {
 impl Observer for FileHistory {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         if let Some(found) = &self.start {
-            return self.check_found(&found.bytes(), start, "start");
+            return self.check_same(&found.bytes(), start, "start");
         }
         self.append_frame(0, start).map_err(|cause| self.unwritten("start".into(), &cause))?;
         (self.start, self.ends) = (Some(start.clone()), [self.bytes; 2]);
@@ -313,25 +314,27 @@ impl Observer for FileHistory {
     fn take_up(&mut self, rule: StepRule, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
         // all that is found is made once more
         let all = std::mem::take(&mut self.steps);
-        let Some(found) = &mut self.found else { return Ok(None) };
-        found.steps = all;
-        let Some((begin, count)) = found.pause else { return Ok(None) };
+        let Some(earlier) = &mut self.earlier else { return Ok(None) };
+        earlier.steps = all;
+        let Some((begin, count)) = earlier.pause else { return Ok(None) };
         let path = if self.complete { self.path.clone() } else { part_of(&self.path) };
         let damaged = |step: usize, damage| failure(format!("step {step}"), &path, damage, "begin a new file");
         let mut step = StepRecord::default();
         for number in 1..=count {
-            let bytes = found.reader.step_from(&mut found.position, number);
+            let bytes = earlier.reader.step_from(&mut earlier.position, number);
             let read = bytes.and_then(|bytes| read_step(&mut step, bytes, rule));
             read.map_err(|damage| damaged(number, damage))?;
-            found.position += found.reader.length;
+            earlier.position += earlier.reader.length;
             if !steps(&step)? {
                 return Err(RunError::Interrupted { steps: number });
             }
         }
-        let read =
-            found.reader.load_frame(begin).and_then(|_| Pause::from_bytes(found.reader.record()).ok_or(Damage::Unreadable));
+        let read = earlier
+            .reader
+            .load_frame(begin)
+            .and_then(|_| Pause::from_bytes(earlier.reader.record()).ok_or(Damage::Unreadable));
         let pause = read.map_err(|damage| damaged(count, damage))?;
-        found.position = begin + found.reader.length;
+        earlier.position = begin + earlier.reader.length;
         (self.steps, self.taken_over) = (count, count);
         Ok(Some(pause))
     }
@@ -360,14 +363,14 @@ impl Observer for FileHistory {
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         let number = self.steps + 1;
         if self.is_behind()
-            && let Some(mut found) = self.found.take()
+            && let Some(mut earlier) = self.earlier.take()
         {
             let place = format!("step {number}");
-            let there = found.reader.step_from(&mut found.position, number);
+            let there = earlier.reader.step_from(&mut earlier.position, number);
             let there = there.map_err(|damage| failure(place.clone(), &self.place(), damage, "begin a new file"))?;
-            self.check_found(there, step, &place)?;
-            found.position += found.reader.length;
-            (self.steps, self.found) = (number, Some(found));
+            self.check_same(there, step, &place)?;
+            earlier.position += earlier.reader.length;
+            (self.steps, self.earlier) = (number, Some(earlier));
             return Ok(true);
         }
         let place = |t: f64| format!("step {number} (t = {} s)", shortest(t));

@@ -75,6 +75,7 @@ pub(super) struct Reader {
     pub(super) identity: u64,
     /// What it simulates.
     pub(super) run: u64,
+    /// Bytes of the frame that was loaded last.
     pub(super) length: u64,
     bytes: Vec<u8>,
 }

@@ -6,10 +6,10 @@
 pub(crate) mod checkpoints;
 mod dense;
 pub(crate) mod file;
+mod first_rank;
 mod flat;
 mod frames;
 mod free_memory;
-mod handed;
 pub(crate) mod nothing;
 mod packed;
 pub(crate) mod rerun;
@@ -21,9 +21,9 @@ pub use dense::Snapshot;
 #[doc(hidden)]
 pub use dense::{Dense, moments};
 pub(crate) use file::FileHistory;
+use first_rank::FirstRankHistory;
 #[doc(hidden)]
 pub use frames::check_place;
-use handed::Handed;
 pub(crate) use nothing::Nothing;
 pub(crate) use rerun::Rerun;
 
@@ -85,7 +85,7 @@ impl Keep {
 /// A file, which the first of several ranks has for all.
 fn in_file(file: impl FnOnce() -> Result<FileHistory, RunError>) -> Result<Box<dyn History>, RunError> {
     let world = exchange::world();
-    Ok(if world.ranks() == 1 { Box::new(file()?) } else { Box::new(Handed::new(world, file)?) })
+    Ok(if world.ranks() == 1 { Box::new(file()?) } else { Box::new(FirstRankHistory::new(world, file)?) })
 }
 
 /// What a history took.

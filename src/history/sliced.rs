@@ -10,6 +10,7 @@ const WHOLE: usize = 1 << 16;
 /// Bytes that all ranks have, in slices; all of them where there is one process.
 #[derive(Clone)]
 pub(super) struct Sliced {
+    /// The slice of this rank.
     own: Box<[u8]>,
     length: usize,
     world: &'static dyn Exchange,

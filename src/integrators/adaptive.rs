@@ -33,15 +33,15 @@ pub struct StepControl {
     pub longest: f64,
 }
 
-/// Share of the step that the error would just allow.
+/// Share of the step that the error would just allow, as in Hairer, Norsett, Wanner, II.4.
 const SAFETY: f64 = 0.9;
 /// Least and largest ratio of two successive steps.
 const CHANGE: [f64; 2] = [0.2, 5.0];
-/// Exponents of the error of this step and of the one before, times the order of the estimate.
+/// Exponents of the error of this step and of the one before, times the order of the estimate: Hairer, Wanner, Solving ODEs II, IV.2.
 const EXPONENTS: [f64; 2] = [0.7, 0.4];
 /// How often a step is halved after a failure of Newton's method.
 const MOST_HALVINGS: usize = 8;
-/// Steps below this share of the run do not advance it.
+/// Steps below this share of the run do not advance it: its times are rounded by a thousandth of such a step.
 const SHORTEST: f64 = 1e-13;
 
 impl StepControl {

@@ -72,14 +72,10 @@ pub struct Path {
 /// Corrections that a well chosen arc needs.
 const WANTED: f64 = 5.0;
 const MOST_CORRECTIONS: usize = 15;
-/// Correction at which a point is as good as round-off allows, relative to the largest coordinate.
-const ROUND_OFF: f64 = 1e-14;
 /// Correction that is accepted when corrections no longer shrink.
 const NEARLY: f64 = 1e-9;
 /// Least cosine between the tangents at both ends of an arc.
 const STRAIGHT: f64 = 0.9;
-/// Arcs below this share of the first one no longer advance.
-const SHORTEST: f64 = 1e-6;
 /// Slope at a limit; the load there is off by its square.
 const LEVEL: f64 = 1e-7;
 /// Most points that are tried to locate a limit or an end.
@@ -199,7 +195,7 @@ impl Follower<'_> {
                 }
                 // not by one half: an end that is singular by chance is not met again
                 arc *= 0.4;
-                if arc < SHORTEST * first {
+                if arc < super::load_steps::SHORTEST * first {
                     let hint = "the path ends or branches there; start from a disturbed shape";
                     return Err(RunError::NoEquilibrium { t: point.load, h: arc, hint, cause });
                 }
@@ -302,7 +298,7 @@ impl Follower<'_> {
                 return Err(format!("corrections diverge at the load factor {load}"));
             }
             let stalled = step > 0.5 * previous && step <= NEARLY * size;
-            if step <= ROUND_OFF * size || stalled {
+            if step <= crate::tolerances::ROUND_OFF * size || stalled {
                 self.newton.residual.restore(&self.newton.system, stage, &mut unknowns);
                 let q = from.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
                 let mut point = PathPoint { load, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };

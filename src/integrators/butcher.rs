@@ -1,6 +1,7 @@
 use super::implicit_weights::implicit_weights;
 use super::positive_weights::positive_weights;
 use super::{Carried, Combination, Embedded, Stage, Table};
+use crate::tolerances::ROUND_OFF;
 
 /// A Runge-Kutta tableau with a lower-triangular matrix, and what it claims of itself.
 #[derive(Clone, Debug, Default)]
@@ -20,9 +21,6 @@ pub struct Butcher {
     /// Order and weights of an embedded solution.
     pub embedded: Option<(usize, Vec<f64>)>,
 }
-
-/// Violation of a claim up to which it is round-off of the coefficients, relative to the size of the terms.
-const ROUND_OFF: f64 = 1e-14;
 
 impl Butcher {
     fn stages(&self) -> usize {

@@ -18,7 +18,7 @@
 
 use super::RunError;
 use super::amplitudes::{self, Amplitudes, Pencil};
-use super::krylov::{Space, WholeBasis, add, all_pairs, dot, in_order, largest_pairs};
+use super::krylov::{Space, WholeBasis, ZERO, add, all_pairs, dot, in_order, largest_pairs};
 use super::mode_vectors::{LEFT, improved};
 use super::vibrations::{Mode, Modes, NOISE, Operator, RestingProblem};
 use super::whole_basis::Motions;
@@ -34,16 +34,12 @@ const FIRST_SHIFT: f64 = 1e-7;
 const GROWTH: f64 = 30.0;
 /// A shift this many times smaller or larger than the lowest value that is not zero is chosen anew.
 const FAR: f64 = 3.0;
-/// lambda^2 below this share of the square of the shift is not told from zero.
-const ZERO: f64 = 1e-10;
 /// By how much lambda may be larger than the shift at which it is found.
 const RANGE: f64 = 1e3;
 /// Values that are zero of a body that nothing holds: it has six motions, each with a rate that stays.
 const FREE: usize = 12;
 /// Share of K x in (K + s C + s^2 M) x up to which x may be rigid.
 const RIGID: f64 = 1e-3;
-/// theta below this share of the largest one is none.
-const INFINITE: f64 = 1e-10;
 const SPARE: usize = 2;
 /// Growth and rate of a mode, and the parts of its vector.
 type Pair = ([f64; 2], [Vec<f64>; 2]);
@@ -193,7 +189,7 @@ impl Search<'_> {
         let mut ritz = largest_pairs(&mut damped, sought, SPARE)?;
         let most = ritz.first().map_or(0.0, size);
         // what is not there for want of inertia is infinitely fast
-        ritz.retain(|pair| size(pair) > INFINITE * most);
+        ritz.retain(|pair| size(pair) > ZERO * most);
         Ok((ritz, None))
     }
 

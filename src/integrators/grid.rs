@@ -2,6 +2,7 @@ use super::SideChange;
 use crate::assembly::Clock;
 use crate::design::shortest;
 use crate::elements::RunScalar;
+use crate::tolerances::{SAME_DERIVATIVE, SAME_TIME};
 use std::collections::BTreeMap;
 
 /// How time goes in each stretch between breakpoints, with the index of its first step; empty where these do not move.
@@ -36,8 +37,6 @@ pub struct TimeGrid {
     pub(super) asked: usize,
 }
 
-/// Times nearer to each other than this share of a step are one but for round-off.
-const SAME_TIME: f64 = 1e-9;
 /// A stretch longer than a whole number of steps by less than this share of one has that number.
 const WHOLE: f64 = 1e-6;
 
@@ -138,7 +137,8 @@ impl TimeGrid {
         let mut moves = vec![S::zero()];
         for (&index, numbers) in &self.breakpoints {
             let own = parts[numbers[0]];
-            if numbers.iter().any(|&number| size(&(parts[number] - own)) > 1e-9 * size(&own).max(size(&parts[number]))) {
+            let differs = |part: S| size(&(part - own)) > SAME_DERIVATIVE * size(&own).max(size(&part));
+            if numbers.iter().any(|&number| differs(parts[number])) {
                 return Err(moved_apart(self.times[index]));
             }
             moves.push(own);

@@ -1,6 +1,5 @@
+use crate::tolerances::LONG_SUM;
 use nalgebra::{DMatrix, DVector};
-
-const ROUND_OFF: f64 = 1e-12;
 
 /// Weights by which the stages behind an explicit first one make a solution without it: the nearest to `b` in the sum of squares under as
 /// many of these conditions as there are such stages: order 1, order 2, bounded and then zero where a decay is infinitely stiff, order 3 with
@@ -22,6 +21,6 @@ pub(super) fn implicit_weights(a: &[Vec<f64>], b: &[f64], c: &[f64]) -> Vec<f64>
     let wanted = DVector::from_fn(conditions.len(), |i, _| conditions[i].1);
     let own = DVector::from_column_slice(&b[1..]);
     let missed = wanted - &rows * &own;
-    let correction = rows.svd(true, true).solve(&missed, ROUND_OFF).expect("both factors are there");
+    let correction = rows.svd(true, true).solve(&missed, LONG_SUM).expect("both factors are there");
     std::iter::once(0.0).chain((own + correction).iter().copied()).collect()
 }

@@ -9,6 +9,8 @@ use nalgebra::DMatrix;
 
 /// Residual of a pair, relative to its value.
 const CONVERGED: f64 = 1e-11;
+/// Share of the shift, or of the largest value, that is not told from zero: ten times what pairs converge to.
+pub(super) const ZERO: f64 = 1e-10;
 /// Vectors that are dependent on others but for this share are left out.
 const DEPENDENT: f64 = 1e-10;
 /// Vectors that are dependent but for this share may be what round-off leaves of the constraints ...

@@ -6,8 +6,8 @@ use super::time_loop::{StepSelection, TrialOutcome, TrialStep};
 use super::{Checkpoint, RunError, Scheme, StepControl, StepSizeState};
 
 const FIRST: f64 = 0.1;
-/// Steps below this share of the load find no equilibrium any more.
-const SHORTEST: f64 = 1e-6;
+/// Steps below this share of the load, and arcs below this share of the first one, find no equilibrium any more.
+pub(super) const SHORTEST: f64 = 1e-6;
 /// Steps below this share of the load are taken where their end is unstable, too: it is the path that loses its stability.
 const SHORT: f64 = 1e-3;
 /// Newton iterations up to which the next step may be longer.

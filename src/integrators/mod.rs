@@ -75,7 +75,9 @@ pub use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
 pub(crate) use harmonic_response::{Response, Vibration, harmonic_response};
 pub use march::Method;
 pub(crate) use march::Problem;
-pub(crate) use mode_vectors::{Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, is_cut, mode_vectors, value_of};
+pub(crate) use mode_vectors::{
+    Amplitude, ModeGroup, ModeVectors, SAME as SAME_MODE, SHIFT as RESTING_SHIFT, is_cut, mode_vectors, value_of,
+};
 pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
@@ -87,8 +89,6 @@ pub(crate) use restart::{Pause, StepSizeState};
 pub(crate) use resting_start::{resting_start, staying_states};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
-#[doc(hidden)]
-pub use start::INCONSISTENT;
 pub(crate) use start::{InitialState, RestingPlan, StartPlan};
 pub(crate) use steady_turn::forces_turn;
 pub(crate) use step::Stepper;

@@ -16,8 +16,8 @@ use crate::scalar::Complex64;
 use nalgebra::DMatrix;
 
 const PLACE: &str = "derivatives of modes";
-/// Shift at which the equilibrium is looked for, as a share of the lowest omega^2.
-const SHIFT: f64 = 1e-4;
+/// Shift at which the equilibrium is looked for where something moves freely, as a share of the lowest omega^2 that is not zero.
+pub(crate) const SHIFT: f64 = 1e-4;
 /// Values that differ by this share of their size are the same.
 pub(crate) const SAME: f64 = 1e-8;
 /// Distances from the value at which its vectors are sought, as shares of it: the first at which the matrix has factors.

@@ -1,6 +1,5 @@
+use crate::tolerances::LONG_SUM;
 use nalgebra::{DMatrix, DVector};
-
-const ROUND_OFF: f64 = 1e-12;
 
 /// Weights of a step's stages at the times `c`, none negative, that integrate polynomials as well as the weights `b` of a method of this order do, and
 /// are the nearest to `b` in the sum of squares; `b` itself where nothing in it is negative.
@@ -30,9 +29,9 @@ fn on_support(b: &[f64], c: &[f64], conditions: usize, support: &[usize]) -> Opt
     let wanted = DVector::from_fn(conditions, |power, _| 1.0 / (power + 1) as f64);
     let own = DVector::from_fn(support.len(), |own, _| b[support[own]]);
     let missed = &wanted - &powers * &own;
-    let correction = powers.clone().svd(true, true).solve(&missed, ROUND_OFF).ok()?;
+    let correction = powers.clone().svd(true, true).solve(&missed, LONG_SUM).ok()?;
     let weights = own + correction;
-    if (&powers * &weights - wanted).amax() > ROUND_OFF || weights.min() < 0.0 {
+    if (&powers * &weights - wanted).amax() > LONG_SUM || weights.min() < 0.0 {
         return None;
     }
     let mut all = vec![0.0; b.len()];

@@ -52,7 +52,7 @@ impl<'c> RunInterval<'c> {
     pub fn span(&self, h: f64) -> ((f64, f64), f64) {
         let (t, target) = (self.t(), self.stretches.times[self.target]);
         let left = target - t;
-        let end = if h >= left * (1.0 - 1e-9) {
+        let end = if h >= left * (1.0 - crate::tolerances::SAME_TIME) {
             target
         } else if 2.0 * h > left {
             // two equal steps rather than a long and a tiny one

@@ -12,6 +12,7 @@ use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
 use crate::linalg::Backend;
 use crate::scalar::Quaternion;
+use crate::tolerances::CONSISTENT;
 use std::sync::Arc;
 
 /// Coordinates and velocities at t = 0.
@@ -51,9 +52,6 @@ pub struct RestingPlan {
     /// Places of states of first order that stay as they are given: nothing depends on them, or their rates at rest depend on nothing.
     pub stays: Vec<usize>,
 }
-
-/// Violation of a constraint beyond which a start is inconsistent, relative to the size of the coordinates or rates.
-pub const INCONSISTENT: f64 = 1e-9;
 
 impl StartPlan {
     /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.
@@ -208,7 +206,7 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
         let own = |x: &[f64]| Quaternion::from_slice(&x[node.dofs.start + 3..]);
         let (e, rate) = (own(&problem.start.q), own(&problem.start.v));
         let norm = e.norm_squared().sqrt();
-        if (norm - 1.0).abs() > INCONSISTENT {
+        if (norm - 1.0).abs() > CONSISTENT {
             return Err(RunError::Input(format!(
                 "body \"{}\": its Euler parameters {:?} have length {norm}, not 1; normalize them or ask for the start to be projected",
                 node.name, e.0
@@ -216,7 +214,7 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
         }
         let along: f64 = e.0.iter().zip(rate.0).map(|(e, r)| e * r).sum();
         let size = rate.norm_squared().sqrt();
-        if along.abs() > INCONSISTENT * size.max(1.0) {
+        if along.abs() > CONSISTENT * size.max(1.0) {
             return Err(RunError::Input(format!(
                 "body \"{}\": the rates of its Euler parameters change their length (e . de/dt = {along:.3e} 1/s); \
                  give an angular velocity instead or ask for the start to be projected",
@@ -231,7 +229,7 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
         let largest = |order: usize| g.iter().fold(0.0, |largest: f64, g| largest.max(g[order].abs()));
         let (off, rate) = (largest(0), largest(1));
         let speed = v[3..].iter().fold(1.0, |largest: f64, v| largest.max(v.abs()));
-        if off > INCONSISTENT || rate > INCONSISTENT * speed {
+        if off > CONSISTENT || rate > CONSISTENT * speed {
             return Err(RunError::Input(format!(
                 "body \"{}\": its axes are off from orthonormal by {off:.3e}, and their rates move them off by {rate:.3e} 1/s; \
                  give a rotation and an angular velocity or ask for the start to be projected",
@@ -300,9 +298,9 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
         let zeros = vec![0.0; q.len()];
         let g = joint.physics.motion(State { a: &zeros, v: &v, q: &q }, &problem.p[joint.parameters.clone()], 0.0);
         for (row, [value, rate, _]) in g.iter().enumerate() {
-            if !(value.abs() <= INCONSISTENT * length) {
+            if !(value.abs() <= CONSISTENT * length) {
                 messages.push(format!("joint \"{}\", constraint {}: g = {:.6e}", joint.name, row + 1, value));
-            } else if !table.is_static() && !policy.from_equilibrium && !(rate.abs() <= INCONSISTENT * speed) {
+            } else if !table.is_static() && !policy.from_equilibrium && !(rate.abs() <= CONSISTENT * speed) {
                 messages.push(format!("joint \"{}\", constraint {}: dg/dt = {:.6e}", joint.name, row + 1, rate));
             }
         }

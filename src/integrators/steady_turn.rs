@@ -7,15 +7,12 @@ use super::RunError;
 use crate::assembly::{Model, NodeId};
 use crate::elements::State;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
+use crate::tolerances::CONSISTENT;
 
 /// Angle by which what turns is turned on \[rad\], to see whether forces turn with it.
 const ANGLE: f64 = 1.0;
-/// Change of a force, as a share of the largest one, that is none, ...
-const CHANGE: f64 = 1e-9;
-/// ... or this many times what round-off of places makes of forces.
+/// Change of a force that is none, too, in changes that round-off of places makes of forces.
 const NOISE: f64 = 30.0;
-/// Second derivative of a constraint, as a share of the largest acceleration, that is none.
-const BESIDE: f64 = 1e-9;
 
 /// Checks the state at which a motion begins, in which some nodes turn steadily: it is in equilibrium in their frame.
 pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(), RunError> {
@@ -30,7 +27,7 @@ pub(super) fn check(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Result<(),
     for joint in &model.constraints {
         let [a, v, q] = [&a, v, q].map(|x| gathered(model, &joint.nodes, x));
         let g = joint.physics.motion(State { a: &a, v: &v, q: &q }, &p[joint.parameters.clone()], 0.0);
-        if let Some(row) = g.iter().position(|g| !(g[2].abs() <= BESIDE * largest)) {
+        if let Some(row) = g.iter().position(|g| !(g[2].abs() <= CONSISTENT * largest)) {
             return Err(RunError::Input(format!(
                 "the turn at the start is not steady: joint \"{}\", constraint {}: d2g/dt2 = {:.6e}; joints and drives must let what turns go on at the \
                  same rate",
@@ -86,7 +83,7 @@ pub(crate) fn forces_turn(model: &Model, p: &[f64], [q, v]: [&[f64]; 2]) -> Resu
             }
         }
     }
-    if !(most.0 <= (CHANGE * largest).max(NOISE * noise)) {
+    if !(most.0 <= (CONSISTENT * largest).max(NOISE * noise)) {
         return Err(RunError::Input(format!(
             "the turn at the start is not steady: the forces of \"{}\" change by {:.1e} of the largest one while it turns on by {ANGLE} rad; \
              what acts on parts that turn must turn with them, or act along the axis or about it",

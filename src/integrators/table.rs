@@ -123,7 +123,7 @@ pub enum Scheme {
     Starter,
 }
 
-/// Steps whose sizes differ relatively by less than this have the same size: times are sums with round-off.
+/// Steps whose sizes differ relatively by less than this have the same size: each is the difference of two times, sums with round-off.
 pub(super) const SAME_SIZE: f64 = 1e-8;
 
 impl Table {

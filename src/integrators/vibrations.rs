@@ -17,7 +17,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::amplitudes::entries;
-use super::krylov::{Space, add, all_pairs, dot, in_order, largest_pairs, magnitude};
+use super::krylov::{Space, ZERO, add, all_pairs, dot, in_order, largest_pairs, magnitude};
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{RunError, Stability, StartPlan, Stop};
@@ -81,8 +81,6 @@ const FIRST_SHIFT: f64 = 1e-8;
 const MOST_SHIFTS: usize = 6;
 /// A shift this much smaller or larger than the lowest mode that is not rigid is chosen anew.
 const FAR: [f64; 2] = [1e-2, 10.0];
-/// omega^2 is not told from zero below this share of the shift.
-const ZERO: f64 = 1e-10;
 /// By how much omega^2 may be larger than the shift at which it is found.
 const RANGE: f64 = 1e5;
 /// Another shift where it is.

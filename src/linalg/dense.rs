@@ -1,7 +1,7 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::multifrontal::pivots::{PANEL, SMALL, STRIP, TINY_PIVOT, eliminate_column, subtract_few, subtract_pivots};
+use super::multifrontal::pivots::{PANEL, SMALL, STRIP, eliminate_column, subtract_few, subtract_pivots};
 use super::multifrontal::{Inertia, MultifrontalLu, largest};
 use super::simd::{Kernel, dispatch};
 use super::{LinearSolver, Singular};
@@ -64,7 +64,7 @@ impl LinearSolver for DenseLu {
             if !pivot.is_finite() {
                 return Err(Singular { unknown: k });
             }
-            if pivot.abs() < TINY_PIVOT {
+            if pivot.abs() < crate::tolerances::ROUND_OFF {
                 return Err(Singular { unknown: self.dependent_unknown(k) });
             }
         }

@@ -17,6 +17,7 @@ use super::{DenseLu, Kernel, LinearSolver, OwnUnknowns, Owners, Singular, dispat
 use crate::exchange::digest;
 use crate::linalg::SparsePattern;
 use crate::scalar::larger;
+use crate::tolerances::{NOTHING, ROUND_OFF};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -57,9 +58,6 @@ impl Backend {
         }
     }
 }
-
-/// Numbers below this are zero: what is made of them underflows, so that their last digits never settle.
-const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// A solver and what its factorizations take, known before the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,9 +114,6 @@ const NEXT_TO_NOTHING: f64 = 1e-10;
 
 /// Multiplications of a factorization for each entry of L and U that take as long as a refinement.
 const MULTIPLICATIONS_PER_ENTRY: f64 = 20.0;
-
-/// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
-const SINGULAR_GROWTH: f64 = 1e14;
 
 /// What became of transposed right-hand sides.
 #[must_use = "right-hand sides are no solutions where kept factors do not serve"]
@@ -385,7 +380,7 @@ impl Factorization {
             self.solver.solve(&mut x);
             let largest = (0..x.len()).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs()));
             if let Some(unknown) = largest
-                && !(x[unknown].abs() < SINGULAR_GROWTH)
+                && !(x[unknown].abs() < 1.0 / ROUND_OFF)
             {
                 return Err(Singular { unknown });
             }

@@ -4,7 +4,7 @@
 //! chooses the backend by size, refines solutions, and names the unknown of a singular system.
 
 extern crate self as linalg;
-use costate_program::scalar;
+use costate_program::{scalar, tolerances};
 
 pub mod exchange;
 

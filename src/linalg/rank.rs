@@ -11,8 +11,6 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Rows whose remaining part is below this share of a unit row depend on the chosen ones.
 const DEPENDENT: f64 = 1e-9;
-/// The same of a determinant, whose sign is not known below.
-const ROUND_OFF: f64 = 1e-14;
 /// Rows of which less than this share is left wait for later fronts: by its inverse grows what round-off does to those that come after, which
 /// stays far below [`DEPENDENT`].
 const WAITS: f64 = 1e-4;
@@ -35,7 +33,7 @@ pub fn independent_rows(rows: &[SparseRow], rank: Option<usize>) -> Vec<usize> {
 
 /// Sign of the determinant of a square matrix: 1, -1, or 0 where it is singular but for round-off.
 pub fn sign_of_determinant(rows: &[SparseRow]) -> f64 {
-    let Elimination { pivots, reflections, .. } = Elimination::of(rows, ROUND_OFF);
+    let Elimination { pivots, reflections, .. } = Elimination::of(rows, crate::tolerances::ROUND_OFF);
     if pivots.len() < rows.len() {
         return 0.0;
     }

@@ -9,18 +9,16 @@ use super::{Kernel, OwnUnknowns, SparsePattern, dispatch};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Smallest diagonal entry, as a share of its column, by which an unknown is scaled: rows and columns of our matrices
-/// have like sizes.
-const SMALL_DIAGONAL: f64 = 1e-10;
+/// Smallest entry, as a share of its column, by which an unknown is scaled or tied: rows and columns of our matrices have like sizes, and what is smaller
+/// is round-off of an entry that vanishes.
+const SMALL: f64 = 1e-10;
 
 /// Scaled entry of a stiff unknown in the equation of a multiplier, as a share of that of one to be called soft.
 const SOFT: f64 = 1e-5;
 
 /// Share of the largest entry of its row and of its column by which a weak unknown is tied to scaled ones: the strongest ties are taken first,
-/// each next kind is so much weaker ...
+/// each next kind is so much weaker, down to [`SMALL`].
 const WEAKER: f64 = 0.1;
-/// ... and what is below this share is round-off of an entry that vanishes.
-const NO_TIE: f64 = 1e-10;
 
 /// Place of a diagonal entry that is not in the pattern.
 const NO_PLACE: u32 = u32::MAX;
@@ -131,12 +129,12 @@ impl Scaling {
         assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
         [&mut *rows, &mut *columns].into_iter().for_each(|scales| scales.resize(pattern.size, 1.0));
         // what is large enough beside all values is so beside those of its column
-        let surely_large = SMALL_DIAGONAL * largest_value;
+        let surely_large = SMALL * largest_value;
         let (mut next, mut same) = (0, true);
         for (unknown, (&place, (row, column))) in layout.diagonal.iter().zip(rows.iter_mut().zip(columns)).enumerate() {
             let diagonal = if let Some(value) = values.get(place as usize) { value.abs() } else { 0.0 };
             let own = || &values[pattern.column_starts[unknown]..pattern.column_starts[unknown + 1]];
-            let scale = if diagonal > surely_large || diagonal > 0.0 && diagonal > SMALL_DIAGONAL * largest(own()) {
+            let scale = if diagonal > surely_large || diagonal > 0.0 && diagonal > SMALL * largest(own()) {
                 inverse_power_of_root(diagonal)
             } else {
                 same &= weak.get(next) == Some(&(unknown as u32));
@@ -225,7 +223,7 @@ impl Scaling {
         order.extend((0..self.weak.len()).map(|number| (strength(number), number)));
         order.sort_unstable_by(|(a, first), (b, second)| b.total_cmp(a).then(first.cmp(second)));
         let mut least = WEAKER;
-        while least > NO_TIE && !order.is_empty() {
+        while least > SMALL && !order.is_empty() {
             let left = order.len();
             order.retain(|&(_, number)| {
                 let is_tied = self.tie(number, values) >= least;
@@ -264,7 +262,7 @@ impl Scaling {
             let own = &self.weak_entries[rows[0] as usize..rows[1] as usize];
             let value = |place: u32| values[place as usize].abs();
             let largest = own.iter().fold(0.0, |most: f64, &(place, _)| most.max(value(place)));
-            let is_large = |&&(place, _): &&(u32, u32)| value(place) > SMALL_DIAGONAL * largest;
+            let is_large = |&&(place, _): &&(u32, u32)| value(place) > SMALL * largest;
             let sizes = own.iter().filter(is_large).map(|&(place, column)| value(place) * self.columns[column as usize]);
             let stiffest = sizes.filter(|&size| size > 0.0).fold(f64::INFINITY, f64::min);
             for &(place, column) in own {

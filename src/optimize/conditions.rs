@@ -3,6 +3,7 @@
 
 use super::evaluations::violation;
 use super::{ConstraintKind, Gradients, Stopping, Values};
+use crate::tolerances::LONG_SUM;
 use nalgebra::{DMatrix, DVector};
 
 /// The first-order conditions of optimality at a point, found from its values and gradients alone, whatever led there.
@@ -33,8 +34,6 @@ pub struct Conditions {
 
 /// Changes of the set of variables held by their bounds that are made.
 const ROUNDS: usize = 40;
-/// Share of a multiplier's own scale below which its slope counts as zero.
-const ROUND_OFF: f64 = 1e-12;
 
 /// What is known at a point.
 struct Place<'p> {
@@ -150,7 +149,7 @@ fn least_squares(matrix: &DMatrix<f64>, target: &DVector<f64>, free: &[bool]) ->
         let rest = target - matrix * &x;
         let pull = |k: usize| {
             let column = matrix.column(k);
-            (column.dot(&rest), column.norm() * target.norm() * ROUND_OFF)
+            (column.dot(&rest), column.norm() * target.norm() * LONG_SUM)
         };
         let next = (0..m).filter(|&k| !chosen[k]).map(|k| (pull(k), k)).filter(|((pull, floor), _)| pull > floor);
         match next.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) {
@@ -169,7 +168,7 @@ fn on_columns(matrix: &DMatrix<f64>, target: &DVector<f64>, chosen: &[bool]) -> 
         return x;
     }
     let svd = matrix.select_columns(&places).svd(true, true);
-    let floor = ROUND_OFF * svd.singular_values.max();
+    let floor = LONG_SUM * svd.singular_values.max();
     if let Ok(found) = svd.solve(target, floor) {
         places.iter().zip(found.iter()).for_each(|(&k, value)| x[k] = *value);
     }

@@ -221,7 +221,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             work,
             fingerprint,
         });
-        self.tell();
+        self.notify_watcher();
         values
     }
 
@@ -247,7 +247,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
     }
 
     /// Tells the watcher of a change.
-    fn tell(&mut self) {
+    fn notify_watcher(&mut self) {
         let stops = !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
         // that of the first rank alone has files, whose disk may be full
         self.stopped |= of_first(f64::from(u8::from(stops))) != 0.0;
@@ -345,14 +345,14 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         let rows = rows.map_err(|error| self.failed(error))?;
         self.history.points[place].gradients = Some(rows.clone());
         self.latest = Some(latest);
-        self.tell();
+        self.notify_watcher();
         Ok(self.gradients_of(y.len(), &rows))
     }
     fn reached(&mut self, y: &[f64], iteration: usize) -> bool {
         if let Some(place) = self.place_of(&self.scaling.design(y)) {
             self.history.points[place].iteration = Some(iteration);
         }
-        self.tell();
+        self.notify_watcher();
         !self.stopped
     }
 }

@@ -1,6 +1,7 @@
 //! Points to go on from, after the end at a least violation that is not zero.
 
 use super::evaluations::violation;
+use super::program::unless_failed;
 use super::quadratic::QuadraticProgram;
 use super::{Evaluations, Gradients, NoValue, Values};
 
@@ -18,7 +19,9 @@ const MOST_ESCAPES: usize = 8;
 /// Source: Roberts (2018), "The unreasonable effectiveness of quasirandom sequences": multiples of powers of the generalized golden ratio.
 pub(super) struct Escape {
     points: usize,
+    /// How often a point was looked for.
     escapes: usize,
+    /// Share of the range of each variable by which the next point goes on.
     shares: Vec<f64>,
 }
 
@@ -61,30 +64,23 @@ impl Escape {
         if self.escapes > MOST_ESCAPES {
             return Ok(None);
         }
-        let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut best = None;
         let mut least = LESS * evaluations.violation(values);
         for _ in 0..(TRIED * (x.len() + 2)).min(MOST_TRIED) {
             let point = self.next(evaluations.bounds(), x, ranges);
             let Some(point) = on_linear(evaluations, x, (values, gradients), &point) else { continue };
-            let own = match evaluations.values(&point) {
-                Ok(values) => evaluations.violation(&values),
-                Err(NoValue::Failed) => continue,
-                Err(stop) => return Err(stop),
-            };
+            let Some(there) = unless_failed(evaluations.values(&point))? else { continue };
+            let own = evaluations.violation(&there);
             if own < least {
-                (least, best) = (own, Some((own, point)));
+                (least, best) = (own, Some(point));
             }
             if own <= evaluations.stopping().violation {
                 break;
             }
         }
-        let Some((_, x)) = best else { return Ok(None) };
+        let Some(x) = best else { return Ok(None) };
         let found = evaluations.values(&x).and_then(|values| Ok((values, evaluations.gradients(&x)?)));
-        match found {
-            Ok((values, gradients)) => Ok(Some((x, values, gradients))),
-            Err(NoValue::Failed) => Ok(None),
-            Err(stop) => Err(stop),
-        }
+        Ok(unless_failed(found)?.map(|(values, gradients)| (x, values, gradients)))
     }
 }
 

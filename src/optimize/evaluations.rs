@@ -110,7 +110,7 @@ pub struct Ended {
     pub failed: usize,
 }
 
-struct Known {
+struct EvaluatedPoint {
     x: Vec<f64>,
     values: Result<Values, NoValue>,
     gradients: Option<Result<Gradients, NoValue>>,
@@ -122,11 +122,14 @@ pub struct Evaluations<'p> {
     stopping: Stopping,
     bounds: Vec<(f64, f64)>,
     kinds: Vec<ConstraintKind>,
+    /// Number of the first linear constraint.
     linear_from: usize,
     /// All points, so that an optimizer may ask for objective, constraints and gradients separately.
-    known: Vec<Known>,
+    known: Vec<EvaluatedPoint>,
     best_gradients: Option<Gradients>,
+    /// Objective of the last iteration.
     last: Option<f64>,
+    /// Iterations in a row that kept the constraints and changed the objective hardly.
     calm: usize,
     begun: bool,
     ended: Ended,
@@ -244,7 +247,7 @@ impl<'p> Evaluations<'p> {
             }
             Err(_) => self.ended.failed += 1,
         }
-        self.known.push(Known { x: x.to_vec(), values, gradients: None });
+        self.known.push(EvaluatedPoint { x: x.to_vec(), values, gradients: None });
         Ok(self.known.len() - 1)
     }
 

@@ -1,6 +1,6 @@
 use super::{DesignHistory, Ended, Stopping};
 use crate::design::DesignVariable;
-use crate::functionals::AggregateKind;
+use crate::functionals::{AggregateKind, Functional};
 use crate::history::Keep;
 use crate::integrators::{Method, RunError, TimeGrid};
 use crate::scenes::{
@@ -146,22 +146,14 @@ impl<'s> Optimization<'s> {
             let breakpoints = mechanism.breakpoints(*end).map_err(RunError::Input)?;
             let steps = if control.is_some() { 1 } else { *steps };
             grids.push(TimeGrid::uniform(*end, steps, &breakpoints).map_err(RunError::Input)?);
-            let own = mechanism.functionals.iter();
-            all.extend(own.map(|own| CaseFunctional {
-                case: place,
-                name: own.name.clone(),
-                full: case.full_name(&own.name),
-                unit: own.value_unit(),
-                aggregate: own.over.aggregate().map(|own| own.kind),
-            }));
             let modes = case.scene.modes();
             check_modes(&modes, &mechanism.functionals)?;
-            all.extend(modes.into_iter().map(|own| CaseFunctional {
-                case: place,
-                full: case.full_name(&own.name),
-                unit: own.unit().into(),
-                name: own.name,
-                aggregate: None,
+            let modes = modes.into_iter().map(|own| (own.unit().to_string(), own.name, None));
+            let kind = |own: &Functional| own.over.aggregate().map(|own| own.kind);
+            let functionals = mechanism.functionals.iter().map(|own| (own.value_unit(), own.name.clone(), kind(own)));
+            all.extend(functionals.chain(modes).map(|(unit, name, aggregate)| {
+                let full = case.full_name(&name);
+                CaseFunctional { case: place, name, full, unit, aggregate }
             }));
         }
         let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.name()));

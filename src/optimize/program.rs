@@ -34,6 +34,14 @@ pub enum NoValue {
     Stop,
 }
 
+/// What a point has, or nothing where it failed.
+pub(super) fn unless_failed<T>(found: Result<T, NoValue>) -> Result<Option<T>, NoValue> {
+    match found {
+        Err(NoValue::Failed) => Ok(None),
+        found => found.map(Some),
+    }
+}
+
 /// What an optimizer sees: minimize f(x) with lower <= x <= upper and c(x) = 0 or c(x) <= 0.
 ///
 /// Variables, objective and constraints should be of the order of 1: optimizers measure all of them with one measure.

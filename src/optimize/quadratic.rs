@@ -1,6 +1,7 @@
 //! Convex quadratic programs of moderate size, by the dual active-set method.
 
 use super::ConstraintKind;
+use crate::tolerances::LONG_SUM;
 use nalgebra::linalg::{Cholesky, givens::GivensRotation};
 use nalgebra::{DMatrix, DVector};
 
@@ -40,9 +41,6 @@ pub(super) enum NoStep {
     IllConditioned,
 }
 
-/// Share of the size of its terms below which a residual counts as zero.
-pub(super) const ROUND_OFF: f64 = 1e-12;
-
 /// One condition sign n . d >= b of the program.
 #[derive(Clone, Copy)]
 struct Condition {
@@ -71,7 +69,7 @@ impl Factors {
     fn new(hessian: &DMatrix<f64>) -> Option<Self> {
         let n = hessian.nrows();
         let lower = Cholesky::new(hessian.clone())?.unpack();
-        let definite = (0..n).all(|i| lower[(i, i)].powi(2) > ROUND_OFF * hessian[(i, i)]);
+        let definite = (0..n).all(|i| lower[(i, i)].powi(2) > LONG_SUM * hessian[(i, i)]);
         let inverse = lower.tr_solve_lower_triangular(&DMatrix::identity(n, n)).filter(|_| definite)?;
         Some(Factors { inverse, r: DMatrix::zeros(n, n), active: 0 })
     }
@@ -184,7 +182,7 @@ impl QuadraticProgram {
         for _ in 0..20 * (n + all.len()) + 100 {
             let violated = all.iter().filter_map(|&condition| {
                 let (excess, size) = self.excess(condition, &d);
-                (excess < -ROUND_OFF * (1.0 + size)).then_some((excess / (1.0 + size), condition))
+                (excess < -LONG_SUM * (1.0 + size)).then_some((excess / (1.0 + size), condition))
             });
             match violated.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((_, worst)) => self.satisfy(worst, &mut d, &mut factors, &mut active)?,
@@ -225,14 +223,14 @@ impl QuadraticProgram {
             let change = factors.solve(&turned).ok_or(NoStep::IllConditioned)?;
             let free = turned.rows_range(factors.active..);
             let curvature = free.norm_squared();
-            let dependent = curvature <= (ROUND_OFF * ROUND_OFF) * turned.norm_squared();
+            let dependent = curvature <= (LONG_SUM * LONG_SUM) * turned.norm_squared();
             let to_condition = if dependent { f64::INFINITY } else { -excess / curvature };
             let releases = (0..active.len()).filter(|&k| !self.is_equality(active[k].0) && change[k] > 0.0);
             let release = releases.map(|k| (active[k].1 / change[k], k)).min_by(|a, b| a.0.total_cmp(&b.0));
             let length = to_condition.min(release.map_or(f64::INFINITY, |(length, _)| length));
             if !length.is_finite() {
                 // an equality that follows from the others
-                let follows = self.is_equality(condition) && excess.abs() <= 1e-9 * (1.0 + size);
+                let follows = self.is_equality(condition) && excess.abs() <= crate::tolerances::CONSISTENT * (1.0 + size);
                 return if follows { Ok(()) } else { Err(NoStep::Infeasible) };
             }
             if !dependent {

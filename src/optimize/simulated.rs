@@ -26,7 +26,7 @@ pub(super) struct Simulated<'s> {
 
 /// A case in which the problem measures something.
 struct CaseRun<'s> {
-    found: Found,
+    result: CaseResult,
     /// The ranks that have its steps.
     team: Range<usize>,
     kept: OnceLock<Kept<'s>>,
@@ -41,7 +41,7 @@ struct Kept<'s> {
 }
 
 /// What all ranks know of it.
-struct Found {
+struct CaseResult {
     /// Of its functionals.
     values: Vec<f64>,
     extremes: Vec<Option<Extremes>>,
@@ -51,7 +51,7 @@ struct Found {
     /// What it took.
     seconds: f64,
 }
-sent_by_fields!(Found { values, extremes, places, counters, seconds });
+sent_by_fields!(CaseResult { values, extremes, places, counters, seconds });
 
 /// What a gradient is made with.
 pub(super) struct Differentiation<'p> {
@@ -84,26 +84,26 @@ impl<'o> Optimization<'o> {
         let cases: Vec<usize> = (0..self.cases.len()).filter(measures).collect();
         let teams = teams(&cases.iter().map(|&case| costs[case]).collect::<Vec<_>>());
         let mut kept: Vec<OnceLock<Kept>> = cases.iter().map(|_| OnceLock::new()).collect();
-        let found = all_at_once(&teams, |number| {
+        let results = all_at_once(&teams, |number| {
             let (case, begun) = (&self.cases[cases[number]], Instant::now());
             let run = self.case_run(cases[number], design, wants_to_stop);
-            let (own, mut found) = run.map_err(|error| in_case(case, error))?;
-            found.seconds = begun.elapsed().as_secs_f64();
+            let (own, mut result) = run.map_err(|error| in_case(case, error))?;
+            result.seconds = begun.elapsed().as_secs_f64();
             kept[number].get_or_init(|| own);
-            Ok(found)
+            Ok(result)
         })?;
-        for ((&case, own), team) in cases.iter().zip(&found).zip(&teams) {
+        for ((&case, own), team) in cases.iter().zip(&results).zip(&teams) {
             costs[case] = own.seconds * team.len() as f64;
         }
         let (mut values, mut extremes) = (vec![f64::NAN; self.places.len()], vec![None; self.places.len()]);
-        for own in &found {
+        for own in &results {
             for (&place, (&value, extreme)) in own.places.iter().zip(own.values.iter().zip(&own.extremes)) {
                 values[place] = value;
                 extremes[place] = extreme.clone();
             }
         }
-        let runs = found.into_iter().zip(teams).zip(kept.drain(..));
-        let runs = runs.map(|((found, team), kept)| CaseRun { found, team, kept }).collect();
+        let runs = results.into_iter().zip(teams).zip(kept.drain(..));
+        let runs = runs.map(|((result, team), kept)| CaseRun { result, team, kept }).collect();
         Ok(Simulated { design: design.to_vec(), values, extremes, runs })
     }
 
@@ -112,7 +112,7 @@ impl<'o> Optimization<'o> {
         number: usize,
         design: &[f64],
         wants_to_stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(Kept<'o>, Found), RunError> {
+    ) -> Result<(Kept<'o>, CaseResult), RunError> {
         let Case { scene, method, settings, .. } = &self.cases[number];
         let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
         prepared.keep_steps_of(&self.grids[number]);
@@ -124,7 +124,7 @@ impl<'o> Optimization<'o> {
         let names = prepared.functionals().iter().map(|own| &own.name).chain(modes.iter().map(|mode| &mode.name));
         let places = names.filter_map(|name| known(name)).collect();
         let (values, extremes, counters) = Default::default();
-        let mut found = Found { values, extremes, places, counters, seconds: 0.0 };
+        let mut result = CaseResult { values, extremes, places, counters, seconds: 0.0 };
         let mut forward = None;
         if !prepared.functionals().is_empty() {
             let mut watch = Watch(|_: &StepRecord<f64>| !wants_to_stop());
@@ -134,12 +134,12 @@ impl<'o> Optimization<'o> {
             }
             stopped.map_or(Ok(()), Err)?;
             prepared.analysis().check_values(&own)?;
-            (found.values, found.extremes, found.counters) = (own.values.clone(), own.extremes.clone(), own.counters);
+            (result.values, result.extremes, result.counters) = (own.values.clone(), own.extremes.clone(), own.counters);
             forward = Some(own);
         }
-        found.values.extend(prepared.measured_modes(&modes)?);
-        found.extremes.resize(found.values.len(), None);
-        Ok((Kept { prepared, forward, modes }, found))
+        result.values.extend(prepared.measured_modes(&modes)?);
+        result.extremes.resize(result.values.len(), None);
+        Ok((Kept { prepared, forward, modes }, result))
     }
 
     /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
@@ -149,19 +149,19 @@ impl<'o> Optimization<'o> {
         how: &Differentiation,
         work: &mut Work,
     ) -> Result<Vec<Vec<f64>>, RunError> {
-        let counts = |run: &&CaseRun| run.found.places.iter().any(|&place| how.wanted[place]);
+        let counts = |run: &&CaseRun| run.result.places.iter().any(|&place| how.wanted[place]);
         let runs: Vec<&CaseRun> = simulated.runs.iter().filter(counts).collect();
         let teams: Vec<Range<usize>> = runs.iter().map(|run| run.team.clone()).collect();
         let made = all_at_once(&teams, |number| {
-            let (mut own, CaseRun { found, kept, .. }) = (Work::default(), runs[number]);
+            let (mut own, CaseRun { result, kept, .. }) = (Work::default(), runs[number]);
             let kept = kept.get().ok_or_else(|| RunError::Input("a case was not kept".into()))?;
-            let rows = kept.rows(&found.places, self.gradient, how, &mut own)?;
+            let rows = kept.rows(&result.places, self.gradient, how, &mut own)?;
             Ok((rows, own))
         })?;
         let mut all = vec![vec![0.0; simulated.design.len()]; simulated.values.len()];
         for (run, (rows, own)) in runs.into_iter().zip(made) {
             *work += own;
-            for (&place, row) in run.found.places.iter().zip(rows).filter(|(place, _)| how.wanted[**place]) {
+            for (&place, row) in run.result.places.iter().zip(rows).filter(|(place, _)| how.wanted[**place]) {
                 all[place] = row;
             }
         }
@@ -171,17 +171,14 @@ impl<'o> Optimization<'o> {
 
 /// An error with the name of the scenario; what was interrupted stays that.
 fn in_case(case: &Case, error: RunError) -> RunError {
-    match error {
-        RunError::Interrupted { .. } => error,
-        _ if case.name.is_empty() => error,
-        error => RunError::Input(case.told(error.to_string())),
-    }
+    let stays = case.name.is_empty() || matches!(error, RunError::Interrupted { .. });
+    if stays { error } else { RunError::Input(case.told(error.to_string())) }
 }
 
 impl Simulated<'_> {
     /// The work of all its runs.
     pub fn add_counters(&self, work: &mut Work) {
-        self.runs.iter().for_each(|run| work.simulation += run.found.counters);
+        self.runs.iter().for_each(|run| work.simulation += run.result.counters);
         work.simulations += self.runs.len();
     }
 }

@@ -3,6 +3,7 @@
 
 use super::curvature::Curvature;
 use super::escape::Escape;
+use super::program::unless_failed;
 use super::quadratic::{NoStep, QuadraticProgram, Step, columns};
 use super::subproblem::Subproblem;
 use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
@@ -26,13 +27,11 @@ pub struct Sqp;
 const FIRST_STEP: f64 = 0.2;
 /// Range of a variable without bounds, by its size.
 const UNBOUNDED: f64 = 5.0;
-/// Share of the predicted decrease that a step must bring.
+/// Share of the predicted decrease that a step must bring: Nocedal & Wright, section 3.1.
 const TAKEN: f64 = 1e-4;
-/// Share with which the box grows.
+/// Share with which the box grows, by how much, and of a step to a point without values what is tried next: Nocedal & Wright, algorithm 4.1.
 const GOOD: f64 = 0.75;
-/// Share of a step to a point without values that is tried next.
 const SHORTER: f64 = 0.25;
-/// By how much the box grows after a good step.
 const LONGER: f64 = 2.0;
 /// Points tried from one point.
 const TRIALS: usize = 16;
@@ -40,8 +39,6 @@ const TRIALS: usize = 16;
 const OPTIMAL_SHARE: f64 = 1e-3;
 /// An objective smaller than this, in its scale, is as good as zero.
 const SMALL_OBJECTIVE: f64 = 1e-6;
-/// Decrease that values no longer resolve, relative to the merit.
-const RESOLUTION: f64 = 1e-14;
 /// Share of the best reduction of the violation that a priced step must bring.
 const STEERED: f64 = 0.5;
 /// Share of the violation that a step of the first box must take away; less is none.
@@ -63,7 +60,7 @@ struct State {
 }
 
 /// A better point, and the multipliers of the step that led there.
-struct Found {
+struct BetterPoint {
     x: Vec<f64>,
     values: Values,
     gradients: Gradients,
@@ -71,7 +68,7 @@ struct Found {
 }
 
 /// What came of a trial point.
-enum Tried {
+enum TrialResult {
     Taken(Values, Gradients, Vec<f64>),
     Worse(Values),
     Failed,
@@ -125,7 +122,7 @@ fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason
             None => None,
         };
         match step {
-            Some(Found { x, values, gradients, multipliers }) => {
+            Some(BetterPoint { x, values, gradients, multipliers }) => {
                 state.learn(&x, &gradients, &multipliers);
                 (state.x, state.values, state.gradients) = (x, values, gradients);
                 end = evaluations.accept(&state.x)?;
@@ -234,27 +231,27 @@ impl State {
     }
 
     /// A better point, tried along steps in boxes that shrink.
-    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Step) -> Result<Option<Found>, NoValue> {
+    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Step) -> Result<Option<BetterPoint>, NoValue> {
         let violation = evaluations.violation(&self.values);
         for trial in 0..TRIALS {
             let promised = self.promised(violation, &direction);
             let here = self.merit(evaluations, &self.values);
             let size = self.values.objective.abs() + self.price * violation;
             let x = self.along(evaluations, &direction.step);
-            if !(promised > RESOLUTION * size) || x == self.x {
+            if !(promised > crate::tolerances::ROUND_OFF * size) || x == self.x {
                 return Ok(None);
             }
             let share = self.share(&direction.step);
             match self.taken(evaluations, x, here - TAKEN * promised)? {
-                Tried::Taken(values, gradients, x) => {
+                TrialResult::Taken(values, gradients, x) => {
                     let good = here - self.merit(evaluations, &values) >= GOOD * promised;
                     if good && share > 0.5 * self.reach {
                         self.reach *= LONGER;
                     }
-                    return Ok(Some(Found { x, values, gradients, multipliers: direction.multipliers }));
+                    return Ok(Some(BetterPoint { x, values, gradients, multipliers: direction.multipliers }));
                 }
-                Tried::Failed => self.reach = SHORTER * share,
-                Tried::Worse(values) => {
+                TrialResult::Failed => self.reach = SHORTER * share,
+                TrialResult::Worse(values) => {
                     if trial == 0 && self.price * (evaluations.violation(&values) - direction.left) > 0.5 * promised {
                         // curved constraints: the same linearization, set right by their values at the full step
                         let normals = columns(self.x.len(), &self.gradients.constraints);
@@ -262,8 +259,8 @@ impl State {
                         if let Some(corrected) = self.direction(evaluations, self.reach, offsets.as_slice()) {
                             let x = self.along(evaluations, &corrected.step);
                             let limit = here - TAKEN * promised;
-                            if let Tried::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
-                                return Ok(Some(Found { x, values, gradients, multipliers: direction.multipliers }));
+                            if let TrialResult::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
+                                return Ok(Some(BetterPoint { x, values, gradients, multipliers: direction.multipliers }));
                             }
                         }
                     }
@@ -296,20 +293,13 @@ impl State {
     }
 
     /// Tries a point: it is taken if its merit is at most `limit` and it has gradients.
-    fn taken(&self, evaluations: &mut Evaluations, x: Vec<f64>, limit: f64) -> Result<Tried, NoValue> {
-        let values = match evaluations.values(&x) {
-            Ok(values) => values,
-            Err(NoValue::Failed) => return Ok(Tried::Failed),
-            Err(stop) => return Err(stop),
-        };
+    fn taken(&self, evaluations: &mut Evaluations, x: Vec<f64>, limit: f64) -> Result<TrialResult, NoValue> {
+        let Some(values) = unless_failed(evaluations.values(&x))? else { return Ok(TrialResult::Failed) };
         if !(self.merit(evaluations, &values) <= limit) {
-            return Ok(Tried::Worse(values));
+            return Ok(TrialResult::Worse(values));
         }
-        match evaluations.gradients(&x) {
-            Ok(gradients) => Ok(Tried::Taken(values, gradients, x)),
-            Err(NoValue::Failed) => Ok(Tried::Failed),
-            Err(stop) => Err(stop),
-        }
+        let gradients = unless_failed(evaluations.gradients(&x))?;
+        Ok(gradients.map_or(TrialResult::Failed, |gradients| TrialResult::Taken(values, gradients, x)))
     }
 
     /// Learns what a step says about the curvature of the Lagrangian.

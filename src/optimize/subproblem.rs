@@ -1,5 +1,5 @@
 use super::ConstraintKind;
-use super::quadratic::{QuadraticProgram, ROUND_OFF, Step};
+use super::quadratic::{QuadraticProgram, Step};
 use nalgebra::{DMatrix, DVector};
 
 /// The quadratic program of an iteration: a model of the Lagrangian on linearized constraints, within bounds and a move limit.
@@ -35,7 +35,7 @@ impl Subproblem {
         let (mut sides, mut sided_kinds) = (Vec::new(), Vec::new());
         for (k, (&kind, &c)) in kinds.iter().zip(offsets).enumerate() {
             let inequality = kind == ConstraintKind::AtMostZero;
-            let kept = k >= self.linear_from && if inequality { c } else { c.abs() } <= ROUND_OFF;
+            let kept = k >= self.linear_from && if inequality { c } else { c.abs() } <= crate::tolerances::LONG_SUM;
             for &sign in if inequality || kept { &[1.0][..] } else { &[1.0, -1.0] } {
                 sides.push((k, sign, kept));
                 sided_kinds.push(if kept { kind } else { ConstraintKind::AtMostZero });

@@ -30,7 +30,7 @@ pub fn batched_order(listing: &Listing) -> Vec<usize> {
     let mut readers: Vec<SmallVec<[usize; 2]>> = vec![SmallVec::new(); count];
     let mut missing = vec![0; count];
     for number in listing.executed() {
-        for operand in operations[number].operands().into_iter().map(|operand| operand.0 as usize) {
+        for operand in operations[number].operands() {
             if !operations[operand].is_leaf() {
                 readers[operand].push(number);
                 missing[number] += 1;

@@ -5,10 +5,10 @@ use super::listing::Listing;
 use super::operation::Node;
 use super::recorded::{Recorded, Recording, record};
 use super::running::{Making, Program};
+use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::hash::BuildHasherDefault;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
 
@@ -40,7 +40,7 @@ pub struct Formula {
     /// Stages of the residual of an element with a node map.
     pub stages: Option<Stages<Node>>,
     graph: Mutex<Graph>,
-    programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<Digest>>>,
+    programs: RwLock<FxHashMap<ProgramKey, Arc<Program>>>,
     values: OnceLock<Arc<Program>>,
     gradients: ProgramCache,
     digest: Digest,

@@ -1,8 +1,8 @@
-use super::digest::Digest;
 use super::operation::{Binary, Node, Operation, Unary};
 use crate::scalar::{Curve, Scalar, gathered_place};
 use hashbrown::HashTable;
-use std::hash::{Hash, Hasher};
+use rustc_hash::FxBuildHasher;
+use std::hash::{BuildHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// Operations of a recorded formula and of what is derived from it: equal ones are shared, constants folded, zeros and ones removed.
@@ -45,7 +45,7 @@ impl Graph {
 
     fn push(&mut self, operation: Operation) -> Node {
         let operations = &mut self.operations;
-        let hash = |operation: &Operation| Digest::of(operation).finish();
+        let hash = |operation: &Operation| FxBuildHasher.hash_one(operation);
         let is_same = |number: &u32| operations[*number as usize] == operation;
         let entry = self.numbers.entry(hash(&operation), is_same, |number| hash(&operations[*number as usize]));
         let number = *entry.or_insert(operations.len() as u32).get();

@@ -27,6 +27,7 @@ mod sides;
 mod switch_times;
 mod switches;
 mod table_arguments;
+pub mod tolerances;
 mod undefined;
 
 pub use arguments::ArgumentKind;

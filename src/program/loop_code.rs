@@ -47,7 +47,7 @@ pub struct LoopCode {
 fn last_uses(listing: &Listing, order: &[usize]) -> Vec<usize> {
     let mut last_use = vec![usize::MAX; listing.operations.len()];
     for (step, &number) in order.iter().enumerate() {
-        for operand in listing.operations[number].operands().into_iter().map(|operand| operand.0 as usize) {
+        for operand in listing.operations[number].operands() {
             if !listing.operations[operand].is_leaf() {
                 last_use[operand] = step;
             }
@@ -78,7 +78,6 @@ impl LoopCode {
             let operation = listing.operations[number];
             let mut operands = [0; 3];
             for (place, operand) in operands.iter_mut().zip(operation.operands()) {
-                let operand = operand.0 as usize;
                 *place = place_of[operand];
                 if last_use[operand] == step {
                     free.push(*place);

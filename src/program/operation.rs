@@ -60,6 +60,7 @@ pub enum Operation {
 
 impl Operation {
     /// The same operation on other operands; of what is gathered the first counts.
+    #[inline(always)]
     pub fn map(self, mut of: impl FnMut(Node) -> Node) -> Self {
         match self {
             Operation::Input(_) | Operation::Constant(_) => self,
@@ -72,17 +73,19 @@ impl Operation {
         }
     }
 
-    /// The operands; of what is gathered the first.
-    pub fn operands(self) -> SmallVec<[Node; 3]> {
+    /// Places of the operands; of what is gathered that of the first.
+    pub fn operands(self) -> SmallVec<[usize; 3]> {
         let mut all = SmallVec::new();
         self.map(|operand| {
-            all.push(operand);
+            all.push(operand.0 as usize);
             operand
         });
         all
     }
 
     /// Calls `f` for each operand, all that are gathered among them.
+    // derivatives sweep whole recordings with this: as a call it takes four times as long
+    #[inline(always)]
     pub fn for_each_operand(self, mut f: impl FnMut(Node)) {
         if let Operation::Gather { first, count, .. } = self {
             (first.0 + 1..first.0 + count).for_each(|place| f(Node(place)));

@@ -341,7 +341,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     fn asked<T>(&mut self, owner: &str, nodes: &[NodeId], ask: impl FnOnce(&mut Given<S>) -> T) -> T {
         let mut given = self.given(owner, nodes, Vec::new());
         let answer = ask(&mut given);
-        self.tell(owner, given.mistakes());
+        self.keep_mistakes(owner, given.mistakes());
         answer
     }
 

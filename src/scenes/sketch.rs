@@ -5,9 +5,6 @@ use crate::functionals::Measured;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
 use std::ops::Range;
 
-/// A point nearer to its node than this is at it: what is left of a place by rounding \[m\].
-const AT_THE_NODE: f64 = 1e-9;
-
 /// A point that moves with a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodePoint {
@@ -79,6 +76,9 @@ impl MechanismBuilder<f64> {
     #[doc(hidden)]
     pub fn sketch(&self) -> Sketch {
         let mut sketch = Sketch::default();
+        let nodes = (0..self.model.nodes.len()).map(|index| self.model.node_id(index));
+        let places = nodes.filter_map(|node| Some(self.node_point(node, [0.0; 3])?.at(&self.numbers.q)));
+        let near = crate::tolerances::CONSISTENT * places.flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
         for drawing in &self.drawings {
             let points: Vec<_> = drawing.points.iter().filter_map(|&(node, point)| self.node_point(node, point)).collect();
             match &points[..] {
@@ -99,7 +99,7 @@ impl MechanismBuilder<f64> {
             let &[a, b] = &nodes[..] else { continue };
             let end = |node, name| self.node_point(node, self.named_vector(&parameters, places.clone(), name)?);
             if let (Some(from), Some(to)) = (end(a, "point a"), end(b, "point b")) {
-                sketch.add_link(from, to, &self.numbers.q);
+                sketch.add_link(from, to, &self.numbers.q, near);
             }
         }
         for functional in &self.functionals {
@@ -108,7 +108,7 @@ impl MechanismBuilder<f64> {
                 && let Some(local) = self.named_vector(&list, parameters.clone(), "point")
                 && let Some(point) = self.node_point(node, local)
             {
-                sketch.follow(self.point_name(node, &point), point);
+                sketch.follow(self.point_name(node, &point, near), point);
             }
         }
         for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Point) {
@@ -122,7 +122,7 @@ impl MechanismBuilder<f64> {
                 lines.flat_map(|line| &line.points[1..line.points.len() - 1]).map(|corner| corner.0).collect();
             for index in (0..self.model.nodes.len()).filter(|&index| !inner.contains(&self.model.node_id(index))) {
                 if let Some(point) = self.node_point(self.model.node_id(index), [0.0; 3]) {
-                    sketch.follow(self.point_name(self.model.node_id(index), &point), point);
+                    sketch.follow(self.point_name(self.model.node_id(index), &point, near), point);
                 }
             }
         }
@@ -137,9 +137,9 @@ impl MechanismBuilder<f64> {
         own.map_or("", |node| &node.name)
     }
 
-    /// What a point is called: its node, or a point on that.
-    fn point_name(&self, node: NodeId, point: &NodePoint) -> String {
-        if point.local.iter().any(|x| x.abs() > AT_THE_NODE) {
+    /// What a point is called: its node where it is near, or a point on that.
+    fn point_name(&self, node: NodeId, point: &NodePoint, near: f64) -> String {
+        if point.local.iter().any(|x| x.abs() > near) {
             return format!("point on {}", self.model.nodes[node.0].name);
         }
         self.label(node)
@@ -181,12 +181,12 @@ impl Sketch {
         }
     }
 
-    fn add_link(&mut self, from: NodePoint, to: NodePoint, q: &[f64]) {
+    fn add_link(&mut self, from: NodePoint, to: NodePoint, q: &[f64], near: f64) {
         for end in [&from, &to].into_iter().filter(|end| end.fixed) {
             self.add_anchor(end.at(q));
         }
         let (a, b) = (from.at(q), to.at(q));
-        let apart = a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-9 * a.abs().max(b.abs()).max(1e-3));
+        let apart = a.iter().zip(b).any(|(a, b)| (a - b).abs() > near);
         let line = (Drawn::Link, vec![from, to]);
         // a spring and a damper side by side are one line
         if apart && !self.lines.contains(&line) {

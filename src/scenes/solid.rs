@@ -156,7 +156,7 @@ impl<S: Scalar> Solid<S> {
             }
             SolidShape::Box { ends, second_axis, .. }
                 if second_axis.cross(&(ends[1] - ends[0])).length().value()
-                    <= 1e-9 * second_axis.length().value() * length(ends) =>
+                    <= crate::tolerances::CONSISTENT * second_axis.length().value() * length(ends) =>
             {
                 Some("has its second axis along its line: take one across".into())
             }

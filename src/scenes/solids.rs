@@ -6,12 +6,10 @@ use super::surfaces::Surface;
 use crate::assembly::NodeId;
 use crate::elements::NodeKind;
 use crate::elements::flexible::Outline;
+use crate::tolerances::{CONSISTENT, LONG_SUM};
 use std::collections::{HashMap, HashSet};
 
 type Vector = [f64; 3];
-
-/// Half the thickness of a shell of which none is known \[m\]: its two sides are told apart.
-const HALF_A_SHEET: f64 = 1e-9;
 
 fn combined(terms: impl IntoIterator<Item = (f64, Vector)>) -> Vector {
     terms.into_iter().fold([0.0; 3], |sum, (weight, own)| [0, 1, 2].map(|k| sum[k] + weight * own[k]))
@@ -254,8 +252,8 @@ impl Solids<'_> {
     fn add_shells(&mut self) {
         let q = &self.mechanism.numbers.q;
         let size = self.surfaces.iter().flat_map(|surface| surface.nodes.iter().flat_map(|node| node.at(q)));
-        let grid = 1e-7 * size.fold(0.0, |most: f64, x| most.max(x.abs())).max(1e-6);
-        // vertices of two elements are one where their places and directors are
+        let grid = 1e-7 * size.fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most));
+        // vertices of two elements are one where seven digits of their places, which mesh files may hold, and directors are
         let mut known: HashMap<[i64; 6], [usize; 2]> = HashMap::new();
         let mut sides: HashMap<[usize; 2], ([usize; 4], usize)> = HashMap::new();
         for surface in 0..self.surfaces.len() {
@@ -372,7 +370,10 @@ impl Solids<'_> {
         let directors = own.directors(p);
         let turned = own.nodes.iter().zip(&directors).map(|(node, &director)| node.turned(q, director));
         let director = combined(weights.iter().copied().zip(turned));
-        (middle, director, own.sides(p, weights).unwrap_or([-HALF_A_SHEET, HALF_A_SHEET]))
+        // where no thickness is known its two sides are told apart all the same
+        let edge = combined([(CONSISTENT, own.nodes[0].at(q)), (-CONSISTENT, own.nodes[1].at(q))]);
+        let half = edge.into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        (middle, director, own.sides(p, weights).unwrap_or([-half, half]))
     }
 
     /// All vertices \[m\] at coordinates of the mechanism.
@@ -386,7 +387,7 @@ impl Solids<'_> {
                 let (once, centre) = (cross(axis, *offset), node.at(q));
                 // the least rotation from the slope at the start to that of now
                 let twice = cross(axis, once);
-                combined([(1.0, centre), (1.0, *offset), (1.0, once), (1.0 / (1.0 + cosine).max(1e-12), twice)])
+                combined([(1.0, centre), (1.0, *offset), (1.0, once), (1.0 / (1.0 + cosine).max(LONG_SUM), twice)])
             }
             Place::Shell { surface, weights, side } => {
                 let (middle, director, sides) = self.shell_place(*surface, weights, q);
@@ -456,8 +457,7 @@ fn slope(node: &NodePoint, q: &[f64]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::flexible::Shape;
-    use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
+    use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section, Shape};
     use crate::scalar::{Quaternion, SpatialVector, Vector3};
     use crate::scenes::{BeamLine, CableLine, ShellMesh};
 

@@ -16,6 +16,7 @@ pub struct Surface {
     /// Which element of the model.
     pub element: ElementId,
     parameters: Range<usize>,
+    /// Where its plies begin and end along the normal, from the nodes on \[m\]; `None` for one that has a thickness.
     layers: Option<[f64; 2]>,
 }
 

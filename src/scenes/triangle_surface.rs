@@ -78,7 +78,7 @@ fn moments(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Result<Moments<f6
         second += (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose()) * (own / 20.0);
     }
     let extent = all.iter().map(|own| (own - middle).norm()).fold(0.0, f64::max);
-    if volume <= 1e-12 * extent.powi(3) {
+    if volume <= crate::tolerances::LONG_SUM * extent.powi(3) {
         let what =
             if volume < 0.0 { "its triangles are seen clockwise from outside: turn them" } else { "it holds nothing" };
         return Err(format!("the volume within the surface is {volume:.3e}: {what}"));

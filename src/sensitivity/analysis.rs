@@ -15,6 +15,7 @@ use crate::integrators::{
 };
 use crate::program::Digest;
 use crate::scalar::{Complex64, Tangents};
+use crate::tolerances::SAME_DERIVATIVE;
 use std::hash::Hasher;
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
@@ -81,9 +82,6 @@ pub struct Gradient {
     /// Work done.
     pub counters: Counters,
 }
-
-/// Relative difference of derivatives of the map beyond which they are not the same.
-const MAP_LIMIT: f64 = 1e-9;
 
 /// Numbers below this are what cancelling terms of order one leave.
 const MAP_FLOOR: f64 = 1e-5;
@@ -446,7 +444,7 @@ impl<'m> Analysis<'m> {
                 let terms = recorded.iter().fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
                 for (place, (own, recorded)) in own.iter_mut().zip(recorded).enumerate() {
                     let difference = recorded - own.part(part) / size;
-                    if !(difference.abs() <= MAP_LIMIT * (terms + own.value().abs() + MAP_FLOOR)) {
+                    if !(difference.abs() <= SAME_DERIVATIVE * (terms + own.value().abs() + MAP_FLOOR)) {
                         return Err(RunError::Input(format!(
                             "derivative of {what} {place} by the design: {recorded} recorded, {} with derivative parts",
                             own.part(part) / size

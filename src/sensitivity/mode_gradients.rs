@@ -22,15 +22,13 @@ use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Force, Level, ProductPoint, ProductSeeds, Products, Residual, StageCoefficients,
     StageSystem, System, Unknowns, VectorsAvq,
 };
-use crate::integrators::{Amplitude, Counters, Method, ModeGroup, ModeVectors, RunError, SolveRecord};
+use crate::integrators::{Amplitude, Counters, Method, ModeGroup, ModeVectors, RESTING_SHIFT, RunError, SolveRecord};
 use crate::linalg::complex_eigenvalues;
 use crate::scalar::{COMPLEX_STEP, Complex64};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Shift where something moves freely, as a share of the lowest omega^2 that is not zero ...
-const SHIFT: f64 = 1e-4;
-/// ... how often it goes back at most ...
+/// How often what moves freely goes back at most ...
 const MOST_PASSES: usize = 100;
 /// ... until a pass changes this share of the gradient, ...
 const SETTLED: f64 = 1e-15;
@@ -102,7 +100,7 @@ impl Still<'_> {
             own.map(|group| group.lambda.norm_sqr()).fold(f64::INFINITY, f64::min)
         };
         let lowest = if lowest_of(true).is_finite() { lowest_of(true) } else { lowest_of(false) };
-        let shift = if self.is_free { SHIFT * lowest } else { 0.0 };
+        let shift = if self.is_free { RESTING_SHIFT * lowest } else { 0.0 };
         // states that integrate what moves have a place in C alone; half the lowest value is none of a mode, where the matrix would be singular
         let rate = if model.state_dofs().next().is_some() { 2.0 * shift / lowest.sqrt() } else { 0.0 };
         let record = SolveRecord {

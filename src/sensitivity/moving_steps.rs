@@ -9,9 +9,6 @@ use crate::program::SwitchKind;
 use crate::scalar::{TANGENTS, Tangents};
 use std::collections::HashSet;
 
-/// Relative difference up to which breakpoints that coincide move together.
-const TOGETHER: f64 = 1e-9;
-
 impl Analysis<'_> {
     pub(super) fn breakpoints(&self, numbers: &ModelNumbers<f64>) -> Result<Breakpoints, RunError> {
         let end = self.grid.times[self.grid.steps()];
@@ -92,5 +89,5 @@ fn move_together(map: &Breakpoints, chain: &DesignChain, pair: [usize; 2]) -> bo
         map.add_transposed(&all, &mut bar.p);
         chain.gradient(&bar).into_iter().fold(0.0, |size: f64, rate| size.max(rate.abs()))
     };
-    gradient([1.0, -1.0]) <= TOGETHER * gradient([1.0, 0.0])
+    gradient([1.0, -1.0]) <= crate::tolerances::SAME_DERIVATIVE * gradient([1.0, 0.0])
 }

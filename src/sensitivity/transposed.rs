@@ -39,8 +39,6 @@ pub(super) struct Backward {
     pub refining: Trial,
 }
 
-/// A correction of this share leaves nothing but round-off.
-const ROUND_OFF: f64 = 1e-14;
 /// Share of a correction from which on the systems of a motion that follow are corrected, too.
 const OF_USE: f64 = 1e-13;
 
@@ -342,7 +340,7 @@ impl<'m> TransposedSolver<'m> {
                     back[k].refining.learn(is_better && is_of_use);
                 }
                 // the next one is smaller by as much as this one was than the solution
-                *left = if is_better && share * share > ROUND_OFF { share } else { 0.0 };
+                *left = if is_better && share * share > crate::tolerances::ROUND_OFF { share } else { 0.0 };
             }
         }
         Ok(())

@@ -165,7 +165,7 @@ impl Axis {
         }
         let size = least.abs().max(most.abs());
         // below this width numbers beside each other are not distinct: constant but for round-off
-        let is_constant = most - least <= if log { 1e-9 } else { 1e-12 * size };
+        let is_constant = most - least <= if log { 1e-9 } else { costate::program::tolerances::LONG_SUM * size };
         let room = match is_constant {
             true if log || size == 0.0 => 0.5,
             true => 0.05 * size,

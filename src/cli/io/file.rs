@@ -3,10 +3,9 @@
 use costate::exchange::is_first;
 use costate::history::check_place;
 use serde_json::Value;
-use std::fmt;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::{fmt, fs};
 
 /// A file that could not be written: which one, and why.
 #[derive(Debug)]

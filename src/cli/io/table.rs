@@ -29,10 +29,12 @@ pub struct CsvFile {
     path: PathBuf,
     aside: Aside,
     out: File,
-    /// Lines that are not in the file yet, and their ends.
+    /// Lines that are not in the file yet.
     text: Vec<u8>,
+    /// Where each of these lines ends.
     ends: Vec<usize>,
     columns: usize,
+    /// Rows that came, written or refused.
     rows: usize,
     /// A row could not be written.
     is_cut: bool,

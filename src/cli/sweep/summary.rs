@@ -1,9 +1,8 @@
 //! What is printed at the end of a sweep, and stands in sweep.json.
 
 use super::findings::Findings;
-use super::pictures;
 use super::rows::Outcome;
-use super::{Sampling, Sweep};
+use super::{Sampling, Sweep, pictures};
 use crate::console::{count, print, seconds, warn};
 use crate::failure::{Failure, INTERRUPTED};
 use crate::io::{Cell, Table, cells};

@@ -2,10 +2,6 @@
 
 use crate::scalar::{Matrix3, Vector3};
 
-/// Round-off of the numbers of a tensor, relative to the largest inertia of its body: of the tensor itself, or of the mass at
-/// its centre, m |c|^2 about the origin of the frame.
-const ROUND_OFF: f64 = 1e-9;
-
 /// A tensor that no distribution of mass has.
 pub struct Inadmissible {
     /// Its principal moments, the least first [kg m2].
@@ -14,11 +10,12 @@ pub struct Inadmissible {
     pub nearest: [f64; 6],
 }
 
-/// Round-off of the tensor of a body [kg m2].
+/// Round-off of the tensor of a body [kg m2], by its largest inertia: of the tensor itself, or of the mass at its centre, m |c|^2 about the origin
+/// of the frame.
 #[doc(hidden)]
 pub fn round_off(mass: f64, centre: Vector3<f64>, tensor: [f64; 6]) -> f64 {
     let largest = tensor.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
-    ROUND_OFF * largest.max(mass * centre.dot(&centre))
+    crate::tolerances::CONSISTENT * largest.max(mass * centre.dot(&centre))
 }
 
 /// Whether a body can have the tensor J about its mass centre (xx, yy, zz, xy, xz, yz) [kg m2].

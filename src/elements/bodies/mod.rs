@@ -10,6 +10,7 @@ mod rigid_body;
 
 pub use euler_parameter_norm::EulerParameterNorm;
 pub use natural_body::NaturalBody;
+pub(super) use natural_body::kinetic_of_vectors;
 pub use orthonormal_axes::OrthonormalAxes;
 pub use point_mass::PointMass;
 pub use rigid_body::RigidBody;

@@ -40,6 +40,19 @@ impl NaturalBody {
     }
 }
 
+/// 1/2 sum over i, j of M_ij v_i . v_j for the rates of four vectors.
+#[inline(always)]
+pub(in crate::elements) fn kinetic_of_vectors<S: Scalar>(matrix: &[[S; 4]; 4], v: &[S]) -> S {
+    let mut twice = S::zero();
+    for i in 0..4 {
+        for j in 0..4 {
+            let product = v[3 * i] * v[3 * j] + v[3 * i + 1] * v[3 * j + 1] + v[3 * i + 2] * v[3 * j + 2];
+            twice += matrix[i][j] * product;
+        }
+    }
+    twice * 0.5
+}
+
 impl Element for NaturalBody {
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Natural]
@@ -49,15 +62,7 @@ impl Element for NaturalBody {
     }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
-        let moments = Self::moments(p);
-        let mut twice = S::zero();
-        for i in 0..4 {
-            for j in 0..4 {
-                let product = v[3 * i] * v[3 * j] + v[3 * i + 1] * v[3 * j + 1] + v[3 * i + 2] * v[3 * j + 2];
-                twice += moments[i][j] * product;
-            }
-        }
-        twice * 0.5
+        kinetic_of_vectors(&Self::moments(p), v)
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[0]

@@ -64,9 +64,6 @@ pub struct Given<S> {
     mistakes: Vec<(Option<&'static str>, String)>,
 }
 
-/// How far a cosine may be from that of a right angle.
-const RIGHT_ANGLE: f64 = 1e-9;
-
 impl<S: Scalar> Given<S> {
     /// Nodes with their names, kinds and coordinates; values of keys.
     pub fn new<'n>(owner: &str, nodes: impl IntoIterator<Item = (&'n str, Placed<'n, S>)>, values: Values<S>) -> Self {
@@ -361,6 +358,6 @@ impl<S: Scalar> Given<S> {
     /// By how many degrees two unit vectors are apart, unless they are at right angles.
     pub fn angle_if_not_right(a: Vector3<S>, b: Vector3<S>) -> Option<f64> {
         let cosine = a.dot(&b).value();
-        (cosine.abs() > RIGHT_ANGLE).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
+        (cosine.abs() > crate::tolerances::CONSISTENT).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
     }
 }

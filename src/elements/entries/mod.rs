@@ -22,6 +22,6 @@ pub use keys::{
     AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
 };
 pub(crate) use keys::{at_least, exactly, forms};
-pub use part::{Entry, JointPart, JointVisitor, Law, Made, MadeEntry, Part, SpringPart, SpringVisitor, forms_of};
+pub use part::{Entry, JointPart, JointVisitor, Law, MadeEntry, Part, SpringPart, SpringVisitor, WithParameters, forms_of};
 pub(crate) use part::{Erase, entries, joined, named, names_of};
 pub use placed::Placed;

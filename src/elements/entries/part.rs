@@ -101,7 +101,7 @@ impl Erase<dyn AnyElement> for Box<dyn AnyElement> {
 }
 
 /// A formula with its parameters.
-pub type Made<L, S> = (Box<L>, Vec<S>);
+pub type WithParameters<L, S> = (Box<L>, Vec<S>);
 
 /// What is done with every joint and driver of the library, each with its own type.
 pub trait JointVisitor {
@@ -192,8 +192,8 @@ impl<L: ?Sized + 'static> Part<L> {
     ///
     /// # Errors
     /// A scalar in which no mechanism is built.
-    pub fn make<S: Scalar>(&self, given: &mut Given<S>) -> Result<Made<L, S>, String> {
-        let made = (self.make)(self.entry, given).and_then(|made| made.downcast::<Made<L, S>>().ok());
+    pub fn make<S: Scalar>(&self, given: &mut Given<S>) -> Result<WithParameters<L, S>, String> {
+        let made = (self.make)(self.entry, given).and_then(|made| made.downcast::<WithParameters<L, S>>().ok());
         let refused = || format!("a {} is not made in numbers of type {}", self.form.name, type_name::<S>());
         made.map(|made| *made).ok_or_else(refused)
     }

@@ -2,9 +2,6 @@ use crate::design::shortest;
 use crate::elements::{Frame, NodeKind};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
-/// Relative to the size of a place, how far from it a point may be that means it.
-const SAME_PLACE: f64 = 1e-9;
-
 /// A node where it stands at the start.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'q, S> {
@@ -60,7 +57,7 @@ impl<S: Scalar> Placed<'_, S> {
         }
         let gap = (self.position() - point).length().value();
         let size = self.position().length().value().max(point.length().value());
-        if gap <= SAME_PLACE * size {
+        if gap <= crate::tolerances::CONSISTENT * size {
             return Ok(());
         }
         let gap = shortest(gap);

@@ -1,4 +1,5 @@
 use super::hermite::NODES;
+use crate::elements::bodies::kinetic_of_vectors;
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -36,15 +37,7 @@ impl Element for CableInertia {
     }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
-        let matrix = mass_matrix(p);
-        let mut twice = S::zero();
-        for i in 0..4 {
-            for j in 0..4 {
-                let product = v[3 * i] * v[3 * j] + v[3 * i + 1] * v[3 * j + 1] + v[3 * i + 2] * v[3 * j + 2];
-                twice += matrix[i][j] * product;
-            }
-        }
-        twice * 0.5
+        kinetic_of_vectors(&mass_matrix(p), v)
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[0] * p[1]

@@ -9,6 +9,7 @@ use crate::elements::entries::Range::{Any, AtLeastZero, Positive};
 use crate::elements::entries::Type::{Item, Number, Numbers};
 use crate::elements::entries::{Forms, Given, Key, forms, may, need};
 use crate::scalar::Scalar;
+use crate::tolerances::CONSISTENT;
 use nalgebra::SMatrix;
 use std::f64::consts::PI;
 use std::fmt;
@@ -166,7 +167,7 @@ impl ImpossibleSize {
         let thick = |&(name, size): &(&'static str, S)| {
             let half = 0.5 * size.value();
             let own = ImpossibleSize { name: "wall", value: wall.value(), within: Some((name, half)) };
-            (own.value > half * (1.0 + 1e-12)).then_some(own)
+            (own.value > half * (1.0 + CONSISTENT)).then_some(own)
         };
         Self::among(outer).or(Self::among(&[("wall", wall)])).or_else(|| outer.iter().find_map(thick))
     }
@@ -393,7 +394,7 @@ impl<S: Scalar> Section<S> {
         // strains have different units: each is measured by its own energy
         let scaled = |i: usize, j: usize| stiffness[i][j] / (stiffness[i][i].sqrt() * stiffness[j][j].sqrt());
         let pairs = (0..STRAINS).flat_map(|i| (0..i).map(move |j| (j, i)));
-        if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| !((scaled(i, j) - scaled(j, i)).abs() <= 1e-9)) {
+        if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| !((scaled(i, j) - scaled(j, i)).abs() <= CONSISTENT)) {
             let (row, column, own, other) = (i + 1, j + 1, shortest(stiffness[i][j]), shortest(stiffness[j][i]));
             return Some(format!(
                 "its stiffness in row {row}, column {column} is {own}, but {other} in row {column}, column {row}; it must be symmetric"

@@ -4,7 +4,7 @@ use crate::elements::entries::{
     AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, ORIENTATION, POINT, Range, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::{gap, points};
-use crate::elements::{Constraint, Element, Frame, NodeKind, Output, Parameter};
+use crate::elements::{Constraint, Element, Frame, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
@@ -17,10 +17,10 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector};
 /// * `damping along x, y, z` [N s/m], `damping about x, y, z` [N m s/rad], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]: together at rest
 /// * `frame a e0..e3`, `frame b e0..e3`  e_af, e_bf, Euler parameters in the frames of the bodies: together at rest
-pub struct Bushing(pub [NodeKind; 2]);
+pub struct Bushing(pub NodePair);
 
 /// (u, w) with the parameters behind stiffness and damping.
-struct Displacement([NodeKind; 2]);
+struct Displacement(NodePair);
 
 impl Constraint for Displacement {
     const EQUATIONS: usize = 6;

@@ -3,14 +3,14 @@ use crate::elements::entries::{
     BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, need,
 };
 use crate::elements::joints::{gap, points};
-use crate::elements::{Element, NodeKind, Output, Parameter};
+use crate::elements::{Element, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A damper along the line between two points: tension c dl/dt \[N\], l = |x_b - x_a|.
 ///
 /// * `damping`  c [N s/m], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
-pub struct LineDamper(pub [NodeKind; 2]);
+pub struct LineDamper(pub NodePair);
 
 /// Parameters shared by the dampers between two points.
 pub(super) fn damper_parameters() -> Vec<Parameter> {

@@ -3,7 +3,7 @@ use crate::elements::entries::{
     BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::{gap, points};
-use crate::elements::{Element, NodeKind, Output, Parameter};
+use crate::elements::{Element, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A spring along the line between two points: V = k (l - l0)^2 / 2 \[J\], l = |x_b - x_a|.
@@ -11,7 +11,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `stiffness`  k [N/m], 0 or greater
 /// * `rest length`  l0 \[m\], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
-pub struct LineSpring(pub [NodeKind; 2]);
+pub struct LineSpring(pub NodePair);
 
 impl Element for LineSpring {
     fn nodes(&self) -> Vec<NodeKind> {

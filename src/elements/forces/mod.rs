@@ -16,18 +16,13 @@ mod vector_damper;
 
 /// Springs, dampers and loads as types.
 pub(crate) mod types {
-    pub use super::applied_force::AppliedForce;
-    pub use super::applied_torque::AppliedTorque;
-    pub use super::bushing::Bushing;
-    pub use super::coordinate_spring_damper::CoordinateSpringDamper;
-    pub use super::gravity::Gravity;
-    pub use super::line_damper::LineDamper;
-    pub use super::line_spring::LineSpring;
-    pub use super::slide_spring_damper::SlideSpringDamper;
-    pub use super::soft::Soft;
-    pub use super::spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
-    pub use super::torsion_spring_damper::TorsionSpringDamper;
-    pub use super::vector_damper::VectorDamper;
+    pub use super::{
+        applied_force::AppliedForce, applied_torque::AppliedTorque, bushing::Bushing,
+        coordinate_spring_damper::CoordinateSpringDamper, gravity::Gravity, line_damper::LineDamper,
+        line_spring::LineSpring, slide_spring_damper::SlideSpringDamper, soft::Soft, spring_law::AngleLaw,
+        spring_law::LineLaw, spring_law::SlideLaw, spring_law::TorsionLaw, torsion_spring_damper::TorsionSpringDamper,
+        vector_damper::VectorDamper,
+    };
 }
 
 pub use load_frame::LoadFrame;

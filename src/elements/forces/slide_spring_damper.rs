@@ -5,7 +5,7 @@ use crate::elements::entries::{
     Type, may, need,
 };
 use crate::elements::joints::{components, gap, points, vectors};
-use crate::elements::{Constraint, Element, Frame, NodeKind, Output, Parameter};
+use crate::elements::{Constraint, Element, Frame, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::Scalar;
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt \[N\], s = n_a . (x_b - x_a).
@@ -15,10 +15,10 @@ use crate::scalar::Scalar;
 /// * `rest displacement`  s0 \[m\]
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
-pub struct SlideSpringDamper(pub [NodeKind; 2]);
+pub struct SlideSpringDamper(pub NodePair);
 
 /// s - s0 with the parameters (s0, points, axis).
-struct Slide([NodeKind; 2]);
+struct Slide(NodePair);
 
 impl Constraint for Slide {
     const EQUATIONS: usize = 1;

@@ -3,7 +3,7 @@ use crate::elements::entries::{
     Range, TWO_BODIES, Type, may,
 };
 use crate::elements::joints::{angle, components, gap, points, vectors};
-use crate::elements::{Characteristic, Element, Frame, NodeKind, Output, Parameter};
+use crate::elements::{Characteristic, Element, Frame, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, angle_about};
 
 /// What histories tell of a spring or damper along a line, and of one about an axis.
@@ -14,12 +14,12 @@ pub(super) const ANGLE: [(&str, &str); 3] = [("angle", "rad"), ("rate", "rad/s")
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stretch {
     /// |x_b - x_a| - l0 \[m\]. Parameters: `rest length` l0 \[m\], `point a`, `point b` in the frames of the bodies \[m\].
-    Line([NodeKind; 2]),
+    Line(NodePair),
     /// Angle of b against a about an axis of a, in (-pi, pi] \[rad\]. Parameters: `axis`, `reference a` in the frame of a, `reference b` in
     /// that of b.
-    Angle([NodeKind; 2]),
+    Angle(NodePair),
     /// n_a . (x_b - x_a) \[m\]. Parameters: `point a`, `point b` in the frames of the bodies \[m\], `axis` n_a in the frame of a.
-    Slide([NodeKind; 2]),
+    Slide(NodePair),
     /// One coordinate of a node, such as a joint angle.
     Coordinate(NodeKind, usize),
 }

@@ -3,7 +3,7 @@ use crate::elements::entries::{
     ALONG, AXIS, BETWEEN, DAMPED, Entry, Example, Given, Key, REST_ANGLE, Range, STIFF, TWO_BODIES, Type, may, need,
 };
 use crate::elements::joints::angle;
-use crate::elements::{Element, Frame, NodeKind, Output, Parameter};
+use crate::elements::{Element, Frame, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, angle_about};
 
 /// A torsion spring and damper about an axis between two bodies: M = k (theta - theta0) + c dtheta/dt [N m].
@@ -16,7 +16,7 @@ use crate::scalar::{Scalar, angle_about};
 /// * `rest angle`  theta0 \[rad\]
 /// * `axis`, `reference a`  unit vectors in the frame of body a, at right angles
 /// * `reference b`  unit vector in the frame of body b
-pub struct TorsionSpringDamper(pub [NodeKind; 2]);
+pub struct TorsionSpringDamper(pub NodePair);
 
 impl Element for TorsionSpringDamper {
     fn nodes(&self) -> Vec<NodeKind> {

@@ -1,7 +1,7 @@
 use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, damper_parameters, held};
 use crate::elements::entries::{Entry, Example, Given, Key};
 use crate::elements::joints::gap;
-use crate::elements::{Element, NodeKind, Output, Parameter};
+use crate::elements::{Element, NodeKind, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) \[N\].
@@ -10,7 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 ///
 /// Source: Ebrahimi et al., eq. (65). [`LineDamper`](super::LineDamper) acts along the line only.
-pub struct VectorDamper(pub [NodeKind; 2]);
+pub struct VectorDamper(pub NodePair);
 
 impl Element for VectorDamper {
     fn nodes(&self) -> Vec<NodeKind> {

@@ -1,5 +1,5 @@
 use super::{angle, angle_between};
-use crate::elements::{Constraint, NodeKind, Parameter, dofs_of};
+use crate::elements::{Constraint, NodeKind, NodePair, Parameter, dofs_of};
 use crate::scalar::Scalar;
 
 /// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 \[rad\].
@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-pub struct AngleCoordinate(pub [NodeKind; 2]);
+pub struct AngleCoordinate(pub NodePair);
 
 impl Constraint for AngleCoordinate {
     const EQUATIONS: usize = 1;

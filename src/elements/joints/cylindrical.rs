@@ -1,6 +1,6 @@
 use super::{components, points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::Scalar;
 
 /// A slider that may turn: the point of b stays on an axis of a \[m\], and the axis of b parallel to it [-].
@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
-pub struct CylindricalJoint(pub [NodeKind; 2]);
+pub struct CylindricalJoint(pub NodePair);
 
 impl Constraint for CylindricalJoint {
     const EQUATIONS: usize = 4;

@@ -1,6 +1,6 @@
 use super::{gap, points};
 use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
-use crate::elements::{Constraint, NodeKind, Parameter};
+use crate::elements::{Constraint, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) \[m\].
@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `length`  l \[m\], greater than 0
-pub struct DistanceJoint(pub [NodeKind; 2]);
+pub struct DistanceJoint(pub NodePair);
 
 impl Constraint for DistanceJoint {
     const EQUATIONS: usize = 1;

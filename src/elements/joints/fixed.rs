@@ -1,6 +1,6 @@
 use super::{RELATIVE_ROTATION, gap, points, remaining_rotation};
 use crate::elements::entries::{AT, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::{Constraint, NodeKind, Parameter};
+use crate::elements::{Constraint, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// Two bodies welded together: points held together \[m\], and twice the vector part of the remaining rotation is zero \[rad\].
@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
-pub struct FixedJoint(pub [NodeKind; 2]);
+pub struct FixedJoint(pub NodePair);
 
 impl Constraint for FixedJoint {
     const EQUATIONS: usize = 6;

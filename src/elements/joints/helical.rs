@@ -2,7 +2,7 @@ use super::{angle_beyond, components, points, vectors};
 use crate::elements::entries::{
     ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, need,
 };
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 /// * `axis`  n_b, unit vector in the frame of b
 /// * `reference b`  unit vector in the frame of b at right angles to the axis: it stands along u_a where d = 0
 /// * `pitch`  [m per turn], not 0; negative for a left-handed thread
-pub struct HelicalJoint(pub [NodeKind; 2]);
+pub struct HelicalJoint(pub NodePair);
 
 impl Constraint for HelicalJoint {
     const EQUATIONS: usize = 5;

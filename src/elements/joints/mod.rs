@@ -25,28 +25,15 @@ mod universal;
 
 /// Joints and drivers as types.
 pub(crate) mod types {
-    pub use super::angle_coordinate::AngleCoordinate;
-    pub use super::cable_corner::CableCorner;
-    pub use super::cable_end::{CableEnd, CableHinge, CableWeld};
-    pub use super::cylindrical::CylindricalJoint;
-    pub use super::distance::DistanceJoint;
-    pub use super::fixed::FixedJoint;
-    pub use super::gear::GearJoint;
-    pub use super::held_node::HeldNode;
-    pub use super::helical::HelicalJoint;
-    pub use super::planar::PlanarJoint;
-    pub use super::point_in_plane::PointInPlane;
-    pub use super::point_on_line::PointOnLine;
-    pub use super::prescribed_rotation::PrescribedRotation;
-    pub use super::prescribed_translation::PrescribedTranslation;
-    pub use super::prismatic::PrismaticJoint;
-    pub use super::rack_and_pinion::RackAndPinion;
-    pub use super::revolute::RevoluteJoint;
-    pub use super::rigid_link::RigidLink;
-    pub use super::rolling::{DiscOnPlane, RollingDisc, RollingSphere};
-    pub use super::spherical::SphericalJoint;
-    pub use super::tied_node::TiedNode;
-    pub use super::universal::UniversalJoint;
+    pub use super::{
+        angle_coordinate::AngleCoordinate, cable_corner::CableCorner, cable_end::CableEnd, cable_end::CableHinge,
+        cable_end::CableWeld, cylindrical::CylindricalJoint, distance::DistanceJoint, fixed::FixedJoint, gear::GearJoint,
+        held_node::HeldNode, helical::HelicalJoint, planar::PlanarJoint, point_in_plane::PointInPlane,
+        point_on_line::PointOnLine, prescribed_rotation::PrescribedRotation, prescribed_translation::PrescribedTranslation,
+        prismatic::PrismaticJoint, rack_and_pinion::RackAndPinion, revolute::RevoluteJoint, rigid_link::RigidLink,
+        rolling::DiscOnPlane, rolling::RollingDisc, rolling::RollingSphere, spherical::SphericalJoint, tied_node::TiedNode,
+        universal::UniversalJoint,
+    };
 }
 
 pub use cable_end::HeldSlope;

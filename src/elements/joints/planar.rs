@@ -1,6 +1,6 @@
 use super::{components, points, vectors};
 use crate::elements::entries::{ACROSS, AT, BETWEEN, Entry, Example, Given, Key, NORMAL, POINT, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::Scalar;
 
 /// Two faces that slide on each other: the points stay at one height \[m\] and the normals parallel [-].
@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `tangent u`, `tangent w`  unit vectors of the plane in the frame of a, not parallel
 /// * `normal`  n_b, unit vector in the frame of b
-pub struct PlanarJoint(pub [NodeKind; 2]);
+pub struct PlanarJoint(pub NodePair);
 
 impl Constraint for PlanarJoint {
     const EQUATIONS: usize = 3;

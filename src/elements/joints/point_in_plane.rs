@@ -1,13 +1,13 @@
 use super::{components, gap, points, vectors};
 use crate::elements::entries::{ACROSS, AT, BETWEEN, Entry, Example, Given, Key, NORMAL, POINT, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::Scalar;
 
 /// A point of b in a plane of a: g = n_a . (x_b - x_a) \[m\]. The multiplier is minus the force on b along the normal \[N\].
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal`  n_a, unit vector in the frame of a
-pub struct PointInPlane(pub [NodeKind; 2]);
+pub struct PointInPlane(pub NodePair);
 
 impl Constraint for PointInPlane {
     const EQUATIONS: usize = 1;

@@ -1,13 +1,13 @@
 use super::{components, gap, points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A point of b on a line of a: g = (u_a . d, w_a . d) with d = x_b - x_a \[m\].
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
-pub struct PointOnLine(pub [NodeKind; 2]);
+pub struct PointOnLine(pub NodePair);
 
 impl Constraint for PointOnLine {
     const EQUATIONS: usize = 2;

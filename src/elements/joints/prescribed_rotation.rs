@@ -1,6 +1,6 @@
 use super::{angle, angle_between};
 use crate::elements::entries::{ALONG, AXIS, BETWEEN, DRIVE, Entry, Example, FUNCTION, Given, Key, TWO_BODIES, Type, need};
-use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
+use crate::elements::{Constraint, NodeKind, NodePair, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
 /// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 \[rad\].
@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 /// * parameters of f(t) \[rad\]
 pub struct PrescribedRotation {
     /// What guides, a body, and what is driven.
-    pub nodes: [NodeKind; 2],
+    pub nodes: NodePair,
     /// Angle over time.
     pub angle: TimeFunction,
 }

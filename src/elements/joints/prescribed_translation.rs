@@ -2,7 +2,7 @@ use super::{gap, points, vectors};
 use crate::elements::entries::{
     ALONG, AT, AXIS, BETWEEN, DRIVE, Entry, Example, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
 };
-use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
 /// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 \[m\].
@@ -14,7 +14,7 @@ use crate::scalar::Scalar;
 /// * parameters of f(t) \[m\]
 pub struct PrescribedTranslation {
     /// What guides, a body, and what is driven.
-    pub nodes: [NodeKind; 2],
+    pub nodes: NodePair,
     /// Displacement over time.
     pub displacement: TimeFunction,
 }

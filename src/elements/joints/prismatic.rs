@@ -1,6 +1,6 @@
 use super::{RELATIVE_ROTATION, components, points, remaining_rotation, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A slider without rotation: the point of b stays on a line of a \[m\], and twice the vector part of the remaining rotation is
@@ -11,7 +11,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
-pub struct PrismaticJoint(pub [NodeKind; 2]);
+pub struct PrismaticJoint(pub NodePair);
 
 impl Constraint for PrismaticJoint {
     const EQUATIONS: usize = 5;

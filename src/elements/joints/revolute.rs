@@ -1,6 +1,6 @@
 use super::{points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A hinge between two bodies: points held together \[m\] and the axis of b at right angles to two vectors of a [-].
@@ -10,7 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
-pub struct RevoluteJoint(pub [NodeKind; 2]);
+pub struct RevoluteJoint(pub NodePair);
 
 impl Constraint for RevoluteJoint {
     const EQUATIONS: usize = 5;

@@ -1,6 +1,6 @@
 use super::{RELATIVE_ROTATION, remaining_rotation};
 use crate::elements::entries::{BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A rigid connection between two nodes: b keeps its place in the frame of a \[m\] and, if it is a body, its orientation \[rad\].
@@ -10,7 +10,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 ///
 /// * `offset`  c, place of the node b in the frame of a \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
-pub struct RigidLink(pub [NodeKind; 2]);
+pub struct RigidLink(pub NodePair);
 
 impl Constraint for RigidLink {
     const EQUATIONS: usize = 6;

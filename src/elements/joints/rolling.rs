@@ -1,8 +1,10 @@
 use super::{PointInPlane, vectors};
 use crate::elements::entries::Range::Positive;
 use crate::elements::entries::Type::{Number, Vector};
-use crate::elements::entries::{AXIS, BETWEEN, Forms, Given, NORMAL, forms, may, need};
-use crate::elements::{AnyConstraint, Constraint, Frame, NodeKind, Nonholonomic, NonholonomicConstraint, Parameter};
+use crate::elements::entries::{AXIS, BETWEEN, Forms, Given, NORMAL, WithParameters, forms, may, need};
+use crate::elements::{
+    AnyConstraint, Constraint, Frame, NodeKind, NodePair, Nonholonomic, NonholonomicConstraint, Parameter,
+};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Velocity of the material point of a body that is at the world point `place` now [m/s]: v + omega x (place - r).
@@ -30,7 +32,7 @@ fn sliding<S: Scalar>([a, b]: [NodeKind; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2]
 /// * `radius`  r \[m\], greater than 0
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
-pub struct RollingSphere(pub [NodeKind; 2]);
+pub struct RollingSphere(pub NodePair);
 
 impl NonholonomicConstraint for RollingSphere {
     const EQUATIONS: usize = 2;
@@ -70,7 +72,7 @@ fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vector3<S>, Vector3<S>) {
 /// * `normal`  n, unit vector in the frame of a
 /// * `radius`  r \[m\], greater than 0
 /// * `point`  x_a, of the plane, in the frame of a \[m\]
-pub struct DiscOnPlane(pub [NodeKind; 2]);
+pub struct DiscOnPlane(pub NodePair);
 
 impl Constraint for DiscOnPlane {
     const EQUATIONS: usize = 1;
@@ -97,7 +99,7 @@ impl Constraint for DiscOnPlane {
 /// * `u`, `w`  unit vectors of the plane in the frame of a, at right angles
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
-pub struct RollingDisc(pub [NodeKind; 2]);
+pub struct RollingDisc(pub NodePair);
 
 impl NonholonomicConstraint for RollingDisc {
     const EQUATIONS: usize = 2;
@@ -131,11 +133,8 @@ pub(crate) const ROLLING: Forms = forms!([]
     need("radius", Number("m", Positive), "radius"),
 ]);
 
-/// A constraint with its parameters.
-type WithParameters<S> = (Box<dyn AnyConstraint>, Vec<S>);
-
 /// The contact and the rolling of a form of [`ROLLING`].
-pub(crate) fn contact_and_rolling<S: Scalar>(form: &str, given: &mut Given<S>) -> [WithParameters<S>; 2] {
+pub(crate) fn contact_and_rolling<S: Scalar>(form: &str, given: &mut Given<S>) -> [WithParameters<dyn AnyConstraint, S>; 2] {
     let nodes = given.bodies();
     let (centre, normal) = (given.point("centre", 1), given.unit("normal"));
     let of_centre = given.node(1).local_point(centre).components().to_vec();

@@ -1,12 +1,12 @@
 use super::{gap, points};
 use crate::elements::entries::{AT, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
-use crate::elements::{Constraint, NodeKind, Parameter};
+use crate::elements::{Constraint, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// Two points held together: g = x_b - x_a \[m\]. The multipliers are the force of b on a, in world components \[N\].
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
-pub struct SphericalJoint(pub [NodeKind; 2]);
+pub struct SphericalJoint(pub NodePair);
 
 impl Constraint for SphericalJoint {
     const EQUATIONS: usize = 3;

@@ -1,6 +1,6 @@
 use super::{components, points, vectors};
 use crate::elements::entries::{AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, TWO_BODIES, Type, need};
-use crate::elements::{Constraint, Frame, NodeKind, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A universal (Cardan, Hooke) joint: points held together \[m\] and the two pins of the cross at right angles [-].
@@ -10,7 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `pin a`  n_a, unit vector in the frame of a
 /// * `pin b`  n_b, unit vector in the frame of b
-pub struct UniversalJoint(pub [NodeKind; 2]);
+pub struct UniversalJoint(pub NodePair);
 
 impl Constraint for UniversalJoint {
     const EQUATIONS: usize = 4;

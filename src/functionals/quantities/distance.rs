@@ -1,13 +1,13 @@
 use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
 use crate::elements::joints::{gap, points};
-use crate::elements::{NodeKind, Parameter, State, dofs_of};
+use crate::elements::{NodePair, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector};
 
 /// Distance of two points: |x_b - x_a| \[m\]; where they meet its derivative is taken as zero.
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]; ignored for nodes without axes
-pub struct Distance(pub [NodeKind; 2]);
+pub struct Distance(pub NodePair);
 
 impl Quantity for Distance {
     fn dofs(&self) -> usize {

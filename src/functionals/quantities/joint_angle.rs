@@ -1,6 +1,6 @@
 use crate::elements::entries::{ALONG, AXIS, BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
 use crate::elements::joints::{angle, angle_between};
-use crate::elements::{NodeKind, Parameter, State, dofs_of};
+use crate::elements::{NodePair, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-pub struct JointAngle(pub [NodeKind; 2]);
+pub struct JointAngle(pub NodePair);
 
 impl Quantity for JointAngle {
     fn dofs(&self) -> usize {

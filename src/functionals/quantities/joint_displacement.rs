@@ -1,6 +1,6 @@
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::joints::{components, gap, points, vectors};
-use crate::elements::{Frame, NodeKind, Parameter, State, dofs_of};
+use crate::elements::{Frame, NodePair, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]: s = 0 where they meet
 /// * `axis`  n_a, unit vector in the frame of a
-pub struct JointDisplacement(pub [NodeKind; 2]);
+pub struct JointDisplacement(pub NodePair);
 
 impl Quantity for JointDisplacement {
     fn dofs(&self) -> usize {
@@ -28,7 +28,7 @@ impl Quantity for JointDisplacement {
 }
 
 /// Its rate ds/dt [m/s], with the same parameters.
-pub struct JointSpeed(pub [NodeKind; 2]);
+pub struct JointSpeed(pub NodePair);
 
 impl Quantity for JointSpeed {
     fn dofs(&self) -> usize {

@@ -1,12 +1,12 @@
 use crate::elements::entries::{ALONG, AXIS, BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
-use crate::elements::{Frame, NodeKind, Parameter, State, dofs_of};
+use crate::elements::{Frame, NodePair, Parameter, State, dofs_of};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
 /// Angular velocity of body b against body a along an axis of a: n_a . (omega_b - omega_a) [rad/s].
 ///
 /// * `axis`  n_a, unit vector in the frame of a
-pub struct JointRate(pub [NodeKind; 2]);
+pub struct JointRate(pub NodePair);
 
 impl Quantity for JointRate {
     const PARAMETERS: &'static [Parameter] =

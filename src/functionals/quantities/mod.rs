@@ -22,25 +22,14 @@ mod von_mises;
 
 /// Quantities as types.
 pub(crate) mod types {
-    pub use super::beam_section_force::BeamSectionForce;
-    pub use super::beam_von_mises::BeamVonMises;
-    pub use super::cable_deflection::CableDeflection;
-    pub use super::cable_largest_stress::CableLargestStress;
-    pub use super::cable_section::CableQuantity;
-    pub use super::cable_von_mises::CableVonMises;
-    pub use super::coordinate::Coordinate;
-    pub use super::distance::Distance;
-    pub use super::joint_angle::JointAngle;
-    pub use super::joint_displacement::{JointDisplacement, JointSpeed};
-    pub use super::joint_rate::JointRate;
-    pub use super::position::Position;
-    pub use super::reaction::Reaction;
-    pub use super::reaction_norm::ReactionNorm;
-    pub use super::section::SectionQuantity;
-    pub use super::target_distance::TargetDistance;
-    pub use super::tsai_wu::TsaiWu;
-    pub use super::velocity::Velocity;
-    pub use super::von_mises::VonMises;
+    pub use super::{
+        beam_section_force::BeamSectionForce, beam_von_mises::BeamVonMises, cable_deflection::CableDeflection,
+        cable_largest_stress::CableLargestStress, cable_section::CableQuantity, cable_von_mises::CableVonMises,
+        coordinate::Coordinate, distance::Distance, joint_angle::JointAngle, joint_displacement::JointDisplacement,
+        joint_displacement::JointSpeed, joint_rate::JointRate, position::Position, reaction::Reaction,
+        reaction_norm::ReactionNorm, section::SectionQuantity, target_distance::TargetDistance, tsai_wu::TsaiWu,
+        velocity::Velocity, von_mises::VonMises,
+    };
 }
 
 pub use cable_section::CableMeasure;

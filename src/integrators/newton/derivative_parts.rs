@@ -1,22 +1,20 @@
 //! Derivative parts of the unknowns: linear systems, corrected with the matrix at the solution.
 
-use super::failure::{Failure, FailureKind, PARTS_LIMIT};
-use super::{MOST_ITERATIONS, Newton, ROUND_OFF};
+use super::failure::{Failure, FailureKind};
+use super::{MOST_ITERATIONS, Newton};
 use crate::assembly::{StageSystem, Unknowns};
 use crate::elements::RunScalar;
+use crate::tolerances::{NO_ROUND_OFF, ROUND_OFF, SAME_DERIVATIVE};
 
 /// Corrections of derivative parts that are made before round-off is taken for the reason why they do not end.
 const PASSES: usize = 4;
-/// Share of a value, per relative change of a number, that is no derivative but round-off, with [`PARTS_LIMIT`] of it.
+/// Share of a value, per relative change of a number, that is no derivative but round-off, with [`SAME_DERIVATIVE`] of it.
 const ZERO_SHARE: f64 = 1e-3;
 const STAGNATED: &str = "stagnated in the derivative parts";
 /// Corrections of derivative parts that shrink less than this do not converge any more.
 const SLOW_PARTS: f64 = 0.9;
-/// Relative corrections of derivative parts above which not even round-off is let pass.
-const ROUNDED_PARTS: f64 = 1e-6;
-/// Relative correction up to which a guide counts as the solution of the same problem.
-pub(super) const GUIDED: f64 = 1e-6;
-/// The same in effects of one rounding of the state: what a guide was content with, and what its own state lost since.
+/// Correction up to which a guide counts as the solution of the same problem, in effects of one rounding of the state: what a guide was content with, and
+/// what its own state lost since.
 const GUIDED_ROUNDINGS: f64 = 16.0;
 
 impl<S: RunScalar> Newton<'_, S> {
@@ -30,8 +28,8 @@ impl<S: RunScalar> Newton<'_, S> {
         let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
         let correction = self.step(None, &mut unknowns.clone());
         let near = match self.projected_size(stage) {
-            Some((unit, size)) => unit * correction <= GUIDED * size,
-            None => correction <= GUIDED * scale,
+            Some((unit, size)) => unit * correction <= NO_ROUND_OFF * size,
+            None => correction <= NO_ROUND_OFF * scale,
         };
         // what comes to rest has no size but that of the motion before; where nothing moves there is none to compare with
         let near = near || self.is_near_in_run(stage.equations, correction);
@@ -82,7 +80,7 @@ impl<S: RunScalar> Newton<'_, S> {
                     beyond = beyond.max(step / self.size_of_part(part, stage, unknowns));
                 }
             }
-            if pass > 1 && largest <= ROUND_OFF || pass >= PASSES && beyond <= PARTS_LIMIT {
+            if pass > 1 && largest <= ROUND_OFF || pass >= PASSES && beyond <= SAME_DERIVATIVE {
                 return Ok(());
             }
             if pass >= PASSES && beyond > SLOW_PARTS * previous {
@@ -107,7 +105,7 @@ impl<S: RunScalar> Newton<'_, S> {
             let coefficients = stage.equations.residual;
             let is_sum_of_forces = coefficients.alpha == 0.0 && coefficients.beta == 0.0;
             let size = self.size_of_part(part, stage, unknowns);
-            left <= 2.0 * round_off && (is_sum_of_forces || left <= ROUNDED_PARTS * size)
+            left <= 2.0 * round_off && (is_sum_of_forces || left <= NO_ROUND_OFF * size)
         })
     }
 

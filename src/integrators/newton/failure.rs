@@ -1,12 +1,10 @@
-use super::{Newton, ROUND_OFF};
+use super::Newton;
 use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::not_finite::not_finite;
 use crate::integrators::{RunError, Stop, unit_part};
 use crate::linalg::Singular;
-
-/// Relative correction of derivative parts that may be round-off.
-pub(super) const PARTS_LIMIT: f64 = 1e-9;
+use crate::tolerances::{ROUND_OFF, SAME_DERIVATIVE};
 
 const IN_TIME: &str = "try a smaller step, steps chosen by their error, or for stiff forces the method sdirk4";
 const STATIC: &str = "try a smaller step; what only its own tension holds, as a straight cable, finds its equilibrium by start = \"equilibrium\" \
@@ -72,7 +70,7 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         let of_parts = matches!(failure.how, FailureKind::Parts(_));
         let (row, residual) = self.largest_row(of_parts);
-        let (Failure { iterations, correction, .. }, limit) = (failure, if of_parts { PARTS_LIMIT } else { ROUND_OFF });
+        let (Failure { iterations, correction, .. }, limit) = (failure, if of_parts { SAME_DERIVATIVE } else { ROUND_OFF });
         let cause = format!(
             "Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
              largest row: {row} ({residual:.1e})"

@@ -58,8 +58,6 @@ impl NewtonTolerance {
 }
 
 const MOST_ITERATIONS: usize = 25;
-/// Relative correction at which the unknowns are as good as round-off allows.
-const ROUND_OFF: f64 = 1e-14;
 /// Factorizations for which the size of round-off is taken as it was measured once: two evaluations for each kind of system.
 const MEASURED_FOR: usize = 10;
 
@@ -296,7 +294,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// at acceleration level and projections differ by the change of A within a step and by the curvature of the reactions; projections
     /// of coordinates alone are without nonholonomic constraints.
     fn resembles(&self, old: &Equations, new: &Equations) -> bool {
-        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+        let near = |a: f64, b: f64| (a - b).abs() <= crate::tolerances::SAME_TIME * a.abs().max(b.abs());
         let rows = |e: &Equations| if e.metric { Level::Acceleration } else { e.level };
         let (own, other) = (old.residual, new.residual);
         let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);

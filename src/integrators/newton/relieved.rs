@@ -1,13 +1,11 @@
 //! A search with stresses that are relieved: for slender beams, whose stresses amid a search would stiffen every matrix.
 
 use super::Newton;
+use super::convergence::LOST;
 use super::failure::{Failure, FailureKind};
-use super::sizes::NEAR;
 use crate::assembly::{Equations, Jacobian, StageSystem, Unknowns};
 use crate::elements::RunScalar;
 
-/// Displacement in one system beyond which a search is lost, by the model's length.
-const LOST: f64 = 1e6;
 /// Displacement in one correction, by the model's length, beyond which it is shortened: what is linear at its start turns by no more than a fifth
 /// of a radian.
 const FARTHEST: f64 = 0.1;
@@ -66,7 +64,7 @@ impl<S: RunScalar> Newton<'_, S> {
                     unknowns.x.iter_mut().zip(&self.work.x).for_each(|(x, before)| *x -= (*x - *before) * left);
                 }
                 change.iter_mut().zip(&unknowns.x).for_each(|(change, x)| *change += alpha * x.value());
-                if displacement <= NEAR {
+                if displacement <= crate::tolerances::NO_ROUND_OFF {
                     return Ok(());
                 }
                 previous = step;

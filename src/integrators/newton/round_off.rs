@@ -3,6 +3,7 @@
 use super::Newton;
 use crate::assembly::{Equations, Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
+use crate::tolerances::{LONG_SUM, STALLED};
 
 /// Corrections that are round-off, and the unknowns of the state where that was measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -13,8 +14,6 @@ pub struct Floor {
     pub unknowns: [f64; 2],
 }
 
-/// Share of the unknowns up to which a correction may pass for round-off by what was measured in another state.
-const ELSEWHERE: f64 = 1e-10;
 /// Factor between the unknowns of two states up to which the round-off of one tells that of the other.
 const ALIKE: f64 = 8.0;
 
@@ -23,7 +22,7 @@ impl Floor {
     /// state is like the one that was measured. Forces of an impact have a round-off that is a motion afterwards.
     pub(super) fn speaks_for(&self, unknowns: [f64; 2], corrections: [f64; 2]) -> bool {
         let mut lists = self.unknowns.into_iter().zip(unknowns).zip(corrections);
-        lists.all(|((there, here), correction)| correction <= ELSEWHERE * here || there <= ALIKE * here)
+        lists.all(|((there, here), correction)| correction <= STALLED * here || there <= ALIKE * here)
     }
 }
 
@@ -58,7 +57,7 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Corrections no longer shrink: is that round-off, or a system that does not converge?
     pub(super) fn at_round_off(&mut self, stage: StageSystem<S>, unknowns: &Unknowns<S>, step: f64, scale: f64) -> bool {
         let equations = stage.equations;
-        if step <= 1e-10 * scale {
+        if step <= STALLED * scale {
             return true;
         }
         let force = self.residual.f.iter().fold(0.0, |s: f64, f| s.max(f.value().abs()));
@@ -69,7 +68,7 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         let largest_gap = self.residual.g.iter().fold(0.0, |s: f64, g| s.max(g.value().abs())) * gap;
         let small_force = force <= self.residual.force_floor(&self.system, stage, unknowns);
-        let small_gap = largest_gap <= 1e-12 * length.max(f64::MIN_POSITIVE);
+        let small_gap = largest_gap <= LONG_SUM * length.max(f64::MIN_POSITIVE);
         small_force && small_gap
     }
 }

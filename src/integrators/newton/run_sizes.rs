@@ -1,7 +1,6 @@
 //! The largest accelerations, velocities and coordinates of a run so far, and the largest derivative parts of each.
 
 use super::Newton;
-use super::derivative_parts::GUIDED;
 use crate::assembly::{Equations, Level, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::lists::largest_scaled;
@@ -55,6 +54,6 @@ impl<S: RunScalar> Newton<'_, S> {
             Level::Velocity if equations.metric => (equations.constraint.beta, v),
             _ => (1.0, a),
         };
-        factor.abs() * correction <= GUIDED * size
+        factor.abs() * correction <= crate::tolerances::NO_ROUND_OFF * size
     }
 }

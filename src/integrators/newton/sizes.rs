@@ -6,10 +6,6 @@ use crate::elements::RunScalar;
 use crate::integrators::lists::largest_scaled;
 use crate::scalar::larger;
 
-/// Correction beyond which nothing is round-off, as a displacement by the model's length.
-pub(super) const NEAR: f64 = 1e-6;
-/// Numbers below this are zero: what is made of them underflows, and their last bits are no share of them.
-pub(super) const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Displacement by the model's length that no state could show.
 const UNSEEN: f64 = f64::EPSILON * f64::EPSILON;
 /// Coordinates that are smaller than this share of the lengths among the parameters say nothing about the size of the model.
@@ -69,7 +65,7 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Whether a correction is zero in the scales of the model: what comes to rest has no size of its own.
     pub(super) fn is_nothing(&self, equations: &Equations, step: f64) -> bool {
         let moves = equations.residual.alpha != 0.0;
-        step <= NOTHING || moves && self.displacement(equations, step) <= UNSEEN
+        step <= crate::tolerances::NOTHING || moves && self.displacement(equations, step) <= UNSEEN
     }
 
     /// Whether corrections of multipliers, in the scale of the matrix, are zero in the scales of the model beside those of coordinates that

@@ -3,7 +3,6 @@
 use super::convergence::{Convergence, Correction, RateEstimate, Sizes, Verdict};
 use super::failure::{Failure, FailureKind};
 use super::round_off::{Floor, kind};
-use super::sizes::NEAR;
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance};
 use crate::assembly::{Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
@@ -97,7 +96,7 @@ impl<S: RunScalar> Newton<'_, S> {
             let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.coordinate_scales);
             left = self.displacement(equations, step);
             let round_off = self.displacement(equations, floor.corrections[0]);
-            if left <= BALANCED.max(4.0 * round_off) && round_off <= NEAR {
+            if left <= BALANCED.max(4.0 * round_off) && round_off <= crate::tolerances::NO_ROUND_OFF {
                 return Ok(());
             }
         }

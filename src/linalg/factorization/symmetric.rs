@@ -2,6 +2,7 @@
 
 use super::Factorization;
 use crate::linalg::{Inertia, SparseRow, sign_of_determinant};
+use crate::tolerances;
 use nalgebra::DMatrix;
 
 /// Signs of the symmetric part of a matrix, and how far it is from the matrix itself.
@@ -15,8 +16,6 @@ pub struct Signs {
 
 /// Difference of an entry and its mirrored one, in a matrix whose rows and columns have the size 1, up to which they count as equal.
 const SYMMETRIC: f64 = 1e-8;
-/// Round-off of an L U with the largest pivots, as a share of the norm of a matrix, for each of its columns.
-const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 /// Unknowns up to which the sign of a determinant is looked for.
 const MOST_UNKNOWNS: usize = 600;
 
@@ -49,7 +48,7 @@ impl Factorization {
         let matrix = DMatrix::from_column_slice(size, size, &columns);
         let norm =
             |matrix: &DMatrix<f64>| matrix.row_iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
-        let round_off = ROUND_OFF * size as f64 * norm(&matrix);
+        let round_off = tolerances::FACTORIZATION * size as f64 * norm(&matrix);
         let inverse = matrix.try_inverse().map_or(f64::INFINITY, |inverse| norm(&inverse));
         // that of the transpose is the same
         let column = |column: usize| self.entries(column).map(|place| (self.pattern.rows[place] as usize, scaled[place]));

@@ -15,9 +15,10 @@
 use super::front::{Contribution, Summed, Workspace, add_entries, add_rows, extend};
 use super::kernels::subtract_product;
 use super::matrix_view::{MatrixView, MatrixViewMut};
-use super::pivots::{PANEL, TINY_PIVOT};
+use super::pivots::PANEL;
 use super::product::Target;
 use super::symbolic::Symbolic;
+use crate::tolerances::ROUND_OFF;
 use std::ops::Range;
 
 /// Numbers of eigenvalues by their signs.
@@ -237,7 +238,7 @@ impl SymmetricBlock<'_> {
         for j in columns.clone() {
             let own = self.column(j);
             let diagonal = own[j].abs();
-            if diagonal > TINY_PIVOT && diagonal >= SHARE * largest(j, [j; 2]) {
+            if diagonal > ROUND_OFF && diagonal >= SHARE * largest(j, [j; 2]) {
                 return Some((j, None));
             }
             let Some(r) = columns.clone().filter(|&r| r != j).max_by(|&r, &s| own[r].abs().total_cmp(&own[s].abs())) else {
@@ -249,7 +250,7 @@ impl SymmetricBlock<'_> {
             let grows = |one: f64, other: f64| !(one * SHARE <= determinant && other * SHARE <= determinant);
             // where these cancel, round-off has the sign of the determinant: one of the diagonal is a pivot then
             let cancels = (a * c).abs() > SAFELY * b * b;
-            if b.abs() > TINY_PIVOT && !cancels && !grows(c.abs() * of_j + b.abs() * of_r, b.abs() * of_j + a.abs() * of_r) {
+            if b.abs() > ROUND_OFF && !cancels && !grows(c.abs() * of_j + b.abs() * of_r, b.abs() * of_j + a.abs() * of_r) {
                 return Some((j, Some(r)));
             }
         }

@@ -17,9 +17,6 @@
 
 use super::inertia::{Count, Inertia};
 
-/// Round-off of sums as a share of what |L| |D| |L^T| sums: the bound holds for signs of errors that all add up within a row, beside which
-/// errors of one entry that do are few.
-const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 /// The shift that is tried first, in a matrix whose rows and columns have the size 1.
 const FIRST_SHIFT: f64 = 1e-13;
 /// Shifts that are tried until one is as large as the round-off of its count.
@@ -37,7 +34,7 @@ fn beyond(side: f64, count: impl Fn(f64) -> Count) -> Option<Inertia> {
     let mut shift = FIRST_SHIFT;
     for _ in 0..MOST_SHIFTS {
         let Count { inertia, growth } = count(side * shift);
-        let error = ROUND_OFF * growth;
+        let error = crate::tolerances::FACTORIZATION * growth;
         if error <= shift {
             return Some(inertia);
         }

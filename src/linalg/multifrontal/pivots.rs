@@ -6,10 +6,8 @@ use super::product::Target;
 use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 
-/// Smallest pivot, as a share of the largest entry of its column.
+/// Smallest pivot, as a share of the largest entry of its column: that of MA57 and MUMPS.
 pub const PIVOT_SHARE: f64 = 0.01;
-/// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
-pub const TINY_PIVOT: f64 = 1e-14;
 /// Columns that are eliminated before the rest of the front is changed.
 pub const PANEL: usize = 32;
 /// Columns that are eliminated one by one before the rest of their panel is changed.
@@ -133,7 +131,7 @@ impl PivotBlock<'_> {
     #[inline(always)]
     fn pivot(&self, first: usize) -> Option<usize> {
         let column = &self.values[first * self.size..][..self.size];
-        let usable = |value: f64| value.abs() > TINY_PIVOT && value.is_finite();
+        let usable = |value: f64| value.abs() > crate::tolerances::ROUND_OFF && value.is_finite();
         if usable(column[first]) {
             let limit = column[first].abs() / PIVOT_SHARE;
             if !column[first..].iter().fold(false, |exceeded, value| exceeded | (value.abs() > limit)) {

@@ -8,7 +8,7 @@
 
 use super::factors::Form;
 use super::front::Contribution;
-use super::pivots::{PIVOT_SHARE, TINY_PIVOT};
+use super::pivots::PIVOT_SHARE;
 use super::symbolic::{Front, Symbolic};
 use crate::linalg::vectors::{Instructions, Vector, VectorKernel};
 
@@ -346,7 +346,7 @@ unsafe fn copy_chunks<I: Instructions, const CHUNKS: usize>(from: *const f64, to
 
 #[inline(always)]
 fn is_usable(pivot: f64) -> bool {
-    pivot.abs() > TINY_PIVOT && pivot.is_finite()
+    pivot.abs() > crate::tolerances::ROUND_OFF && pivot.is_finite()
 }
 
 /// No bits of the first `SMALL_FRONT` numbers, all bits of as many more, and none of as many again.

@@ -64,7 +64,7 @@ pub struct Emitter {
 
 impl Emitter {
     fn new(listing: &Listing, storage: Storage) -> Self {
-        let mut outputs = vec![SmallVec::new(); listing.operations.len()];
+        let mut outputs: Vec<SmallVec<_>> = listing.operations.iter().map(|_| SmallVec::new()).collect();
         for (place, output) in listing.outputs.iter().enumerate() {
             outputs[output.0 as usize].push(place);
         }
@@ -72,7 +72,7 @@ impl Emitter {
     }
 
     fn operation<'c>(&mut self, number: usize, operation: Operation, calls: &mut impl Iterator<Item = &'c Call>) {
-        let operands: SmallVec<[usize; 3]> = operation.operands().iter().map(|operand| operand.0 as usize).collect();
+        let operands = operation.operands();
         self.storage.start(number, &operands);
         let target = match (operation, &operands[..]) {
             (Operation::Binary(Binary::Add, ..), &[x, y]) => self.commutative(ADD, x, y),

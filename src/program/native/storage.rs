@@ -86,9 +86,9 @@ impl Storage {
         for (number, operation) in listing.operations.iter().enumerate().rev() {
             let operands = operation.operands();
             storage.uses[number] = std::array::from_fn(|place| {
-                operands.get(place).map_or(NEVER, |operand| storage.numbers[operand.0 as usize].next_use)
+                operands.get(place).map_or(NEVER, |&operand| storage.numbers[operand].next_use)
             });
-            operands.iter().for_each(|operand| storage.numbers[operand.0 as usize].next_use = number as u32);
+            operands.iter().for_each(|&operand| storage.numbers[operand].next_use = number as u32);
         }
         storage
     }
@@ -113,14 +113,15 @@ impl Storage {
     pub fn start(&mut self, instruction: usize, operands: &[usize]) {
         self.free_slots.append(&mut self.dying_slots);
         self.now = instruction as u32;
-        self.operands = operands.into();
+        self.operands = SmallVec::from_slice(operands);
         self.reserved = 0;
     }
 
     /// Says that all operands have been brought to where the instruction reads them. Registers of numbers that are not
     /// read again become free at once, since an instruction reads before it writes; their slots after it.
     pub fn retire_operands(&mut self) {
-        for (operand, number) in std::mem::take(&mut self.operands).into_iter().enumerate() {
+        for operand in 0..self.operands.len() {
+            let number = self.operands[operand];
             let Number { register, memory, next_use } = self.numbers[number];
             let after = self.uses[self.now as usize][operand];
             self.numbers[number].next_use = after;
@@ -134,6 +135,7 @@ impl Storage {
                 }
             }
         }
+        self.operands.clear();
     }
 
     /// When the current instruction's operand is read again.

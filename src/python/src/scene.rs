@@ -106,6 +106,17 @@ impl Scene {
             Ok(prepared)
         })
     }
+
+    /// What is asked of it where it is ready to run, without holding up other threads of Python.
+    fn ask<T: Send>(
+        &self,
+        py: Python<'_>,
+        (x, options): (Option<Vec<f64>>, Options),
+        ask: impl FnOnce(&Prepared) -> Result<T, RunError> + Send,
+    ) -> PyResult<T> {
+        let found = || self.prepared(x, &options).and_then(|prepared| ask(prepared.borrow_dependent()));
+        py.detach(|| guarded(|| found().map_err(run_error)))
+    }
 }
 
 impl Options {
@@ -186,12 +197,9 @@ impl Scene {
 
     /// Names of the functionals with the units of their values.
     fn functionals(&self, py: Python<'_>) -> PyResult<Vec<(String, String)>> {
-        let list = || {
-            let prepared = self.prepared(None, &Options::default()).map_err(run_error)?;
-            let functionals = prepared.borrow_dependent().functionals().iter();
-            Ok(functionals.map(|own| (own.name.clone(), own.value_unit())).collect())
-        };
-        py.detach(|| guarded(list))
+        self.ask(py, (None, Options::default()), |prepared| {
+            Ok(prepared.functionals().iter().map(|own| (own.name.clone(), own.value_unit())).collect())
+        })
     }
 
     /// The circumstances in which it is run, by their names.
@@ -209,11 +217,7 @@ impl Scene {
         about: (bool, bool),
         gradients: bool,
     ) -> PyResult<Vec<ModeNumbers>> {
-        let find = || {
-            let prepared = self.prepared(at.0, &at.1).map_err(run_error)?;
-            modes(prepared.borrow_dependent(), count, about, gradients).map_err(run_error)
-        };
-        py.detach(|| guarded(find))
+        self.ask(py, at, |prepared| modes(prepared, count, about, gradients))
     }
 
     /// Complex amplitudes of the functionals where a variable varies harmonically, for each rate.
@@ -224,11 +228,7 @@ impl Scene {
         by: String,
         rates: Vec<f64>,
     ) -> PyResult<Vec<Vec<[f64; 2]>>> {
-        let find = || {
-            let prepared = self.prepared(at.0, &at.1).map_err(run_error)?;
-            prepared.borrow_dependent().frequency_response(&by, &rates).map_err(run_error)
-        };
-        py.detach(|| guarded(find))
+        self.ask(py, at, |prepared| prepared.frequency_response(&by, &rates))
     }
 
     /// Simulates it at a design, its own without one, and says what ended the run where that was a signal.

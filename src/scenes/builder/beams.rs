@@ -152,7 +152,7 @@ pub(super) fn places_at(share: f64, count: usize, [start, end]: [f64; 2]) -> Vec
     let place = share * count as f64;
     let nearest = place.round();
     // a share such as 1/3 of three elements is an end of elements in spite of its last digit
-    if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
+    if (place - nearest).abs() < crate::tolerances::CONSISTENT && nearest > 0.0 && nearest < count as f64 {
         return vec![(nearest as usize - 1, end), (nearest as usize, start)];
     }
     let element = (place as usize).min(count.saturating_sub(1));

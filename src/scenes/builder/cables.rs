@@ -11,6 +11,7 @@ use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuan
 use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
+use crate::tolerances::CONSISTENT;
 
 /// A straight cable at t = 0, in the world, as long as in its reference.
 #[derive(Clone, Copy, Debug)]
@@ -139,7 +140,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let q = &self.numbers.q[own.dofs.clone()];
         let gap = (Vector3::first_three(q) - point).length().value();
         let turned = (Vector3::first_three(&q[3..]) - direction).length().value();
-        if gap > 1e-9 * length.value() || turned > 1e-9 {
+        if gap > CONSISTENT * length.value() || turned > CONSISTENT {
             self.mistakes.push(format!(
                 "\"{name}\" meets its node \"{}\" at a distance of {gap:.3e} m and with a slope that differs by {turned:.3e}; \
                  cables that share a node go on in one direction, others meet in a body",

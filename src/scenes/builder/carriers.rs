@@ -6,13 +6,10 @@ use crate::assembly::NodeId;
 use crate::elements::flexible::faces::{FaceShape, MOST_NODES};
 use crate::elements::flexible::shape::weighed;
 use crate::scalar::{Scalar, Vector3};
+use crate::tolerances::{LONG_SUM, SAME_VERTEX};
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
-/// A place nearer than this to an edge of a face, in (r, s), lies on the edge, and stays there while nodes move.
-const ON_EDGE: f64 = 1e-6;
-/// Weights of this size are those of nodes that a place has nothing to do with.
-const NO_WEIGHT: f64 = 1e-13;
 /// Newton's corrections of a place that is nearly right.
 const CORRECTIONS: usize = 6;
 
@@ -25,6 +22,7 @@ pub(super) struct Carriers<S> {
     /// Nodes of each face with their places.
     faces: Vec<Vec<(NodeId, Vector3<S>)>>,
     shells: Vec<String>,
+    /// Place of its shell among `shells`, for each face.
     shell_of: Vec<usize>,
 }
 
@@ -76,7 +74,7 @@ impl<S: Scalar> Carriers<S> {
         let mut shares = Vec::new();
         for (place, &(node, _)) in self.faces[foot.face].iter().enumerate() {
             let slopes = || near.slopes.iter().map(|own| own[place]);
-            if near.values[place].abs() < NO_WEIGHT && slopes().all(|slope| slope.abs() < NO_WEIGHT) {
+            if near.values[place].abs() < LONG_SUM && slopes().all(|slope| slope.abs() < LONG_SUM) {
                 continue;
             }
             let weight = slopes().zip(&by).fold(S::from(near.values[place]), |sum, (slope, &by)| sum + by * slope);
@@ -86,20 +84,20 @@ impl<S: Scalar> Carriers<S> {
     }
 }
 
-/// The place, on the edge if it is next to it.
+/// The place, on the edge if it is next to it: there it stays while nodes move.
 fn snapped(face: &PlacedFace, [r, s]: [f64; 2]) -> [f64; 2] {
     if face.is_triangle() {
-        let [r, s] = [r, s].map(|x| if x < ON_EDGE { 0.0 } else { x });
-        return if 1.0 - r - s < ON_EDGE { [r / (r + s), s / (r + s)] } else { [r, s] };
+        let [r, s] = [r, s].map(|x| if x < SAME_VERTEX { 0.0 } else { x });
+        return if 1.0 - r - s < SAME_VERTEX { [r / (r + s), s / (r + s)] } else { [r, s] };
     }
-    [r, s].map(|x| if 1.0 - x.abs() < ON_EDGE { x.signum() } else { x })
+    [r, s].map(|x| if 1.0 - x.abs() < SAME_VERTEX { x.signum() } else { x })
 }
 
 /// Directions in (r, s) in which a place may move: along the edge where it is on one.
 fn free_directions(face: &PlacedFace, [r, s]: [f64; 2]) -> SmallVec<[[f64; 2]; 2]> {
     let mut ways: SmallVec<[[f64; 2]; 2]> = SmallVec::new();
     if face.is_triangle() {
-        let on = [s == 0.0, r == 0.0, 1.0 - r - s < ON_EDGE];
+        let on = [s == 0.0, r == 0.0, 1.0 - r - s < SAME_VERTEX];
         match on {
             [false, false, false] => ways.extend([[1.0, 0.0], [0.0, 1.0]]),
             [true, false, false] => ways.push([1.0, 0.0]),

@@ -2,7 +2,7 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::entries::{Given, Made, Part, SpringPart, Type, Values, named};
+use crate::elements::entries::{Given, Part, SpringPart, Type, Values, WithParameters, named};
 use crate::scalar::Scalar;
 
 /// An entry of a list of the library.
@@ -32,14 +32,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         Given::new(name, placed, values)
     }
 
-    /// Makes a part of its entry; what is wrong is told.
-    pub(super) fn made<L: ?Sized + 'static>(
+    /// The formula and parameters of a part by its entry; what is wrong is kept with the other mistakes.
+    pub(super) fn build_part<L: ?Sized + 'static>(
         &mut self,
         part: &Part<L>,
         name: &str,
         nodes: &[NodeId],
         values: Values<S>,
-    ) -> Option<Made<L, S>> {
+    ) -> Option<WithParameters<L, S>> {
         if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
             return None;
         }
@@ -61,20 +61,20 @@ impl<S: Scalar> MechanismBuilder<S> {
         let made = part.make(&mut given);
         wrong.extend(given.mistakes());
         let made = made.map_err(|why| wrong = vec![(None, format!("\"{name}\": {why}"))]).ok().filter(|_| wrong.is_empty());
-        self.tell(name, wrong);
+        self.keep_mistakes(name, wrong);
         made
     }
 
     /// Adds a spring or damper by its entry, one of a list or of your own: `m.spring(&SpringPart::of::<MySpring>(), "name", &[a, b], keys)`.
     pub fn spring(&mut self, part: &SpringPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ElementId {
-        match self.made(part, name, nodes, keys.into()) {
+        match self.build_part(part, name, nodes, keys.into()) {
             Some((law, p)) => self.add_element(name, nodes, law, &p),
             None => self.model.refused_element(),
         }
     }
 
     /// Keeps mistakes, those in values of keys apart.
-    pub(super) fn tell(&mut self, name: &str, wrong: Vec<(Option<&'static str>, String)>) {
+    pub(super) fn keep_mistakes(&mut self, name: &str, wrong: Vec<(Option<&'static str>, String)>) {
         for (key, text) in wrong {
             match key {
                 Some(key) => self.wrong_keys.push((name.into(), key, text)),

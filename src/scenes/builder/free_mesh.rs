@@ -60,6 +60,7 @@ pub struct FreeMesh<S> {
     pub(super) may_coincide: bool,
     /// Why it is no mesh that can be made or joined, in words that follow its name.
     pub(super) unjoined: Option<String>,
+    /// Cosine of the largest angle between faces that go on smoothly.
     crease: f64,
     /// Points of faces of eight, whose middles are the last points.
     completed: Vec<Vec<usize>>,

@@ -12,7 +12,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of a quantity by its entry, one of [`QUANTITIES`] or of your own:
     /// `m.measure(&QuantityPart::of::<MyQuantity>(), "name", Over::Terminal, &[node], keys)`.
     pub fn measure(&mut self, part: &QuantityPart, name: &str, over: Over, nodes: &[NodeId], keys: impl Into<Values<S>>) {
-        if let Some((quantity, p)) = self.made(part, name, nodes, keys.into()) {
+        if let Some((quantity, p)) = self.build_part(part, name, nodes, keys.into()) {
             self.add_functional(name, over, (nodes, &[]), quantity, &p);
         }
     }

@@ -12,7 +12,7 @@ use crate::scenes::Signal;
 impl<S: Scalar> MechanismBuilder<S> {
     /// Adds a joint or driver by its entry, one of a list or of your own: `m.joint(&JointPart::of::<MyJoint>(), "name", &[a, b], keys)`.
     pub fn joint(&mut self, part: &JointPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ConstraintId {
-        match self.made(part, name, nodes, keys.into()) {
+        match self.build_part(part, name, nodes, keys.into()) {
             Some((law, p)) => self.add_constraint(name, nodes, law.rigid(), &p),
             None => self.model.refused_constraint(),
         }
@@ -28,7 +28,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         keys: impl Into<Values<S>>,
         [stiffness, damping]: [&[S]; 2],
     ) -> ElementId {
-        let Some((law, p)) = self.made(part, name, nodes, keys.into()) else { return self.model.refused_element() };
+        let Some((law, p)) = self.build_part(part, name, nodes, keys.into()) else { return self.model.refused_element() };
         let count = law.equations();
         if [stiffness.len(), damping.len()] != [count; 2] {
             let (stiffnesses, dampings) = (stiffness.len(), damping.len());

@@ -1,8 +1,9 @@
 //! Meshes whose faces look joined and are not, or stand twice.
 
 use super::FreeMesh;
-use super::surface_search::{ALONG, PlaceIndex, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, shown};
+use super::surface_search::{ALONG, PlaceIndex, PlacedFace, Point, Surfaces, cosine, length, shown};
 use crate::scalar::{Scalar, Vector3};
+use crate::tolerances::SAME_VERTEX;
 use std::collections::{HashMap, HashSet};
 
 impl<S: Scalar> FreeMesh<S> {
@@ -30,7 +31,7 @@ impl<S: Scalar> FreeMesh<S> {
 
     /// Two points of faces that stand at the same place: faces on both sides are not joined there.
     fn coincident(&self) -> Option<[usize; 2]> {
-        let near = (SAME_PLACE * self.size()).max(f64::MIN_POSITIVE);
+        let near = (SAME_VERTEX * self.size()).max(f64::MIN_POSITIVE);
         let mut used: Vec<usize> = self.faces.iter().flat_map(|face| face.points.iter().copied()).collect();
         used.sort_unstable();
         used.dedup();
@@ -125,7 +126,7 @@ impl<S: Scalar> FreeMesh<S> {
                 }
             }
         }
-        let surfaces = Surfaces::new(self.placed(), SAME_PLACE * self.size());
+        let surfaces = Surfaces::new(self.placed(), SAME_VERTEX * self.size());
         self.outer_points().into_iter().find_map(|point| {
             let foot = surfaces.nearest(self.value_of(point), |face| !self.faces[face].points.contains(&point))?;
             Some(tells(point, foot.face, foot.distance))

@@ -26,8 +26,6 @@ const GAUSS: [(f64, f64); 5] = [
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
-/// Ends of segments nearer to each other, in the coordinate of the edge, are one.
-const ONE_END: f64 = 1e-6;
 /// Corrections of the place where two edges cross.
 const CORRECTIONS: usize = 20;
 /// Square of the sine of the angle between edges that run along each other.
@@ -103,7 +101,7 @@ impl<S: Scalar> TiedEdge<S> {
             }
         }
         ends.sort_by(f64::total_cmp);
-        ends.dedup_by(|next, before| *next - *before < ONE_END);
+        ends.dedup_by(|next, before| *next - *before < crate::tolerances::SAME_VERTEX);
         // the last one is the end of the edge, whatever lies next to it
         if let Some(last) = ends.last_mut() {
             *last = 1.0;

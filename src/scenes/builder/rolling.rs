@@ -23,7 +23,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let made = contact_and_rolling(form, &mut given);
         let wrong = given.mistakes();
         if !wrong.is_empty() {
-            self.tell(names[1], wrong);
+            self.keep_mistakes(names[1], wrong);
             return refused;
         }
         let mut names = names.into_iter();

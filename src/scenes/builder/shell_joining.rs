@@ -1,12 +1,13 @@
 //! Shells joined along edges to other shells and to bodies.
 
 use super::carriers::Carriers;
-use super::surface_search::{ALONG, PlaceIndex, Point, SAME_PLACE, Surfaces, cosine, length, shown};
+use super::surface_search::{ALONG, PlaceIndex, Point, Surfaces, cosine, length, shown};
 use super::{FreeMesh, MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
 use crate::elements::flexible::faces::FaceKind;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::tolerances::SAME_VERTEX;
 use std::collections::HashMap;
 
 /// What divides neighbours otherwise is told with this remedy.
@@ -55,8 +56,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Each wall keeps the directors of its own normals, in the frame of the common nodes: turning one about the normal of a wall, which the
     /// penalty against drilling holds, bends the other.
     #[must_use]
-    pub fn joined<M: SurfaceMesh<S>>(&self, mesh: M, shells: &[&impl AsRef<MeshedShell>]) -> M {
-        let shells: Vec<&MeshedShell> = shells.iter().map(|shell| shell.as_ref()).collect();
+    pub fn joined<M: SurfaceMesh<S>>(&self, mesh: M, shells: &[&MeshedShell]) -> M {
         let each: Vec<Vec<&MeshedShell>> = shells.iter().map(|shell| vec![*shell]).collect();
         self.joined_to_each(mesh, &each)
     }
@@ -79,7 +79,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// The mesh with the nodes of those shells that it meets, and which ones it meets.
     pub(super) fn joined_where_met<M: SurfaceMesh<S>>(&self, mut mesh: M, shells: &[&MeshedShell]) -> (M, Vec<bool>) {
         let free = mesh.free();
-        let near = SAME_PLACE * free.size();
+        let near = SAME_VERTEX * free.size();
         let neighbours = Neighbours::new(self, shells, near);
         let mut owners: HashMap<NodeId, Vec<usize>> = HashMap::new();
         for (number, shell) in shells.iter().enumerate() {
@@ -121,7 +121,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             free.node_name(point),
             shown(free.value_of(point)),
             self.model.nodes[node.0].name,
-            SAME_PLACE * free.size()
+            SAME_VERTEX * free.size()
         )
     }
 
@@ -177,7 +177,7 @@ fn divided_otherwise<S: Scalar>(
     nodes: &HashMap<usize, NodeId>,
     neighbours: &Neighbours<S>,
 ) -> Option<String> {
-    let near = SAME_PLACE * free.size();
+    let near = SAME_VERTEX * free.size();
     let unequal = |place: Point, shell: &str| {
         format!(
             "is joined to \"{shell}\", but at {} their edges lie along each other with other nodes: {REMEDY}",

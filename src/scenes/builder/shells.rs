@@ -14,6 +14,7 @@ use crate::elements::forces::{LOADS, LoadFrame};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{Drawn, Signal};
+use crate::tolerances::CONSISTENT;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
@@ -29,9 +30,11 @@ pub struct MeshedShell {
     pub nodes: Vec<NodeId>,
     /// In the order of the faces.
     pub elements: Vec<ElementId>,
+    /// Of each element its kind and its nodes.
     faces: Vec<(ShellKind, Vec<NodeId>)>,
     /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\].
     layers: Vec<Option<[f64; 2]>>,
+    /// Node at each point of the mesh, if a face has it.
     of_point: Vec<Option<NodeId>>,
     groups: Vec<(String, Vec<usize>)>,
     node_sets: Vec<(String, Vec<usize>)>,
@@ -104,18 +107,6 @@ impl Deref for ShellMember {
     type Target = MeshedShell;
     fn deref(&self) -> &MeshedShell {
         &self.shell
-    }
-}
-
-impl AsRef<MeshedShell> for ShellMember {
-    fn as_ref(&self) -> &MeshedShell {
-        &self.shell
-    }
-}
-
-impl AsRef<MeshedShell> for MeshedShell {
-    fn as_ref(&self) -> &MeshedShell {
-        self
     }
 }
 
@@ -412,7 +403,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let gap = (self.position(node) - place).length().value();
-        if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
+        if !(gap <= CONSISTENT * size.max(f64::MIN_POSITIVE)) {
             self.mistakes.push(format!(
                 "\"{name}\" lies {gap:.3e} m from its node \"{own}\": it takes hold of the origin of a body's frame; leave a node of its own there and \
                  add a fixed joint, or move the frame"
@@ -420,7 +411,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let e = self.rotation(node).0.map(Scalar::value);
         let before = *start.get_or_insert(e);
-        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
+        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > CONSISTENT) {
             self.mistakes.push(format!(
                 "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
                  or join nodes of its own by fixed joints"

@@ -6,8 +6,6 @@ use crate::scalar::{SpatialVector, Vector3};
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
-/// Points nearer than this share of the diagonal of their meshes stand at the same place, and a point as near to a face lies on it.
-pub(super) const SAME_PLACE: f64 = 1e-6;
 /// Lines that enclose a smaller angle \[rad\], and faces, run along each other: 6 degrees.
 pub(super) const ALONG: f64 = 0.1;
 
@@ -112,10 +110,15 @@ impl PlacedFace {
 /// The faces of some meshes, found by places.
 pub(super) struct Surfaces {
     faces: Vec<PlacedFace>,
+    /// Least and largest coordinates of each face.
     boxes: Vec<[Point; 2]>,
+    /// Faces within reach of each cell of a grid of cubes, apart from those in `large`.
     cells: HashMap<[i64; 3], Vec<usize>>,
+    /// Faces that would stand in more than [`MOST_CELLS`] cells.
     large: Vec<usize>,
+    /// Width of the cells \[m\].
     cell: f64,
+    /// From how far away points find faces \[m\].
     reach: f64,
 }
 
@@ -181,7 +184,9 @@ impl Surfaces {
 
 /// Items by their places.
 pub(super) struct PlaceIndex<T> {
+    /// Items in each cell of a grid of cubes, twice as wide as `near`.
     cells: HashMap<[i64; 3], Vec<(T, Point)>>,
+    /// From how far away places find items \[m\].
     near: f64,
 }
 

@@ -109,7 +109,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let (direction, first) = (extrusion.along.unit(), extrusion.first_axis.unit());
         let cosine = direction.dot(&first).value();
         // what is not a number is no right angle, either
-        if !cosine.abs().le(&1e-9) {
+        if !cosine.abs().le(&crate::tolerances::CONSISTENT) {
             self.mistakes.push(format!(
                 "axis 1 of the profile of \"{name}\" and its line enclose an angle whose cosine is {cosine:.3e}; they stand at right angles"
             ));

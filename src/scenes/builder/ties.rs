@@ -5,7 +5,7 @@
 
 use super::carriers::{Carriers, Shares, Sum};
 use super::mortar::{EdgePoint, TiedEdge};
-use super::surface_search::{Point, SAME_PLACE, length, shown};
+use super::surface_search::{Point, length, shown};
 use super::{MechanismBuilder, MeshedShell};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::joints::TiedNode;
@@ -29,22 +29,14 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Nodes of the edge that never move, that belong to the faces or that, at its ends, are tied already do not follow. Every node must lie on a
     /// face, to a millionth of the diagonal of all of them; see [`tie_within`](Self::tie_within).
-    pub fn tie<M: AsRef<MeshedShell>>(&mut self, name: &str, nodes: &[NodeId], to: &[&M]) -> Vec<ConstraintId> {
-        let shells: Vec<&MeshedShell> = to.iter().map(|shell| (*shell).as_ref()).collect();
-        self.tie_to(name, nodes, &shells, None)
+    pub fn tie(&mut self, name: &str, nodes: &[NodeId], to: &[&MeshedShell]) -> Vec<ConstraintId> {
+        self.tie_to(name, nodes, to, None)
     }
 
     /// The same for nodes that lie up to so far \[m\] from the faces, as those of curved surfaces and of walls at a distance do: they keep the distance,
     /// which turns with the faces.
-    pub fn tie_within<M: AsRef<MeshedShell>>(
-        &mut self,
-        name: &str,
-        nodes: &[NodeId],
-        to: &[&M],
-        within: f64,
-    ) -> Vec<ConstraintId> {
-        let shells: Vec<&MeshedShell> = to.iter().map(|shell| (*shell).as_ref()).collect();
-        self.tie_to(name, nodes, &shells, Some(within))
+    pub fn tie_within(&mut self, name: &str, nodes: &[NodeId], to: &[&MeshedShell], within: f64) -> Vec<ConstraintId> {
+        self.tie_to(name, nodes, to, Some(within))
     }
 
     pub(crate) fn tie_to(
@@ -116,7 +108,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let start = self.rotation(first);
         for &(other, _) in shares {
             let apart = start.0.iter().zip(self.rotation(other).0).map(|(a, b)| (a.value() - b.value()).abs());
-            if apart.fold(0.0, f64::max) > 1e-12 {
+            if apart.fold(0.0, f64::max) > crate::tolerances::CONSISTENT {
                 let [a, b] = [first, other].map(|node| called(self, node));
                 return Err(format!(
                     "the frames of {a} and {b} start with different Euler parameters; let them start alike"
@@ -142,6 +134,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 struct Tie<'n, S> {
     nodes: &'n [NodeId],
     carriers: Carriers<S>,
+    /// Outer edges that follow, and where their points lie on the carriers.
     edges: Vec<(TiedEdge<S>, Vec<EdgePoint>)>,
     /// Nodes of edges that do not follow.
     left_out: HashSet<NodeId>,
@@ -156,7 +149,7 @@ impl<'n, S: Scalar> Tie<'n, S> {
     ) -> Result<Self, String> {
         let carriers = Carriers::new(m, shells, 0.0);
         let places = carriers.nodes().chain(nodes.iter().copied()).map(|node| place_of(m, node));
-        let reach = within.unwrap_or(SAME_PLACE * diagonal(places));
+        let reach = within.unwrap_or(crate::tolerances::SAME_VERTEX * diagonal(places));
         if !(reach >= 0.0 && reach.is_finite()) {
             return Err(format!("nodes cannot lie within {reach} m of faces; give a distance that is not negative"));
         }

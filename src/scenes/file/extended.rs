@@ -1,7 +1,7 @@
 //! A file that extends another: what it says is put into what the other says, as a scenario's is.
 
 use super::mistake::{Mistake, Source};
-use super::raw::{Entry, Raw, RawValue, put};
+use super::raw::{KeyValue, Raw, RawValue, put};
 use crate::scenes::file_bytes;
 use std::path::Path;
 
@@ -37,7 +37,7 @@ pub(super) fn whole_tree(source: &mut Source) -> Result<Raw, String> {
         if let RawValue::Table(entries) = &mut whole.value {
             entries.retain(|entry| !OWN.contains(&entry.key.as_str()));
         }
-        let entries: &[Entry] = own.entries().unwrap_or_default();
+        let entries: &[KeyValue] = own.key_values();
         entries.iter().try_for_each(|entry| put(&mut whole, entry, &entry.key)).map_err(|mistake| source.told(&mistake))?;
         whole.at = own.at;
     }

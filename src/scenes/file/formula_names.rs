@@ -2,19 +2,19 @@
 
 use super::formula::{Meaning, Scope, TIME, words_of};
 use super::formula_parts::OF_BODY;
-use super::raw::{Entry, Raw};
+use super::raw::{KeyValue, Raw};
 use super::reader::Reader;
 use super::state_laws::{Formulas, names_of, unnamed};
 
-fn nodes_of(raw: &Raw) -> Vec<Entry> {
-    raw.get("nodes").and_then(Raw::entries).map(<[Entry]>::to_vec).unwrap_or_default()
+fn nodes_of(raw: &Raw) -> Vec<KeyValue> {
+    raw.get("nodes").and_then(Raw::table).map(<[KeyValue]>::to_vec).unwrap_or_default()
 }
 
 /// Nodes by the names that formulas give them.
 #[derive(Default)]
 struct FormulaNodes {
     /// Those of the entry, then those that its outputs bring with them: c.a of an output of c that depends on a.
-    all: Vec<Entry>,
+    all: Vec<KeyValue>,
     given: usize,
 }
 
@@ -28,7 +28,7 @@ impl FormulaNodes {
         self.all.iter().find(|own| text.is_some() && own.value.text() == text).map_or(name, |own| &own.key)
     }
     /// Those that outputs bring and that are not there already.
-    fn brought(&self) -> Vec<Entry> {
+    fn brought(&self) -> Vec<KeyValue> {
         self.all[self.given..].iter().filter(|own| self.name(&own.key) == own.key).cloned().collect()
     }
 }
@@ -38,7 +38,7 @@ impl Reader {
     pub(super) fn scope_with_nodes(&mut self, item: usize, raw: &Raw) -> Option<Scope> {
         self.brought = Vec::new();
         let is_state = self.declared[item].section.name == "state";
-        if !is_state && raw.get("nodes").and_then(Raw::entries).is_none() {
+        if !is_state && raw.get("nodes").and_then(Raw::table).is_none() {
             return None;
         }
         let before = self.scope.clone();
@@ -48,7 +48,7 @@ impl Reader {
     }
 
     /// The entry of a node that formulas of another name; what is wrong with it is told where its key is read.
-    fn item_of(&mut self, node: &Entry) -> Option<usize> {
+    fn item_of(&mut self, node: &KeyValue) -> Option<usize> {
         let before = self.mistakes.len();
         let place = self.node(node.value.get("on").unwrap_or(&node.value), "", false);
         self.mistakes.truncate(before);
@@ -56,7 +56,7 @@ impl Reader {
     }
 
     /// The state that a node is.
-    fn state_at(&mut self, node: &Entry) -> Option<usize> {
+    fn state_at(&mut self, node: &KeyValue) -> Option<usize> {
         self.item_of(node).filter(|&item| self.declared[item].section.name == "state")
     }
 
@@ -90,13 +90,13 @@ impl Reader {
             path.push(state);
             let inner = self.formula_nodes(&of, path).all;
             path.pop();
-            all.extend(inner.into_iter().map(|own| Entry { key: format!("{name}.{}", own.key), ..own }));
+            all.extend(inner.into_iter().map(|own| KeyValue { key: format!("{name}.{}", own.key), ..own }));
         }
         FormulaNodes { all, given }
     }
 
     /// Adds to the scope of the file what formulas of an entry know but its definitions, and returns the nodes that outputs bring.
-    fn add_names(&mut self, file: &Scope, item: usize, raw: &Raw, path: &mut Vec<usize>) -> Vec<Entry> {
+    fn add_names(&mut self, file: &Scope, item: usize, raw: &Raw, path: &mut Vec<usize>) -> Vec<KeyValue> {
         let nodes = self.formula_nodes(raw, path);
         let brought = nodes.brought();
         for own in nodes.all[..nodes.given].iter().chain(&brought) {

@@ -1,9 +1,9 @@
 //! Formulas of nodes, of which a file makes elements, states, joints and functionals.
 
+use super::entry_context::{Builder, Entry, EntryContext, Result};
 use super::fields::{NamedNode, Value};
 use super::formula::{Formula, Law, Quantity};
 use super::keys::one_form;
-use super::known::{Builder, Entry, Found, Known};
 use super::mistake::Mistake;
 use super::section::OfNode;
 use super::tables::TABLE;
@@ -146,7 +146,7 @@ impl Formulas {
 
 /// The nodes of formulas, and the formulas as they are read.
 pub(super) struct Reading<'f> {
-    known: &'f Known<'f>,
+    context: &'f EntryContext<'f>,
     pub names: Vec<&'f str>,
     pub nodes: Vec<NodeId>,
     pub formulas: Formulas,
@@ -155,7 +155,7 @@ pub(super) struct Reading<'f> {
 }
 
 impl<'f> Reading<'f> {
-    pub fn new(e: Entry<'f>, m: &mut Builder) -> Found<Self> {
+    pub fn new(e: Entry<'f>, m: &mut Builder) -> Result<Self> {
         let given: &[_] = match e.fields.get("nodes") {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
@@ -163,7 +163,7 @@ impl<'f> Reading<'f> {
         // these were read with the formulas
         ["define", "table", "breakpoints"].iter().for_each(|key| _ = e.get(key));
         let formulas = Formulas { nodes: Vec::new(), all: Vec::new() };
-        let mut own = Reading { known: e.known, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
+        let mut own = Reading { context: e.context, names: Vec::new(), nodes: Vec::new(), formulas, p: Vec::new() };
         for NamedNode { name, at, place, point } in given {
             let [node] = e.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
@@ -183,12 +183,12 @@ impl<'f> Reading<'f> {
         self.formulas.nodes.push(KnownNode { kind, has_point: false });
     }
 
-    fn add_point(&mut self, at: usize, point: &Formula, m: &Builder) -> Found<()> {
-        if point.uses_from(self.known.numbers.len()) {
+    fn add_point(&mut self, at: usize, point: &Formula, m: &Builder) -> Result<()> {
+        if point.uses_from(self.context.numbers.len()) {
             return Err(Mistake::new(at, "a point is one of the start, which depends on the design alone"));
         }
         let (Some(node), Some(&id)) = (self.formulas.nodes.last_mut(), self.nodes.last()) else { return Ok(()) };
-        let place = point.value(|place| self.known.numbers[place]).vector();
+        let place = point.value(|place| self.context.numbers[place]).vector();
         if !node.kind.has_axes() {
             return Err(Mistake::new(at, format!("this is {}, which has no points but itself", node.kind.words())));
         }
@@ -198,8 +198,8 @@ impl<'f> Reading<'f> {
     }
 
     /// Takes a formula, which may depend on rates and on the time or not, and returns its number.
-    pub fn take(&mut self, at: usize, formula: &Formula, [rates, time]: [bool; 2]) -> Found<usize> {
-        let mut place = self.known.numbers.len();
+    pub fn take(&mut self, at: usize, formula: &Formula, [rates, time]: [bool; 2]) -> Result<usize> {
+        let mut place = self.context.numbers.len();
         for (name, node) in self.names.iter().zip(&self.formulas.nodes) {
             for (what, is_vector, is_rate) in node.known() {
                 let next = place + if is_vector { 3 } else { 1 };
@@ -217,14 +217,14 @@ impl<'f> Reading<'f> {
 
     /// Takes a formula of anything, and returns its number.
     pub fn add_formula(&mut self, formula: &Formula) -> usize {
-        let (own, numbers) = formula.law(&self.known.numbers);
+        let (own, numbers) = formula.law(&self.context.numbers);
         self.formulas.all.push(own);
         self.p.extend(numbers);
         self.formulas.all.len() - 1
     }
 
     /// Takes the formula of a key, if it is given.
-    pub fn take_key(&mut self, e: Entry, key: &str, may: [bool; 2]) -> Found<Option<usize>> {
+    pub fn take_key(&mut self, e: Entry, key: &str, may: [bool; 2]) -> Result<Option<usize>> {
         match e.get(key) {
             Some((at, Value::Formula(formula, _))) => self.take(at, formula, may).map(Some),
             _ => Ok(None),

@@ -21,9 +21,11 @@ type Read = Result<Quantity<Recorded>, SyntaxError>;
 /// A formula as it is read from its start.
 struct FormulaText<'r> {
     text: &'r str,
+    /// How far it is read \[bytes\].
     at: usize,
     scope: &'r Scope,
     taken: &'r mut Taken,
+    /// Brackets, signs and exponents that are open.
     depth: usize,
 }
 

@@ -2,7 +2,7 @@
 
 use super::condition::Condition;
 use super::formula::{Formula, Scope};
-use super::raw::{Entry, Raw, RawValue};
+use super::raw::{KeyValue, Raw, RawValue};
 use super::reader::Reader;
 use crate::scenes::MeshData;
 use std::collections::HashMap;
@@ -90,7 +90,7 @@ impl Reader {
     pub(super) fn with_groups(&mut self, raw: &Raw, mut data: Arc<MeshData>) -> Option<Arc<MeshData>> {
         let before = self.mistakes.len();
         for (key, word) in SELECTED {
-            let Some(entries) = raw.get(key).and_then(Raw::entries) else { continue };
+            let Some(entries) = raw.get(key).and_then(Raw::table) else { continue };
             let candidates = Candidates::of(&data, word);
             for entry in entries {
                 let Some(places) = self.selected(entry, key, &candidates) else { continue };
@@ -108,8 +108,8 @@ impl Reader {
     }
 
     /// Places of what an entry selects; `None` if that is told already, or will be where values are checked.
-    fn selected(&mut self, entry: &Entry, key: &str, candidates: &Candidates) -> Option<Vec<usize>> {
-        let Entry { key: name, value, .. } = entry;
+    fn selected(&mut self, entry: &KeyValue, key: &str, candidates: &Candidates) -> Option<Vec<usize>> {
+        let KeyValue { key: name, value, .. } = entry;
         let selected = match &value.value {
             RawValue::List(numbers) => candidates.numbered(numbers),
             RawValue::Text(text, origin) => match origin.formula(text).and_then(Condition::parse) {

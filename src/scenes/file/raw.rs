@@ -24,7 +24,7 @@ pub(super) enum RawValue {
     Flag(bool),
     Date,
     List(Vec<Raw>),
-    Table(Vec<Entry>),
+    Table(Vec<KeyValue>),
 }
 
 /// How a text came to be.
@@ -56,8 +56,9 @@ impl Origin {
     }
 }
 
+/// A key of a table with its value, and where the key stands.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(super) struct KeyValue {
     pub key: String,
     pub at: usize,
     pub value: Raw,
@@ -88,7 +89,7 @@ impl Raw {
                 }
                 let entry = |(key, own): (&std::string::String, _)| {
                     let value = Raw::of_entries(own, at);
-                    Entry { key: key.clone(), at: value.at, value }
+                    KeyValue { key: key.clone(), at: value.at, value }
                 };
                 let entries = own.iter().filter(|own| !own.0.is_empty()).map(entry).collect();
                 return Raw { at, value: RawValue::Table(entries) };
@@ -99,16 +100,16 @@ impl Raw {
 
     /// The text of a file that says the same.
     pub fn written(&self) -> String {
-        let lines = |own: &Raw| own.entries().unwrap_or_default().iter().map(Entry::written).collect::<String>();
+        let lines = |own: &Raw| own.key_values().iter().map(KeyValue::written).collect::<String>();
         let (mut top, mut sections) = (String::new(), String::new());
-        for own in self.entries().unwrap_or_default() {
+        for own in self.key_values() {
             let (key, tables) = (written_key(&own.key), own.value.one_or_more());
-            if tables.is_empty() || tables.iter().any(|own| own.entries().is_none()) {
+            if tables.is_empty() || tables.iter().any(|own| own.table().is_none()) {
                 top += &own.written();
             } else if own.value.list().is_some() {
                 sections.extend(tables.iter().map(|own| format!("\n[[{key}]]\n{}", lines(own))));
-            } else if tables[0].entries().is_some_and(|own| own.iter().all(|own| own.value.entries().is_some())) {
-                let named = tables[0].entries().unwrap_or_default().iter();
+            } else if tables[0].table().is_some_and(|own| own.iter().all(|own| own.value.table().is_some())) {
+                let named = tables[0].key_values().iter();
                 sections.extend(named.map(|own| format!("\n[{key}.{}]\n{}", written_key(&own.key), lines(&own.value))));
             } else {
                 sections += &format!("\n[{key}]\n{}", lines(&own.value));
@@ -127,7 +128,7 @@ impl Raw {
             RawValue::Date => String::new(),
             RawValue::List(list) => format!("[{}]", list.iter().map(Raw::inline).collect::<Vec<_>>().join(", ")),
             RawValue::Table(entries) => {
-                let own = |own: &Entry| format!("{} = {}", written_key(&own.key), own.value.inline());
+                let own = |own: &KeyValue| format!("{} = {}", written_key(&own.key), own.value.inline());
                 format!("{{ {} }}", entries.iter().map(own).collect::<Vec<_>>().join(", "))
             }
         }
@@ -159,15 +160,20 @@ impl Raw {
         }
     }
 
-    pub fn entries(&self) -> Option<&[Entry]> {
+    pub fn table(&self) -> Option<&[KeyValue]> {
         match &self.value {
-            RawValue::Table(entries) => Some(entries),
+            RawValue::Table(table) => Some(table),
             _ => None,
         }
     }
 
+    /// Those of a table; none of anything else.
+    pub fn key_values(&self) -> &[KeyValue] {
+        self.table().unwrap_or_default()
+    }
+
     pub fn get(&self, key: &str) -> Option<&Raw> {
-        Some(&self.entries()?.iter().find(|entry| entry.key == key)?.value)
+        Some(&self.table()?.iter().find(|entry| entry.key == key)?.value)
     }
 
     pub fn list(&self) -> Option<&[Raw]> {
@@ -213,10 +219,10 @@ impl Raw {
     }
 }
 
-impl Entry {
+impl KeyValue {
     /// The same key with another value.
-    pub fn with(&self, value: Raw) -> Entry {
-        Entry { key: self.key.clone(), at: self.at, value }
+    pub fn with(&self, value: Raw) -> KeyValue {
+        KeyValue { key: self.key.clone(), at: self.at, value }
     }
 
     fn written(&self) -> String {
@@ -230,9 +236,9 @@ fn written_key(key: &str) -> String {
 }
 
 fn raw_table(text: &str, table: &DeTable) -> RawValue {
-    let mut entries: Vec<Entry> = table
+    let mut entries: Vec<KeyValue> = table
         .iter()
-        .map(|(key, value)| Entry {
+        .map(|(key, value)| KeyValue {
             key: key.get_ref().to_string(),
             at: key.span().start,
             value: raw(text, value.get_ref(), value.span().start),
@@ -286,7 +292,7 @@ impl Wholes {
     /// Those of a file: numbers, and formulas of those before them.
     pub fn of(root: &Raw) -> Self {
         let mut wholes = Wholes::default();
-        for entry in root.get("define").and_then(Raw::entries).unwrap_or_default() {
+        for entry in root.get("define").and_then(Raw::table).unwrap_or_default() {
             if let Some(value) = wholes.value(&entry.value) {
                 wholes.0.push((entry.key.clone(), value));
             }
@@ -321,10 +327,10 @@ fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
     }
 }
 
-fn steps_of(own: &Entry, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
+fn steps_of(own: &KeyValue, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
     let wrong = |what: String| Mistake::new(own.value.at, what);
     let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own));
-    let steps = match own.value.entries() {
+    let steps = match own.value.table() {
         None => listed(&own.value),
         Some([only]) if only.key == "values" => listed(&only.value),
         Some(entries) => match (entries.len(), number("from"), number("to")) {
@@ -355,7 +361,7 @@ pub(super) fn loop_names(raw: &Raw) -> Vec<String> {
     match &raw.value {
         RawValue::List(list) => list.iter().flat_map(loop_names).collect(),
         RawValue::Table(entries) => {
-            let own = entries.iter().filter(|own| own.key == "for").filter_map(|own| own.value.entries());
+            let own = entries.iter().filter(|own| own.key == "for").filter_map(|own| own.value.table());
             let own = own.flatten().map(|named| named.key.clone());
             own.chain(entries.iter().flat_map(|own| loop_names(&own.value))).collect()
         }
@@ -400,7 +406,7 @@ fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, M
     let Some(loops) = entry.get("for") else {
         return Ok(vec![replaced(entry, around, wholes)?]);
     };
-    let named = loops.entries().filter(|named| !named.is_empty());
+    let named = loops.table().filter(|named| !named.is_empty());
     let named = named.ok_or_else(|| Mistake::new(loops.at, format!("for must be a table of names; {FOR_WANTED}")))?;
     let mut turns: Vec<Vec<Turn>> = vec![around.to_vec()];
     for own in named {
@@ -425,17 +431,17 @@ fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, M
 }
 
 fn without_for(entry: &Raw) -> Raw {
-    let kept = entry.entries().unwrap_or_default().iter().filter(|own| own.key != "for").cloned();
+    let kept = entry.key_values().iter().filter(|own| own.key != "for").cloned();
     Raw { at: entry.at, value: RawValue::Table(kept.collect()) }
 }
 
 /// The same for an entry with a key of its own, which is replaced, too.
-fn repeated_named(entry: &Entry, wholes: &Wholes) -> Result<Vec<Entry>, Mistake> {
-    let loops = entry.value.entries().unwrap_or_default().iter().filter(|own| own.key == "for").cloned();
+fn repeated_named(entry: &KeyValue, wholes: &Wholes) -> Result<Vec<KeyValue>, Mistake> {
+    let loops = entry.value.key_values().iter().filter(|own| own.key == "for").cloned();
     let once = entry.with(without_for(&entry.value));
     let both = Raw { at: entry.at, value: RawValue::Table(loops.chain([once]).collect()) };
     let all = repeated(&both, &[], wholes)?;
-    Ok(all.iter().flat_map(|own| own.entries().unwrap_or_default().to_vec()).collect())
+    Ok(all.iter().flat_map(|own| own.key_values().to_vec()).collect())
 }
 
 fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
@@ -451,7 +457,7 @@ fn replaced(raw: &Raw, turn: &[Turn], wholes: &Wholes) -> Result<Raw, Mistake> {
         RawValue::Table(entries) => {
             let own = entries.iter().map(|entry| {
                 let key = filled(&entry.key, turn, wholes).map_err(|what| Mistake::new(entry.at, what))?.name;
-                Ok(Entry { key, at: entry.at, value: replaced(&entry.value, turn, wholes)? })
+                Ok(KeyValue { key, at: entry.at, value: replaced(&entry.value, turn, wholes)? })
             });
             RawValue::Table(own.collect::<Result<_, _>>()?)
         }
@@ -513,7 +519,7 @@ fn filled(text: &str, turn: &[Turn], wholes: &Wholes) -> Result<Filled, String> 
 
 /// Puts a key into a table: tables into tables key by key, tables into lists by the names of their entries, entries of lists into those of
 /// their names or behind them; all else, and a table with another type, in the place of what was there.
-pub(super) fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mistake> {
+pub(super) fn put(into: &mut Raw, entry: &KeyValue, path: &str) -> Result<(), Mistake> {
     let RawValue::Table(entries) = &mut into.value else { return Ok(()) };
     let Some(own) = entries.iter_mut().find(|own| own.key == entry.key) else {
         entries.push(entry.clone());
@@ -526,7 +532,7 @@ pub(super) fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mista
         (RawValue::List(list), RawValue::Table(changes)) => {
             changes.iter().try_for_each(|change| change_named(list, change, path))
         }
-        (RawValue::List(list), RawValue::List(more)) if list.iter().all(|own| own.entries().is_some()) => {
+        (RawValue::List(list), RawValue::List(more)) if list.iter().all(|own| own.table().is_some()) => {
             more.iter().try_for_each(|own| change_or_add(list, own, path))
         }
         _ => {
@@ -536,12 +542,12 @@ pub(super) fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mista
     }
 }
 
-fn change_named(list: &mut [Raw], change: &Entry, path: &str) -> Result<(), Mistake> {
+fn change_named(list: &mut [Raw], change: &KeyValue, path: &str) -> Result<(), Mistake> {
     let Some(place) = list.iter().position(|own| name_of(own) == change.key) else {
         let known: Vec<String> = list.iter().map(|own| name_of(own).into()).collect();
         return Err(Mistake::new(change.at, unknown(path, &change.key, &known)));
     };
-    let Some(changes) = change.value.entries() else {
+    let Some(changes) = change.value.table() else {
         let text = format!("what is changed of {path} \"{}\" is a table of its keys", change.key);
         return Err(Mistake::new(change.at, text));
     };
@@ -556,7 +562,7 @@ fn change_or_add(list: &mut Vec<Raw>, own: &Raw, path: &str) -> Result<(), Mista
         list.push(own.clone());
         return Ok(());
     }
-    change_named(list, &Entry { key: name.into(), at: own.at, value: own.clone() }, path)
+    change_named(list, &KeyValue { key: name.into(), at: own.at, value: own.clone() }, path)
 }
 
 fn name_of(own: &Raw) -> &str {

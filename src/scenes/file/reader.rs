@@ -7,7 +7,7 @@ use super::keys::MANY;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::own_parts::{OwnParts, all_forms};
-use super::raw::{Entry, Raw, RawValue, Wholes, loop_names};
+use super::raw::{KeyValue, Raw, RawValue, Wholes, loop_names};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP};
 use super::tables::TABLES;
@@ -53,7 +53,7 @@ pub(super) struct Reader {
     /// Whole numbers that counts may use.
     pub wholes: Wholes,
     /// Nodes of its formulas that outputs of its nodes bring with them.
-    pub brought: Vec<Entry>,
+    pub brought: Vec<KeyValue>,
     pub scope: Scope,
     /// Entries, whose values are read when all their names are known.
     pub declared: Vec<Item>,
@@ -98,19 +98,19 @@ impl Reader {
         let has_names =
             |key: &str| key == DEFINE.0 || SECTIONS.iter().any(|own| own.name == key && own.shape == Shape::Named);
         let repeated = root
-            .entries()
+            .table()
             .unwrap_or_default()
             .iter()
             .map(|own| own.with(own.value.repeated(has_names(&own.key), &self.wholes, &mut self.mistakes)));
-        let entries: &[Entry] = &repeated.collect::<Vec<_>>();
+        let entries: &[KeyValue] = &repeated.collect::<Vec<_>>();
         self.names_are_missing = !self.mistakes.is_empty();
-        let (mut top, mut singles): (Vec<Entry>, Vec<(&'static Section, &Raw)>) = (Vec::new(), Vec::new());
-        let (mut definitions, mut tables): (&[Entry], &[Entry]) = (&[], &[]);
+        let (mut top, mut singles): (Vec<KeyValue>, Vec<(&'static Section, &Raw)>) = (Vec::new(), Vec::new());
+        let (mut definitions, mut tables): (&[KeyValue], &[KeyValue]) = (&[], &[]);
         for entry in entries {
             match SECTIONS.iter().find(|section| section.name == entry.key) {
                 None if TOP.keys("").any(|key| key.name == entry.key) => top.push(entry.clone()),
                 None if entry.key == DEFINE.0 => {
-                    let own = entry.value.entries().or_else(|| self.not(&entry.value, "[define]", "a table"));
+                    let own = entry.value.table().or_else(|| self.not(&entry.value, "[define]", "a table"));
                     definitions = own.unwrap_or_default();
                 }
                 None => {
@@ -120,7 +120,7 @@ impl Reader {
                     self.wrong(entry.at, unknown_or_elsewhere("key", &entry.key, &known));
                 }
                 Some(section) if section.name == TABLES.name => {
-                    let own = entry.value.entries().or_else(|| self.not(&entry.value, "[table.NAME]", "tables with names"));
+                    let own = entry.value.table().or_else(|| self.not(&entry.value, "[table.NAME]", "tables with names"));
                     tables = own.unwrap_or_default();
                 }
                 Some(section) if section.shape == Shape::Once => singles.push((section, &entry.value)),
@@ -164,13 +164,13 @@ impl Reader {
     }
 
     /// Takes down the entries of a section with their names.
-    fn declare(&mut self, section: &'static Section, entry: &Entry) {
+    fn declare(&mut self, section: &'static Section, entry: &KeyValue) {
         let entries: Vec<(String, Raw)> = match (section.shape, &entry.value.value) {
-            (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
+            (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.table().is_some()) => {
                 let name = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
                 list.iter().map(|own| (name(own), own.clone())).collect()
             }
-            (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
+            (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.table().is_some()) => {
                 named.iter().map(|own| (own.key.clone(), Raw { at: own.at, value: own.value.value.clone() })).collect()
             }
             _ => {
@@ -250,14 +250,15 @@ impl Reader {
     }
 
     /// Definitions and tables in an order in which each depends on earlier ones only.
-    fn define(&mut self, entries: &[Entry], tables: &[Entry]) -> Vec<(usize, String, Formula)> {
+    fn define(&mut self, entries: &[KeyValue], tables: &[KeyValue]) -> Vec<(usize, String, Formula)> {
         // `"corner{k}" = { for = { k = [0, 1] }, value = .. }` stands for two
-        let value = |own: &Entry| match own.value.entries() {
+        let value = |own: &KeyValue| match own.value.table() {
             Some([only]) if only.key == "value" => only.value.clone(),
             _ => own.value.clone(),
         };
         let defined = entries.iter().map(|own| own.with(value(own)));
-        let (first_table, entries): (usize, Vec<Entry>) = (entries.len(), defined.chain(tables.iter().cloned()).collect());
+        let (first_table, entries): (usize, Vec<KeyValue>) =
+            (entries.len(), defined.chain(tables.iter().cloned()).collect());
         for (place, entry) in entries.iter().enumerate() {
             self.check_name(&entry.key, entry.at);
             let by = match self.find(&entry.key, &["variable"]).is_some() {
@@ -270,8 +271,8 @@ impl Reader {
         let places: HashMap<&str, usize> = entries.iter().enumerate().map(|(place, own)| (&*own.key, place)).collect();
         let needs: Vec<Vec<usize>> = entries
             .iter()
-            .map(|Entry { value, .. }| {
-                let texts = value.get("values").or(value.entries().is_none().then_some(value)).map(Raw::texts);
+            .map(|KeyValue { value, .. }| {
+                let texts = value.get("values").or(value.table().is_none().then_some(value)).map(Raw::texts);
                 let names = texts.into_iter().flatten().flat_map(names_in);
                 names.filter_map(|name| places.get(&*name).copied()).collect()
             })
@@ -289,7 +290,7 @@ impl Reader {
                 self.take_table(&entries[place]);
                 continue;
             }
-            let Entry { key, value, .. } = &entries[place];
+            let KeyValue { key, value, .. } = &entries[place];
             let what = format!("{key} of [define]");
             let formula = match &value.value {
                 RawValue::List(_) | RawValue::Text(..) | RawValue::Number { .. } => self.number_or_vector(value, &what),
@@ -308,7 +309,7 @@ impl Reader {
 
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
         let mut fields = Fields::none(raw.at);
-        let Some(entries) = raw.entries().or_else(|| self.not(raw, owner, "a table")) else { return fields };
+        let Some(entries) = raw.table().or_else(|| self.not(raw, owner, "a table")) else { return fields };
         let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first().copied() };
         let Some(form) = form else { return fields };
         fields.form = form.name;

@@ -2,7 +2,7 @@
 
 use super::extended::EXTENDS;
 use super::mistake::Mistake;
-use super::raw::{Entry, Raw, RawValue, put};
+use super::raw::{KeyValue, Raw, RawValue, put};
 use crate::scenes::check_folders;
 
 /// The section of scenarios.
@@ -14,7 +14,7 @@ const SHARED: [&str; 5] = ["version", EXTENDS, "name", "variable", "optimization
 pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<Mistake>> {
     let RawValue::Table(entries) = &mut root.value else { return Ok(Vec::new()) };
     let Some(place) = entries.iter().position(|entry| entry.key == SCENARIO) else { return Ok(Vec::new()) };
-    let Entry { at, value, .. } = entries.remove(place);
+    let KeyValue { at, value, .. } = entries.remove(place);
     let RawValue::List(list) = value.value else {
         return Err(vec![Mistake::new(at, "scenario must be written as [[scenario]]")]);
     };
@@ -46,7 +46,7 @@ pub(super) fn without_problem(root: &Raw) -> Raw {
 
 /// The name of a scenario and the file that it makes of the one without scenarios.
 fn scenario(root: &Raw, own: &Raw) -> Result<(String, Raw), Mistake> {
-    let entries = own.entries().ok_or_else(|| Mistake::new(own.at, "a scenario is a table"))?;
+    let entries = own.table().ok_or_else(|| Mistake::new(own.at, "a scenario is a table"))?;
     let name = own.get("name").and_then(Raw::text);
     let name = name.ok_or_else(|| Mistake::new(own.at, "[[scenario]] needs the key name, a text"))?;
     if name.contains(['[', ']']) {

@@ -1,6 +1,6 @@
+use super::entry_context::{Builder, Built, EntryContext, kept};
 use super::extended::{text_of, whole_tree};
 use super::fields::{Each, Fields, Item, Value};
-use super::known::{Builder, Known, Made, kept};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
@@ -15,9 +15,8 @@ use crate::program::Recorded;
 use crate::scalar::Scalar;
 use crate::scenes::{
     AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
-    Scenario, Sense, Settings, built,
+    Scenario, Sense, Settings, built, check_folders, unknown,
 };
-use crate::scenes::{check_folders, unknown};
 use std::cell::Cell;
 use std::collections::HashSet;
 use std::path::Path;
@@ -573,9 +572,9 @@ impl FileScene {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
         let (numbers, each) = self.numbers(x)?;
-        let made = items.iter().map(|_| Made::Nothing).collect();
-        let elements = vec![Vec::new(); items.len()];
-        let mut known = Known { own, items, numbers, share: Cell::new(Recorded::default()), each, made, elements };
+        let built = items.iter().map(|_| Built::Nothing).collect();
+        let (share, elements) = (Cell::new(Recorded::default()), vec![Vec::new(); items.len()]);
+        let mut context = EntryContext { own, items, numbers, share, each, built, elements };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();
@@ -584,19 +583,19 @@ impl FileScene {
         let last = order.iter().rposition(|&place| items[place].section.has_mass());
         for (rank, &place) in order.iter().enumerate() {
             let first = m.model.elements.len();
-            let built = (items[place].section.build)(known.entry(place), m);
-            known.elements[place] = m.model.element_ids().skip(first).collect();
+            let built = (items[place].section.build)(context.entry(place), m);
+            context.elements[place] = m.model.element_ids().skip(first).collect();
             let of_builder = m.take_mistakes().into_iter().map(|what| Mistake::new(items[place].fields.at, what));
             let before = mistakes.len();
             mistakes.extend(of_builder);
             match built {
                 // a member with mistakes lacks nodes or elements: what needs them would only repeat it
-                Ok(Made::Mesh(_) | Made::Shell(_) | Made::Walls(_) | Made::Sphere(_) | Made::Beam(_) | Made::Cable(_))
-                    if mistakes.len() > before =>
-                {
+                Ok(
+                    Built::Mesh(_) | Built::Shell(_) | Built::Walls(_) | Built::Sphere(_) | Built::Beam(_) | Built::Cable(_),
+                ) if mistakes.len() > before => {
                     break;
                 }
-                Ok(made) => known.made[place] = made,
+                Ok(built) => context.built[place] = built,
                 Err(mistake) => {
                     mistakes.push(mistake);
                     // what needs this entry would only repeat it
@@ -606,7 +605,7 @@ impl FileScene {
             if Some(rank) == last
                 && let Some((at, Value::Formula(formula, _))) = top.get("gravity")
             {
-                let gravity = formula.value(|place| known.numbers[place]).vector();
+                let gravity = formula.value(|place| context.numbers[place]).vector();
                 if !gravity.iter().all(|own| own.value().is_finite()) {
                     return Err(self.source.told(&Mistake::new(at, "gravity is not finite at this design")));
                 }

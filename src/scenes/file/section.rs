@@ -1,6 +1,6 @@
 //! Sections of a file: how they are written, what their entries offer to others, and what builds them.
 
-use super::known::{Builder, Entry, Found, Made};
+use super::entry_context::{Builder, Built, Entry, Result};
 use crate::elements::entries::Forms;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub(super) struct Section {
     /// Histories have columns of it.
     pub has_columns: bool,
     /// What becomes of an entry.
-    pub build: fn(Entry, &mut Builder) -> Found<Made>,
+    pub build: fn(Entry, &mut Builder) -> Result<Built>,
 }
 
 /// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
@@ -66,7 +66,7 @@ impl Nodes {
 
 impl Section {
     const fn new(name: &'static str, doc: &'static str, shape: Shape) -> Self {
-        let build = |_: Entry, _: &mut Builder| Ok(Made::Nothing);
+        let build = |_: Entry, _: &mut Builder| Ok(Built::Nothing);
         let forms = Forms { common: &[], forms: &[], own: None };
         Section { name, shape, doc, forms, space: name, nodes: None, has_columns: false, build }
     }

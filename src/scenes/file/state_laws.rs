@@ -2,7 +2,7 @@
 
 use super::fields::{Fields, Value};
 use super::formula::{Formula, Meaning, Scope};
-use super::raw::{Entry, Raw};
+use super::raw::{KeyValue, Raw};
 use super::reader::Reader;
 use super::state_entries::{Law, MADE, STATE_ENTRIES, StateEntry};
 use crate::elements::entries::Range;
@@ -30,7 +30,7 @@ pub(super) fn names_of(raw: &Raw) -> (Vec<(String, usize)>, bool, Vec<String>) {
             (states, false, law.outputs.iter().map(|own| own[0].into()).collect())
         }
         None => {
-            let entries = |key| raw.get(key).and_then(Raw::entries).unwrap_or_default();
+            let entries = |key| raw.get(key).and_then(Raw::table).unwrap_or_default();
             let states = entries("initial").iter().map(|own| (own.key.clone(), own.at)).collect();
             (states, true, entries("output").iter().map(|own| own.key.clone()).collect())
         }
@@ -48,9 +48,9 @@ impl Reader {
         match entry_of(raw) {
             Some(entry) => self.formulas_of(entry, raw).map(|[_, _, own]| own).unwrap_or_default(),
             None => {
-                let entries = raw.get("output").and_then(Raw::entries).unwrap_or_default();
+                let entries = raw.get("output").and_then(Raw::table).unwrap_or_default();
                 let mut formula =
-                    |own: &Entry| Some((own.key.clone(), own.at, self.number_or_vector(&own.value, &own.key)?));
+                    |own: &KeyValue| Some((own.key.clone(), own.at, self.number_or_vector(&own.value, &own.key)?));
                 entries.iter().filter_map(&mut formula).collect()
             }
         }
@@ -60,7 +60,7 @@ impl Reader {
     pub(super) fn take_law(&mut self, raw: &Raw, fields: &mut Fields) {
         let Some(entry) = entry_of(raw) else {
             let (states, _, _) = names_of(raw);
-            for own in raw.get("output").and_then(Raw::entries).unwrap_or_default() {
+            for own in raw.get("output").and_then(Raw::table).unwrap_or_default() {
                 self.check_name(&own.key, own.at);
                 if states.iter().any(|state| state.0 == own.key) {
                     self.wrong(own.at, format!("\"{}\" is a value of this state, which others know already", own.key));

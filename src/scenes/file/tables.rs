@@ -3,7 +3,7 @@
 use super::fields::Fields;
 use super::formula::{Formula, Meaning};
 use super::keys::one_form;
-use super::raw::{Entry, Raw};
+use super::raw::{KeyValue, Raw};
 use super::reader::Reader;
 use super::section::Section;
 use crate::elements::Table;
@@ -94,7 +94,7 @@ impl NamedTable {
 
 impl Reader {
     /// Takes a table, which formulas call from here on.
-    pub(super) fn take_table(&mut self, own: &Entry) {
+    pub(super) fn take_table(&mut self, own: &KeyValue) {
         let before = self.mistakes.len();
         let fields = self.fields(&own.value, &TABLE, &format!("the table \"{}\"", own.key));
         let fields = self.with_columns(fields);

@@ -2,7 +2,7 @@
 
 use super::fields::{NamedNode, Value};
 use super::formula::{Formula, OF_LAW, TIME, names_in};
-use super::raw::{Entry, Raw, RawValue};
+use super::raw::{KeyValue, Raw, RawValue};
 use super::reader::Reader;
 use super::reference::many;
 use crate::elements::entries::{Forms, Range, Type};
@@ -62,9 +62,9 @@ impl Reader {
             Type::Columns => self.columns(raw, what),
             Type::Lists => self.lists(raw, what),
             Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, what))),
-            Type::Over(_, forms) if raw.entries().is_some() => Some(Value::Fields(self.fields(raw, forms, what))),
+            Type::Over(_, forms) if raw.table().is_some() => Some(Value::Fields(self.fields(raw, forms, what))),
             Type::Over(words, forms) => self.over(raw, what, words, forms),
-            Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) if raw.entries().is_some() => {
+            Type::Function(_, forms) | Type::Law(_, forms) | Type::Energy(_, forms) if raw.table().is_some() => {
                 let fields = self.fields(raw, forms, what);
                 Some(Value::Fields(self.with_columns(fields)))
             }
@@ -143,28 +143,29 @@ impl Reader {
         raw: &Raw,
         what: &str,
         wanted: &str,
-        of: impl Fn(&mut Reader, &Entry) -> Option<T>,
+        of: impl Fn(&mut Reader, &KeyValue) -> Option<T>,
     ) -> Option<Vec<T>> {
-        let entries = raw.entries().filter(|entries| !entries.is_empty());
+        let entries = raw.table().filter(|entries| !entries.is_empty());
         let entries = entries.or_else(|| self.not(raw, what, &format!("a table of names {wanted}")))?;
         self.all(entries, of)
     }
 
     fn weights(&mut self, raw: &Raw, what: &str) -> Option<Value> {
         let wanted = "with numbers, as in { mass = 1.0, \"largest moment\" = 0.5 }";
-        let of = |reader: &mut Reader, own: &Entry| Some((own.key.clone(), reader.fixed(&own.value, what, Range::Any)?));
+        let of = |reader: &mut Reader, own: &KeyValue| Some((own.key.clone(), reader.fixed(&own.value, what, Range::Any)?));
         self.named(raw, what, wanted, of).map(Value::Weights)
     }
 
     fn named_formulas(&mut self, raw: &Raw, what: &str) -> Option<Value> {
         let wanted = "with formulas, as in { tip = \"-c * tip.velocity\" }";
-        let of =
-            |reader: &mut Reader, own: &Entry| Some((own.key.clone(), own.at, reader.number_or_vector(&own.value, what)?));
+        let of = |reader: &mut Reader, own: &KeyValue| {
+            Some((own.key.clone(), own.at, reader.number_or_vector(&own.value, what)?))
+        };
         self.named(raw, what, wanted, of).map(Value::Formulas)
     }
 
     fn named_nodes(&mut self, raw: &Raw, forms: &'static Forms, what: &str) -> Option<Value> {
-        let entries = raw.entries().unwrap_or_default();
+        let entries = raw.key_values();
         entries.iter().for_each(|own| self.check_name(&own.key, own.at));
         let wanted = "for formulas with nodes, as in { hub = \"rotor\", tip = \"blade.end\" }";
         let mut nodes = self.named(raw, what, wanted, |reader, own| reader.named_node(own, what, forms))?;
@@ -177,7 +178,7 @@ impl Reader {
     fn selections(&mut self, raw: &Raw, what: &str) -> Option<Value> {
         let wanted =
             "a table of names with lists of whole numbers or conditions, as in { rim = [0, 1, 2], root = \"x < 1e-6\" }";
-        let entries = raw.entries().or_else(|| self.not(raw, what, wanted))?;
+        let entries = raw.table().or_else(|| self.not(raw, what, wanted))?;
         self.all(entries, |reader, own| match own.value.text() {
             Some(_) => Some(()),
             None => reader.whole_numbers(&own.value, what).map(drop),
@@ -196,9 +197,9 @@ impl Reader {
     }
 
     /// A node by the name that formulas give it, or a point of one.
-    fn named_node(&mut self, own: &Entry, what: &str, forms: &'static Forms) -> Option<NamedNode> {
+    fn named_node(&mut self, own: &KeyValue, what: &str, forms: &'static Forms) -> Option<NamedNode> {
         let (name, at) = (own.key.clone(), own.at);
-        if own.value.entries().is_none() {
+        if own.value.table().is_none() {
             return Some(NamedNode { name, at, place: self.node(&own.value, what, false)?, point: None });
         }
         let fields = self.fields(&own.value, forms, &format!("{what}, {name}"));
@@ -289,14 +290,10 @@ impl Reader {
     }
 
     fn fixed(&mut self, raw: &Raw, what: &str, range: Range) -> Option<f64> {
-        let formula = self.formula(raw, what, Some(range))?;
-        match formula.constant_number() {
-            Some(value) => Some(value),
-            None => {
-                let text = format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words());
-                self.refuse(raw.at, text)
-            }
-        }
+        self.formula(raw, what, Some(range))?.constant_number().or_else(|| {
+            let text = format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words());
+            self.refuse(raw.at, text)
+        })
     }
 
     fn count(&mut self, raw: &Raw, what: &str, [least, most]: [usize; 2]) -> Option<usize> {

@@ -1,6 +1,6 @@
 //! What the sections of a file say, until all of them are known and a mesh is made of it.
 
-use super::input::{Found, Wrong};
+use super::input::{Result, Wrong};
 use super::kinds::Kind;
 use super::second_order::Middles;
 use crate::scenes::mesh_data::{FilePlace, MeshData, reverse};
@@ -21,8 +21,10 @@ pub(super) struct Element {
 pub(super) struct Collected {
     /// Names of physical groups by dimension and number; those of version 2.0 have no dimension.
     pub names: HashMap<(Option<i32>, u32), String>,
+    /// Places of the points by the numbers of their nodes.
     points: HashMap<usize, usize>,
     face_numbers: HashSet<usize>,
+    /// Faces of physical surfaces, by the number of these.
     groups: BTreeMap<u32, BTreeSet<usize>>,
     /// Points of the elements of physical curves and points, by dimension and number of these.
     sets: BTreeMap<(i32, u32), Vec<Vec<usize>>>,
@@ -35,7 +37,7 @@ pub(super) struct Collected {
 }
 
 impl Collected {
-    pub fn add_node(&mut self, number: usize, place: FilePlace) -> Found<()> {
+    pub fn add_node(&mut self, number: usize, place: FilePlace) -> Result<()> {
         if self.points.insert(number, self.mesh.point_numbers.len()).is_some() {
             return Err(Wrong { place: Some(place), what: format!("node {number} is there twice") });
         }
@@ -48,7 +50,7 @@ impl Collected {
     }
 
     /// Adds an element, which belongs to physical groups and may be turned round; returns its face.
-    pub fn add_element(&mut self, element: Element, groups: &[i32], is_turned: bool) -> Found<Option<usize>> {
+    pub fn add_element(&mut self, element: Element, groups: &[i32], is_turned: bool) -> Result<Option<usize>> {
         let dimension = element.kind.dimension;
         if dimension == 3 || (dimension < 2 && groups.is_empty()) {
             *self.left_out.entry(element.kind).or_default() += 1;
@@ -84,7 +86,7 @@ impl Collected {
         self.groups.entry(group.unsigned_abs()).or_default().insert(face)
     }
 
-    fn points_of(&self, element: &Element) -> Found<Vec<usize>> {
+    fn points_of(&self, element: &Element) -> Result<Vec<usize>> {
         let point = |node: &usize| {
             self.points.get(node).copied().ok_or_else(|| Wrong {
                 place: Some(element.place),
@@ -101,7 +103,7 @@ impl Collected {
     }
 
     /// The mesh, with notes of what became of the file.
-    pub fn finish(mut self) -> Found<MeshData> {
+    pub fn finish(mut self) -> Result<MeshData> {
         let of_file = |what: String| Wrong { place: None, what };
         let counts = self.left_out.iter().map(|(kind, count)| format!("{} ({count})", kind.words()));
         let left_out = counts.collect::<Vec<_>>().join(", ");
@@ -152,7 +154,7 @@ impl Collected {
     }
 
     /// Groups with their names, which must differ.
-    fn named(&self, all: impl Iterator<Item = ((i32, u32), Vec<usize>)>) -> Found<Vec<(String, Vec<usize>)>> {
+    fn named(&self, all: impl Iterator<Item = ((i32, u32), Vec<usize>)>) -> Result<Vec<(String, Vec<usize>)>> {
         let mut named: Vec<(String, Vec<usize>)> = Vec::new();
         let mut taken = HashSet::new();
         for (key, own) in all {

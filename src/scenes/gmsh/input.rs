@@ -7,7 +7,8 @@ pub(super) struct Wrong {
     pub what: String,
 }
 
-pub(super) type Found<T> = Result<T, Wrong>;
+/// What is read of a mesh file, or what is wrong in it.
+pub(super) type Result<T, E = Wrong> = std::result::Result<T, E>;
 
 /// A piece of a file for messages: its first letters.
 pub(super) fn shown(text: &str) -> String {
@@ -39,7 +40,7 @@ impl<'b> Input<'b> {
         self.skip_blanks();
         FilePlace::Line(self.line + 1)
     }
-    pub fn wrong<T>(&mut self, what: impl Into<String>) -> Found<T> {
+    pub fn wrong<T>(&mut self, what: impl Into<String>) -> Result<T> {
         let place = Some(self.place());
         Err(Wrong { place, what: what.into() })
     }
@@ -75,7 +76,7 @@ impl<'b> Input<'b> {
         self.line()
     }
     /// The next word.
-    pub fn word(&mut self, what: &str) -> Found<&'b str> {
+    pub fn word(&mut self, what: &str) -> Result<&'b str> {
         self.skip_blanks();
         let from = self.at;
         let length = self.bytes[from..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
@@ -89,21 +90,18 @@ impl<'b> Input<'b> {
             Err(_) => self.wrong(format!("there is no text where {what} is wanted")),
         }
     }
-    fn parsed<T: std::str::FromStr>(&mut self, what: &str, wanted: &str, is_right: fn(&T) -> bool) -> Found<T> {
+    fn parsed<T: std::str::FromStr>(&mut self, what: &str, wanted: &str, is_right: fn(&T) -> bool) -> Result<T> {
         self.skip_blanks();
         let (at, line) = (self.at, self.line);
         let word = self.word(what)?;
-        let own = word.parse().ok().filter(is_right);
-        if own.is_none() {
+        let Some(own) = word.parse().ok().filter(is_right) else {
             // the place of the word, not of what follows
             (self.at, self.line) = (at, line);
-        }
-        match own {
-            Some(own) => Ok(own),
-            None => self.wrong(format!("{what} must be {wanted}; it is \"{}\"", shown(word))),
-        }
+            return self.wrong(format!("{what} must be {wanted}; it is \"{}\"", shown(word)));
+        };
+        Ok(own)
     }
-    fn raw<const N: usize>(&mut self, what: &str) -> Found<[u8; N]> {
+    fn raw<const N: usize>(&mut self, what: &str) -> Result<[u8; N]> {
         match self.bytes[self.at..].first_chunk::<N>() {
             Some(&(mut own)) => {
                 self.at += N;
@@ -117,18 +115,15 @@ impl<'b> Input<'b> {
     }
 
     /// A number that is at least 0, and that a list may have as its length.
-    pub fn size(&mut self, what: &str) -> Found<usize> {
+    pub fn size(&mut self, what: &str) -> Result<usize> {
         let own: u64 = match self.binary {
             true => u64::from_le_bytes(self.raw(what)?),
             false => self.parsed(what, "a whole number, at least 0", |_| true)?,
         };
-        match usize::try_from(own) {
-            Ok(own) => Ok(own),
-            Err(_) => self.wrong(format!("{what} is {own}, which is too large for this machine")),
-        }
+        usize::try_from(own).or_else(|_| self.wrong(format!("{what} is {own}, which is too large for this machine")))
     }
     /// The number of a node or an element.
-    pub fn number(&mut self, what: &str) -> Found<usize> {
+    pub fn number(&mut self, what: &str) -> Result<usize> {
         if self.long_numbers || !self.binary {
             return self.size(what);
         }
@@ -136,7 +131,7 @@ impl<'b> Input<'b> {
         usize::try_from(own).or_else(|_| self.wrong(format!("{what} must be at least 0; it is {own}")))
     }
     /// A length that stands as a text on a line of its own, in binary files, too.
-    pub fn size_on_line(&mut self, what: &str) -> Found<usize> {
+    pub fn size_on_line(&mut self, what: &str) -> Result<usize> {
         let place = Some(self.place());
         let binary = std::mem::take(&mut self.binary);
         let own = self.size(what).map_err(|wrong| Wrong { place, ..wrong })?;
@@ -144,13 +139,13 @@ impl<'b> Input<'b> {
         self.binary = binary;
         Ok(own)
     }
-    pub fn int(&mut self, what: &str) -> Found<i32> {
+    pub fn int(&mut self, what: &str) -> Result<i32> {
         match self.binary {
             true => Ok(i32::from_le_bytes(self.raw(what)?)),
             false => self.parsed(what, "a whole number", |_| true),
         }
     }
-    pub fn double(&mut self, what: &str) -> Found<f64> {
+    pub fn double(&mut self, what: &str) -> Result<f64> {
         if !self.binary {
             return self.parsed(what, "a finite number", |own: &f64| own.is_finite());
         }
@@ -158,7 +153,7 @@ impl<'b> Input<'b> {
         if own.is_finite() { Ok(own) } else { self.wrong(format!("{what} is {own}; it must be finite")) }
     }
     /// Refuses counts for which the rest of the file is too short; `least` bytes that each takes as words, and in memory.
-    pub fn check_count(&mut self, count: usize, what: &str, least: [usize; 2]) -> Found<()> {
+    pub fn check_count(&mut self, count: usize, what: &str, least: [usize; 2]) -> Result<()> {
         let (each, left) = (least[usize::from(self.binary)], self.bytes.len() - self.at);
         match count.checked_mul(each).is_some_and(|bytes| bytes <= left) {
             true => Ok(()),
@@ -169,7 +164,7 @@ impl<'b> Input<'b> {
         }
     }
     /// The end of a section.
-    pub fn end(&mut self, section: &str) -> Found<()> {
+    pub fn end(&mut self, section: &str) -> Result<()> {
         let wanted = format!("$End{section}");
         self.skip_blanks();
         let (at, line) = (self.at, self.line);
@@ -186,7 +181,7 @@ impl<'b> Input<'b> {
         }
     }
     /// Passes over a section.
-    pub fn skip(&mut self, section: &str) -> Found<()> {
+    pub fn skip(&mut self, section: &str) -> Result<()> {
         let wanted = format!("$End{section}");
         let place = self.bytes[self.at..].windows(wanted.len()).position(|own| own == wanted.as_bytes());
         match place {

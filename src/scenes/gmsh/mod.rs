@@ -10,7 +10,7 @@ mod version4;
 use super::file_bytes;
 use super::mesh_data::{FilePlace, MeshData};
 use collected::Collected;
-use input::{Found, Input, Wrong, shown};
+use input::{Input, Result, Wrong, shown};
 use std::path::Path;
 use version4::Entities;
 
@@ -82,7 +82,7 @@ fn section_name(header: &str) -> Option<&str> {
 }
 
 impl Reader<'_> {
-    fn file(&mut self) -> Found<()> {
+    fn file(&mut self) -> Result<()> {
         let mut done: Vec<&str> = Vec::new();
         let mut is_empty = true;
         while !self.input.is_at_end() {
@@ -118,17 +118,15 @@ impl Reader<'_> {
         if is_empty {
             return Err(Wrong { place: None, what: "the file is empty".into() });
         }
-        match ["Nodes", "Elements"].into_iter().find(|own| !done.contains(own)) {
-            None => Ok(()),
-            Some(section) => {
-                let what = format!("the section ${section} is missing: the file is cut off, or nothing was meshed");
-                Err(Wrong { place: None, what })
-            }
-        }
+        let missing = ["Nodes", "Elements"].into_iter().find(|own| !done.contains(own));
+        missing.map_or(Ok(()), |section| {
+            let what = format!("the section ${section} is missing: the file is cut off, or nothing was meshed");
+            Err(Wrong { place: None, what })
+        })
     }
 
     /// Reads a section, whose header stands at a place.
-    fn section(&mut self, name: &str, place: Option<FilePlace>) -> Found<()> {
+    fn section(&mut self, name: &str, place: Option<FilePlace>) -> Result<()> {
         let is_of_version_4 = self.version >= 4.0;
         let what = match name {
             "MeshFormat" => return self.format(),
@@ -147,7 +145,7 @@ impl Reader<'_> {
         Err(Wrong { place, what })
     }
 
-    fn format(&mut self) -> Found<()> {
+    fn format(&mut self) -> Result<()> {
         let place = self.input.place();
         let wrong = |what: String| Err(Wrong { place: Some(place), what });
         let version = self.input.word("the version of the file")?;
@@ -182,7 +180,7 @@ impl Reader<'_> {
     }
 
     /// Names of physical groups, which are a text in binary files, too.
-    fn physical_names(&mut self) -> Found<()> {
+    fn physical_names(&mut self) -> Result<()> {
         let binary = std::mem::take(&mut self.input.binary);
         let count = self.input.size("the number of names")?;
         self.input.check_count(count, "names", [6; 2])?;

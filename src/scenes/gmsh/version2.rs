@@ -2,14 +2,14 @@
 
 use super::Reader;
 use super::collected::Element;
-use super::input::{Found, Wrong};
+use super::input::{Result, Wrong};
 use super::kinds::{Kind, kind, refused};
 use crate::scenes::mesh_data::FilePlace;
 use std::collections::HashMap;
 
 impl Reader<'_> {
     /// Nodes; with parameters on their entities, if the file was saved with them.
-    pub(super) fn nodes(&mut self, have_parameters: bool) -> Found<()> {
+    pub(super) fn nodes(&mut self, have_parameters: bool) -> Result<()> {
         let count = self.input.size_on_line("the number of nodes")?;
         self.input.check_count(count, "nodes", [8, 28])?;
         for _ in 0..count {
@@ -29,7 +29,7 @@ impl Reader<'_> {
     }
 
     /// Coordinates of a node, and the parameters behind them, which are passed over.
-    pub(super) fn point(&mut self, parameters: usize) -> Found<()> {
+    pub(super) fn point(&mut self, parameters: usize) -> Result<()> {
         let mut at = [0.0; 3];
         for own in &mut at {
             *own = self.input.double("a coordinate of a node")?;
@@ -42,12 +42,12 @@ impl Reader<'_> {
     }
 
     /// Numbers of the nodes of an element.
-    pub(super) fn nodes_of_element(&mut self, kind: Kind) -> Found<Vec<usize>> {
+    pub(super) fn nodes_of_element(&mut self, kind: Kind) -> Result<Vec<usize>> {
         (0..kind.nodes).map(|_| self.input.number("the number of a node of an element")).collect()
     }
 
     /// Elements, in binary files in blocks of the same type and number of tags.
-    pub(super) fn elements(&mut self) -> Found<()> {
+    pub(super) fn elements(&mut self) -> Result<()> {
         let count = self.input.size_on_line("the number of elements")?;
         self.input.check_count(count, "elements", [8, 8])?;
         let mut faces = HashMap::new();
@@ -80,7 +80,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn kind_at(&mut self, place: FilePlace) -> Found<Kind> {
+    fn kind_at(&mut self, place: FilePlace) -> Result<Kind> {
         let number = self.input.int("the type of an element")?;
         kind(number).ok_or_else(|| Wrong { place: Some(place), what: refused(number) })
     }
@@ -93,7 +93,7 @@ impl Reader<'_> {
         tags: usize,
         place: FilePlace,
         faces: &mut HashMap<Vec<usize>, usize>,
-    ) -> Found<()> {
+    ) -> Result<()> {
         self.input.check_count(tags, "tags", [2, 4])?;
         let mut group = 0;
         for place in 0..tags {

@@ -2,7 +2,7 @@
 
 use super::Reader;
 use super::collected::{ENTITIES, Element};
-use super::input::{Found, Wrong};
+use super::input::{Result, Wrong};
 use super::kinds::{Kind, kind, refused};
 use crate::scenes::mesh_data::FilePlace;
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ type Groups = Vec<i32>;
 pub(super) type Entities = HashMap<(i32, i32), Groups>;
 
 impl Reader<'_> {
-    pub(super) fn entities(&mut self) -> Found<()> {
+    pub(super) fn entities(&mut self) -> Result<()> {
         let mut entities = HashMap::new();
         let mut counts = [0; 4];
         for (count, words) in counts.iter_mut().zip(["points", "curves", "surfaces", "volumes"]) {
@@ -30,10 +30,8 @@ impl Reader<'_> {
                 }
                 let of_groups = self.input.size("the number of physical groups")?;
                 self.input.check_count(of_groups, "physical groups", [2, 4])?;
-                let mut groups = Vec::new();
-                for _ in 0..of_groups {
-                    groups.push(self.input.int("the number of a physical group")?);
-                }
+                let groups = (0..of_groups).map(|_| self.input.int("the number of a physical group"));
+                let groups = groups.collect::<Result<_>>()?;
                 if dimension > 0 {
                     let parts = self.input.size("the number of bounding entities")?;
                     self.input.check_count(parts, "bounding entities", [2, 4])?;
@@ -51,7 +49,7 @@ impl Reader<'_> {
     }
 
     /// The least and largest numbers that version 4.1 announces.
-    fn announced(&mut self, what: &str) -> Found<std::ops::RangeInclusive<usize>> {
+    fn announced(&mut self, what: &str) -> Result<std::ops::RangeInclusive<usize>> {
         if self.version < 4.1 {
             return Ok(0..=usize::MAX);
         }
@@ -59,7 +57,7 @@ impl Reader<'_> {
         Ok(least..=self.input.size(&format!("the largest number of {what}"))?)
     }
 
-    fn announced_number(&mut self, what: &str, announced: &std::ops::RangeInclusive<usize>) -> Found<usize> {
+    fn announced_number(&mut self, what: &str, announced: &std::ops::RangeInclusive<usize>) -> Result<usize> {
         let place = Some(self.input.place());
         let number = self.input.number(&format!("the number of {what}"))?;
         if announced.contains(&number) {
@@ -70,7 +68,7 @@ impl Reader<'_> {
         Err(Wrong { place, what })
     }
 
-    pub(super) fn nodes_in_blocks(&mut self) -> Found<()> {
+    pub(super) fn nodes_in_blocks(&mut self) -> Result<()> {
         let blocks = self.input.size("the number of blocks of nodes")?;
         let count = self.input.size("the number of nodes")?;
         let announced = self.announced("a node")?;
@@ -105,13 +103,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn node_number(&mut self, announced: &std::ops::RangeInclusive<usize>) -> Found<()> {
+    fn node_number(&mut self, announced: &std::ops::RangeInclusive<usize>) -> Result<()> {
         let place = self.input.place();
         let number = self.announced_number("a node", announced)?;
         self.mesh.add_node(number, place)
     }
 
-    pub(super) fn elements_in_blocks(&mut self) -> Found<()> {
+    pub(super) fn elements_in_blocks(&mut self) -> Result<()> {
         let blocks = self.input.size("the number of blocks of elements")?;
         let count = self.input.size("the number of elements")?;
         let announced = self.announced("an element")?;
@@ -142,7 +140,7 @@ impl Reader<'_> {
     }
 
     /// Dimension and number of an entity, which stand the other way round in version 4.0.
-    fn entity(&mut self) -> Found<(i32, i32)> {
+    fn entity(&mut self) -> Result<(i32, i32)> {
         let is_turned = self.version < 4.1;
         let early = if is_turned { self.input.int("the number of an entity")? } else { 0 };
         let dimension = self.input.int("the dimension of an entity")?;
@@ -161,7 +159,7 @@ impl Reader<'_> {
         if names.is_empty() { own } else { format!("{own}, of the physical group \"{}\"", names.join("\", \"")) }
     }
 
-    fn kind(&self, number: i32, entity: (i32, i32), block: FilePlace) -> Found<Kind> {
+    fn kind(&self, number: i32, entity: (i32, i32), block: FilePlace) -> Result<Kind> {
         let what = match kind(number) {
             Some(kind) if kind.dimension == entity.0 => return Ok(kind),
             Some(kind) => format!("{} cannot be a part of it", kind.words()),
@@ -170,18 +168,15 @@ impl Reader<'_> {
         Err(Wrong { place: Some(block), what: format!("{}: {what}", self.called(entity)) })
     }
 
-    fn groups_of(&self, entity: (i32, i32), block: FilePlace) -> Found<Groups> {
+    fn groups_of(&self, entity: (i32, i32), block: FilePlace) -> Result<Groups> {
         let Some(entities) = &self.entities else { return Ok(Vec::new()) };
-        match entities.get(&entity) {
-            Some(groups) => Ok(groups.clone()),
-            None => {
-                let what = format!("there is no {} in $Entities", self.called(entity));
-                Err(Wrong { place: Some(block), what })
-            }
-        }
+        entities.get(&entity).cloned().ok_or_else(|| {
+            let what = format!("there is no {} in $Entities", self.called(entity));
+            Wrong { place: Some(block), what }
+        })
     }
 
-    fn is_turned(&self, groups: &Groups, entity: (i32, i32), block: FilePlace) -> Found<bool> {
+    fn is_turned(&self, groups: &Groups, entity: (i32, i32), block: FilePlace) -> Result<bool> {
         let turned = groups.iter().filter(|group| **group < 0).count();
         if turned > 0 && turned < groups.len() && entity.0 == 2 {
             let called = self.called(entity);

@@ -399,13 +399,18 @@ mod tests {
         weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
     }
 
+    /// Where a point lies, by its shape functions and the places of the nodes.
+    fn place(point: &Weights, nodes: &[[f64; 2]]) -> [f64; 2] {
+        [0, 1].map(|axis| sum(point.value, &nodes.iter().map(|node| node[axis]).collect::<Vec<_>>()))
+    }
+
     #[test]
     fn linear_functions_are_recovered_at_the_nodes_and_others_in_the_mean() {
         for kind in FaceKind::ALL {
             let shape = kind.shape();
             let at_gauss = |f: &dyn Fn([f64; 2]) -> f64| -> Vec<f64> {
                 let nodal: Vec<f64> = shape.places.iter().map(|&own| f(own)).collect();
-                shape.gauss.iter().map(|point| point.value.iter().zip(&nodal).map(|(w, f)| w * f).sum()).collect()
+                shape.gauss.iter().map(|point| sum(point.value, &nodal)).collect()
             };
             let linear = |[r, s]: [f64; 2]| 0.7 - 2.0 * r + 0.3 * s;
             let own = shape.at_nodes_from_gauss(&at_gauss(&linear));
@@ -415,12 +420,10 @@ mod tests {
             let near = shape.at_nodes_from_gauss(&bent);
             for other in [|_: [f64; 2]| 1.0, |[r, _]: [f64; 2]| r, |[_, s]: [f64; 2]| s] {
                 let rest = shape.gauss.iter().zip(&bent).zip(at_gauss(&other)).zip(shape.gauss_weights);
-                let sum: f64 = rest
-                    .map(|(((point, bent), other), weight)| {
-                        let near: f64 = point.value.iter().zip(&near).map(|(w, f)| w * f).sum();
-                        weight * (bent - near) * other
-                    })
-                    .sum();
+                let left = |(((point, bent), other), weight): (((&Weights, &f64), f64), &f64)| {
+                    weight * (bent - sum(point.value, &near)) * other
+                };
+                let sum: f64 = rest.map(left).sum();
                 assert!(sum.abs() < 1e-14, "{kind:?}: {sum:e}");
             }
         }
@@ -431,7 +434,7 @@ mod tests {
         for kind in FaceKind::ALL {
             let (shape, nodes) = (kind.shape(), kind.shape().places);
             for w in shape.gauss.iter().chain(shape.at_nodes) {
-                let at = [0, 1].map(|axis| sum(w.value, &nodes.iter().map(|node| node[axis]).collect::<Vec<_>>()));
+                let at = place(w, nodes);
                 assert!((shape.values)(at[0], at[1]).iter().zip(w.value).all(|(a, b)| (a - b).abs() < 2e-15));
                 for power in powers(kind) {
                     let values: Vec<f64> = nodes.iter().map(|&node| monomial(power, node)).collect();
@@ -462,11 +465,7 @@ mod tests {
                 FaceKind::Triangle6 => factorial(m) * factorial(n) / factorial(m + n + 2),
                 _ => of_line(m) * of_line(n),
             };
-            let points: Vec<[f64; 2]> = shape
-                .gauss
-                .iter()
-                .map(|w| [0, 1].map(|axis| sum(w.value, &nodes.iter().map(|node| node[axis]).collect::<Vec<_>>())))
-                .collect();
+            let points: Vec<[f64; 2]> = shape.gauss.iter().map(|point| place(point, nodes)).collect();
             for (m, n) in (0..=degree).flat_map(|m| (0..=degree - m).map(move |n| (m, n))) {
                 let values: Vec<f64> = points.iter().map(|&at| monomial((m, n), at)).collect();
                 assert!((sum(shape.gauss_weights, &values) - exact(m, n)).abs() < 2e-15, "{kind:?} {m} {n}");

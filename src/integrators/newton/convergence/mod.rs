@@ -3,10 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::ROUND_OFF;
 use super::failure::FailureKind;
 use super::round_off::Floor;
-use super::sizes::{NEAR, NOTHING};
+use crate::tolerances::{NO_ROUND_OFF, NOTHING, ROUND_OFF};
 
 /// Corrections that shrink less than this ask for a fresh factorization.
 const SLOW: f64 = 0.1;
@@ -31,8 +30,8 @@ const MOST_GROWN: usize = 4;
 const MOST_GROWN_STRESSED: usize = 1;
 /// Growth of a correction after which stresses are relieved at once.
 const WILD: f64 = 100.0;
-/// Correction by the unknowns, or by 1 where these are smaller, beyond which a search is lost.
-const LOST: f64 = 1e6;
+/// Beyond this a search is lost: a correction by the unknowns, or by 1 where these are smaller, or the displacement in one system by the model's length.
+pub(super) const LOST: f64 = 1e6;
 /// Residual, and its share of the first one, at which [`NewtonTolerance::Residual`](super::NewtonTolerance) is content.
 const RESIDUAL: [f64; 2] = [1e-12, 1e-9];
 
@@ -168,7 +167,7 @@ impl Convergence {
             return Verdict::Converged(RateEstimate::Rates { is_aged: false });
         }
         // far from a solution, the last bits of large stresses would pass for those of the solution
-        seen.is_near = sizes.displacement(new.step) <= NEAR;
+        seen.is_near = sizes.displacement(new.step) <= NO_ROUND_OFF;
         let mut floor = if seen.is_near { sizes.floor() } else { Floor::default() };
         // a projection is as good as its correction of the state is small against the state
         seen.moved = sizes.moved(new.step);

@@ -22,7 +22,7 @@ struct Measurand {
     add: Adder,
 }
 
-type Adder = fn(Entry, Over, &mut Builder) -> Found<()>;
+type Adder = fn(Entry, Over, &mut Builder) -> Result<()>;
 
 const fn measurand(name: &'static str, doc: &'static str, keys: &'static [Key], add: Adder) -> Measurand {
     Measurand { form: Form { name, doc, keys }, add }
@@ -59,12 +59,12 @@ pub(super) const SECTION: Section = Section {
     ..Section::listed("functional", "A number that a run gives, with its gradient.")
 };
 
-fn build(e: Entry, m: &mut Builder) -> Found<Made> {
-    if let Some(part) = e.known.own.quantity_named(e.form) {
+fn build(e: Entry, m: &mut Builder) -> Result<Built> {
+    if let Some(part) = e.context.own.quantity_named(e.form) {
         let (nodes, values) = (e.nodes_of_part(m)?, values(e, part.form.keys)?);
         m.measure(part, e.name(), over(&e), &nodes, values);
-        return located(Made::Nothing, e, m);
+        return located(Built::Nothing, e, m);
     }
     let own = MEASURANDS.iter().find(|own| own.form.name == e.form);
-    own.map_or(Ok(()), |own| (own.add)(e, over(&e), m)).map(|()| Made::Nothing)
+    own.map_or(Ok(()), |own| (own.add)(e, over(&e), m)).map(|()| Built::Nothing)
 }

@@ -1,8 +1,7 @@
 //! Energies, masses, powers and stresses of elements.
 
 use super::{GROUP, Measurand, measurand};
-use crate::elements::entries::AXIS;
-use crate::elements::entries::names_of;
+use crate::elements::entries::{AXIS, names_of};
 use crate::elements::forces::LOADS;
 use crate::scenes::file::describing::*;
 

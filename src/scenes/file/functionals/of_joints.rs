@@ -64,7 +64,7 @@ pub(super) const OF_JOINTS: &[Measurand] = &[
     measurand("joint_load", "force or moment of a joint on one of its nodes [N, N m]", LOAD_KEYS, |e, over, m| {
         let (joint, node) = (e.joint()?, e.node("on", m)?);
         let given = m.given(e.name(), &[node], values(e, LOAD_KEYS)?);
-        let (load, [direction, point]) = made_of(e, given, load)?;
+        let (load, [direction, point]) = built_from(e, given, load)?;
         m.joint_load_functional(e.name(), over, (joint, node), load, direction, point);
         Ok(())
     }),

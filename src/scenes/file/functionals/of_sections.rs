@@ -21,30 +21,30 @@ fn component(e: &Fields) -> usize {
 }
 
 /// The beam that an entry names, and the share of its length at which the section is.
-fn beam_section(e: Entry<'_>) -> Found<(&BeamMember, f64)> {
-    match e.made("beam")? {
-        Made::Beam(beam) => Ok((beam, e.fixed("share").unwrap_or(0.0))),
+fn beam_section(e: Entry<'_>) -> Result<(&BeamMember, f64)> {
+    match e.built("beam")? {
+        Built::Beam(beam) => Ok((beam, e.fixed("share").unwrap_or(0.0))),
         _ => e.wrong("beam must name a beam"),
     }
 }
 
 /// Adds a measure of a component in a section of a beam.
-fn add_measure(e: Entry, over: Over, m: &mut Builder, measure: fn(usize) -> SectionMeasure) -> Found<()> {
+fn add_measure(e: Entry, over: Over, m: &mut Builder, measure: fn(usize) -> SectionMeasure) -> Result<()> {
     let (beam, share) = beam_section(e)?;
     m.section_functional(e.name(), over, beam, share, measure(component(&e)));
     Ok(())
 }
 
 /// The cable that an entry names, and the share of its length at which the section is, where it is at one.
-fn cable_section(e: Entry<'_>) -> Found<(&CableMember, f64)> {
-    match e.made("cable")? {
-        Made::Cable(cable) => Ok((cable, e.fixed("share").unwrap_or(0.0))),
+fn cable_section(e: Entry<'_>) -> Result<(&CableMember, f64)> {
+    match e.built("cable")? {
+        Built::Cable(cable) => Ok((cable, e.fixed("share").unwrap_or(0.0))),
         _ => e.wrong("cable must name a cable"),
     }
 }
 
 /// Adds a measure of a section of a cable.
-fn add_cable_measure(e: Entry, over: Over, m: &mut Builder, measure: CableMeasure) -> Found<()> {
+fn add_cable_measure(e: Entry, over: Over, m: &mut Builder, measure: CableMeasure) -> Result<()> {
     let (cable, share) = cable_section(e)?;
     m.cable_strain_functional(e.name(), over, cable, share, measure);
     Ok(())

@@ -35,17 +35,17 @@ pub(super) const SECTION: Section = Section {
     )
 };
 
-fn beam_section(e: Entry) -> Found<flexible::Section<Recorded>> {
+fn beam_section(e: Entry) -> Result<flexible::Section<Recorded>> {
     let (at, own) = section_of(e)?;
     if own.form == "cable" {
         let text = format!("\"{}\" is a section of cables; a beam needs one of another type", own.name());
         return Err(Mistake::new(at, text));
     }
     let of = shape_of(own)?;
-    made_of(own, given(own, &flexible::SECTION)?, |given| flexible::Section::given(given, of))
+    built_from(own, given(own, &flexible::SECTION)?, |given| flexible::Section::given(given, of))
 }
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let (from, elements) = (e.vector("from")?, e.count("elements"));
     let mut line = match e.table("arc") {
         Some(arc) => {
@@ -61,7 +61,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     let line = with_ends(e, line, joined, clamped, m)?;
     let first = beam_section(e)?;
     let beam = if is_tapered(&section_of(e)?.1) {
-        let (failed, share) = (RefCell::new(None), &e.known.share);
+        let (failed, share) = (RefCell::new(None), &e.context.share);
         let at_share = |place: f64| {
             share.set(place.into());
             beam_section(e).unwrap_or_else(|why| {
@@ -79,5 +79,5 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         m.beam(e.name(), line, &first)
     };
     set_motion(e, &beam.nodes, m)?;
-    Ok(Made::Beam(beam))
+    Ok(Built::Beam(beam))
 }

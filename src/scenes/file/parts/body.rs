@@ -66,7 +66,7 @@ pub(super) const SECTION: Section = Section {
     )
 };
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let (name, zero) = (e.name(), Vector3::zeros());
     let (position, rotation) = (e.vector_or("position", zero)?, e.orientation()?);
     let node = match e.text("coordinates") {
@@ -76,7 +76,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     if e.has("velocity") || e.has("angular_velocity") {
         m.set_velocity(node, e.vector_or("velocity", zero)?, e.vector_or("angular_velocity", zero)?);
     }
-    let solids = e.tables("solids").map(|own| solid(own, (position, rotation))).collect::<Found<Vec<_>>>()?;
+    let solids = e.tables("solids").map(|own| solid(own, (position, rotation))).collect::<Result<Vec<_>>>()?;
     let given = ["mass", "inertia", "mass_centre"].into_iter().find(|key| e.has(key));
     if let Some(key) = given.filter(|_| solids.iter().any(|solid| solid.density.is_some())) {
         let text =
@@ -94,11 +94,11 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     if e.has("draw") {
         m.draw(node, &e.points("draw")?);
     }
-    Ok(Made::Node(node))
+    Ok(Built::Node(node))
 }
 
 /// Three or six numbers of an inertia tensor.
-fn inertia(e: Entry) -> Found<[Recorded; 6]> {
+fn inertia(e: Entry) -> Result<[Recorded; 6]> {
     let mut own = e.series("inertia")?;
     if own.is_empty() {
         return e.wrong("a body with mass needs the key inertia: [xx, yy, zz] in kg m2");
@@ -108,8 +108,8 @@ fn inertia(e: Entry) -> Found<[Recorded; 6]> {
 }
 
 /// A solid of a body that stands at a place with some axes.
-fn solid(e: Entry, (position, rotation): (Vector3<Recorded>, Quaternion<Recorded>)) -> Found<Solid<Recorded>> {
-    let line = || Found::Ok([e.vector("from")?, e.vector("to")?]);
+fn solid(e: Entry, (position, rotation): (Vector3<Recorded>, Quaternion<Recorded>)) -> Result<Solid<Recorded>> {
+    let line = || Ok::<_, Mistake>([e.vector("from")?, e.vector("to")?]);
     let wall = || e.given("wall", Entry::number);
     let shape = match (e.form, e.get("file")) {
         ("box", _) => SolidShape::Box {

@@ -22,7 +22,7 @@ pub(super) const SECTION: Section = Section {
     )
 };
 
-fn cable_section(e: Entry) -> Found<CableSection<Recorded>> {
+fn cable_section(e: Entry) -> Result<CableSection<Recorded>> {
     let (at, own) = section_of(e)?;
     let why = match own.form {
         _ if is_tapered(&own) => "depends on share, and a cable has one section from end to end",
@@ -30,18 +30,18 @@ fn cable_section(e: Entry) -> Found<CableSection<Recorded>> {
         _ if own.has("offset") => "has an offset, which a cable cannot have",
         _ => {
             let of = shape_of(own)?;
-            let section = made_of(own, given(own, &flexible::SECTION)?, |given| CableSection::given(given, of))?;
+            let section = built_from(own, given(own, &flexible::SECTION)?, |given| CableSection::given(given, of))?;
             return Ok(if e.text("strains") == Some("small") { section.small_strains() } else { section });
         }
     };
     Err(Mistake::new(at, format!("\"{}\" {why}", own.name())))
 }
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let line = CableLine::straight([e.vector("from")?, e.vector("to")?], e.count("elements"));
     let (joined, clamped) = ([CableLine::from_node, CableLine::to_node], [CableLine::clamped_start, CableLine::clamped_end]);
     let line = with_ends(e, line, joined, clamped, m)?;
     let cable = m.cable(e.name(), line, &cable_section(e)?);
     set_motion(e, &cable.nodes, m)?;
-    Ok(Made::Cable(cable))
+    Ok(Built::Cable(cable))
 }

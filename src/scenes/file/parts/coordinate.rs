@@ -10,7 +10,7 @@ pub(super) const SECTION: Section = Section {
     ],
     build: |e, m| {
         let [initial, rate] = ["initial", "rate"].map(|key| e.number_or(key, 0.0));
-        Ok(Made::Node(m.coordinates(e.name(), &[initial?], &[rate?])))
+        Ok(Built::Node(m.coordinates(e.name(), &[initial?], &[rate?])))
     },
     ..Section::with_nodes(
         "coordinate",

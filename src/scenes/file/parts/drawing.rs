@@ -11,7 +11,7 @@ pub(super) const SECTION: Section = Section {
     build: |e, m| {
         let node = if e.has("on") { e.node("on", m)? } else { m.ground() };
         m.draw(node, &e.points("points")?);
-        Ok(Made::Nothing)
+        Ok(Built::Nothing)
     },
     ..Section::listed("drawing", "A line of the picture that moves with a node.")
 };

@@ -82,7 +82,7 @@ impl Element for FormulaElement {
     }
 }
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let mut reading = Reading::new(e, m)?;
     let kinetic = reading.take_key(e, "kinetic", [true, false])?;
     let potential = reading.take_key(e, "potential", [false, false])?;
@@ -118,5 +118,5 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     }
     let Reading { nodes, formulas, p, .. } = reading;
     m.element(e.name(), &nodes, FormulaElement { formulas, kinetic, potential, loads, outputs }, &p);
-    Ok(Made::Nothing)
+    Ok(Built::Nothing)
 }

@@ -14,8 +14,8 @@ pub(super) const SECTION: Section = Section {
     ..Section::listed("group", "Elements of shells by their places in the grid, for functionals.")
 };
 
-pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
-    let Made::Shell(shell) = e.made("of")? else { return e.wrong("of must name a shell") };
+pub(super) fn build(e: Entry, _: &mut Builder) -> Result<Built> {
+    let Built::Shell(shell) = e.built("of")? else { return e.wrong("of must name a shell") };
     let mut ranges = Vec::new();
     for (key, count) in ["first", "second"].into_iter().zip(shell.counts) {
         let [from, to] = e.counts(key).unwrap_or([0, count.saturating_sub(1)]);
@@ -31,5 +31,5 @@ pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
         let ([columns, rows], name) = (shell.counts, e.name());
         return e.wrong(format!("\"{name}\" has no elements; the shell has {columns} x {rows}, counted from 0"));
     }
-    Ok(Made::Group(group))
+    Ok(Built::Group(group))
 }

@@ -13,7 +13,7 @@ pub(super) const SECTION: Section = Section {
         let named = |name: &str| Freedom::NAMES.iter().position(|own| *own == name).map(|place| Freedom::ALL[place]);
         let directions: Vec<Freedom> = e.texts("directions").filter_map(named).collect();
         e.node_sets("nodes", m)?.into_iter().for_each(|node| m.hold(node, &directions));
-        Ok(Made::Nothing)
+        Ok(Built::Nothing)
     },
     ..Section::listed(
         "hold",

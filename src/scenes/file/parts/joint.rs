@@ -34,7 +34,7 @@ pub(super) const JOINT: Section = Section {
     forms: Forms { common: &[NAME, SOFT[0], SOFT[1]], forms: &FORMS, own: Some(Kind::Joint) },
     space: "joint",
     has_columns: true,
-    build: |e, m| match e.known.own.joint_named(e.form) {
+    build: |e, m| match e.context.own.joint_named(e.form) {
         Some(part) => by_entry(part, e, m),
         None if e.form == BY_FORMULA.name => by_formula(e, m),
         None => rolling(e, m),
@@ -46,25 +46,25 @@ pub(super) const DRIVER: Section = Section {
     forms: Forms { common: &[NAME], forms: &forms_of::<{ DRIVERS.len() }, _>(DRIVERS), own: None },
     space: "joint",
     has_columns: true,
-    build: |e, m| named(DRIVERS, e.form).map_or(Ok(Made::Nothing), |part| by_entry(part, e, m)),
+    build: |e, m| named(DRIVERS, e.form).map_or(Ok(Built::Nothing), |part| by_entry(part, e, m)),
     ..Section::listed("driver", "A prescribed motion.")
 };
 
 /// Makes a joint or driver of its entry.
-fn by_entry(part: &JointPart, e: Entry, m: &mut Builder) -> Found<Made> {
+fn by_entry(part: &JointPart, e: Entry, m: &mut Builder) -> Result<Built> {
     let (nodes, values) = (e.different_nodes_of_part(m)?, values(e, part.form.keys)?);
     let made = match rates(e)? {
         Some([stiffness, damping]) => {
             m.soft_joint(part, e.name(), &nodes, values, [&stiffness, &damping]);
-            Made::SoftJoint
+            Built::SoftJoint
         }
-        None => Made::Joint(m.joint(part, e.name(), &nodes, values)),
+        None => Built::Joint(m.joint(part, e.name(), &nodes, values)),
     };
     located(made, e, m)
 }
 
 /// Stiffnesses and dampings of a soft joint.
-fn rates(e: Entry) -> Found<Option<[Vec<Recorded>; 2]>> {
+fn rates(e: Entry) -> Result<Option<[Vec<Recorded>; 2]>> {
     let [stiffness, mut damping] = [e.series("stiffness")?, e.series("damping")?];
     match (e.has("stiffness"), e.has("damping")) {
         (false, true) => e.wrong_key("damping", "only a soft joint has damping: give it stiffness, too, or leave it out"),
@@ -104,7 +104,7 @@ impl Constraint for FormulaJoint {
 }
 
 /// A joint by its equations.
-fn by_formula(e: Entry, m: &mut Builder) -> Found<Made> {
+fn by_formula(e: Entry, m: &mut Builder) -> Result<Built> {
     let mut reading = Reading::new(e, m)?;
     for (at, own) in e.list("equations") {
         let Value::Formula(formula, _) = own else { continue };
@@ -116,24 +116,24 @@ fn by_formula(e: Entry, m: &mut Builder) -> Found<Made> {
         return e.wrong(format!("a joint has at most {MOST_EQUATIONS} equations, and these are {count}"));
     }
     Ok(match rates(e)? {
-        None => Made::Joint(m.constraint(e.name(), &nodes, FormulaJoint(formulas), &p)),
+        None => Built::Joint(m.constraint(e.name(), &nodes, FormulaJoint(formulas), &p)),
         Some(own) if own.iter().any(|list| list.len() != count) => {
             let text = format!("there are {count} equations: give as many numbers for stiffness, and for damping or none");
             return e.wrong(text);
         }
         Some([stiffness, damping]) => {
             m.element(e.name(), &nodes, Soft(FormulaJoint(formulas)), &[stiffness, damping, p].concat());
-            Made::SoftJoint
+            Built::SoftJoint
         }
     })
 }
 
 /// Joints that are two constraints: a contact, and what rolls.
-fn rolling(e: Entry, m: &mut Builder) -> Found<Made> {
+fn rolling(e: Entry, m: &mut Builder) -> Result<Built> {
     if let Some(key) = ["stiffness", "damping"].into_iter().find(|key| e.has(key)) {
         return e.wrong_key(key, "what rolls cannot be soft: leave this out");
     }
     let (nodes, values) = (e.different_nodes(m)?, values(e, ROLLING.keys(e.form))?);
     let [_, rolling] = m.rolls(e.form, [&format!("contact of {}", e.name()), e.name()], nodes, values);
-    located(Made::Joint(rolling), e, m)
+    located(Built::Joint(rolling), e, m)
 }

@@ -7,7 +7,7 @@ pub(super) const SECTION: Section = Section {
     forms: one_form![NAME, BETWEEN, AXIS],
     build: |e, m| {
         let (nodes, axis) = (e.different_nodes(m)?, e.vector("axis")?);
-        Ok(Made::Node(m.joint_angle(e.name(), nodes, axis)))
+        Ok(Built::Node(m.joint_angle(e.name(), nodes, axis)))
     },
     ..Section::with_nodes(
         "joint_angle",

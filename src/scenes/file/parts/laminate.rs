@@ -25,7 +25,7 @@ pub(super) const SECTION: Section = Section {
     ..Section::named("laminate", "Plies of a shell, from below.")
 };
 
-pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, _: &mut Builder) -> Result<Built> {
     let (mut plies, mut strengths) = (Vec::new(), Vec::new());
     for own in e.tables("plies") {
         plies.push(Ply {
@@ -46,5 +46,5 @@ pub(super) fn build(e: Entry, _: &mut Builder) -> Found<Made> {
     }
     let mut laminate = Laminate::new(plies).offset(e.number_or("offset", 0.0)?);
     laminate.shear_factor = e.fixed("shear_factor").unwrap_or(laminate.shear_factor);
-    Ok(Made::Laminate(laminate, strengths))
+    Ok(Built::Laminate(laminate, strengths))
 }

@@ -24,12 +24,12 @@ pub(super) const LINE: [Key; 8] = [
 pub(super) const LINE_NODES: Nodes = Nodes { edges: &["start", "end"], own: 1, of_edge: 0, known: OF_POINT };
 
 /// Gives nodes of a member the motion that the entry says. Nodes of others that have a motion of their own must have the same.
-pub(super) fn set_motion(e: Entry, nodes: &[NodeId], m: &mut Builder) -> Found<()> {
+pub(super) fn set_motion(e: Entry, nodes: &[NodeId], m: &mut Builder) -> Result<()> {
     let Some(own) = e.table("motion") else { return Ok(()) };
     let vector = |key| own.vector_or(key, Vector3::zeros());
     let moves = |key: &str| match e.get(key) {
         Some((_, Value::Node(NodePlace { item: Some(item), .. }))) => {
-            let item = &e.known.items[*item];
+            let item = &e.context.items[*item];
             let has = |key: &&str| item.fields.values.iter().any(|own| own.0 == *key);
             ["velocity", "angular_velocity", "motion"].iter().any(has).then_some(item)
         }
@@ -44,9 +44,9 @@ pub(super) fn set_motion(e: Entry, nodes: &[NodeId], m: &mut Builder) -> Found<(
     let given: Vec<(&Item, NodeId, Vec<f64>)> = given.map(|(item, node)| (item, node, rates(node, m))).collect();
     m.set_rigid_motion(nodes, vector("point")?, vector("velocity")?, vector("angular_velocity")?);
     for (item, node, before) in given {
-        let differs =
-            rates(node, m).iter().zip(&before).any(|(now, before)| (now - before).abs() > 1e-9 * (1.0 + before.abs()));
-        if differs {
+        let now = rates(node, m);
+        let size = now.iter().chain(&before).fold(0.0, |most: f64, own| most.max(own.abs()));
+        if now.iter().zip(&before).any(|(now, before)| (now - before).abs() > crate::tolerances::CONSISTENT * size) {
             let name = &item.name;
             return e.wrong_key("motion", format!(
                 "this motion gives \"{name}\" another velocity than it has of its own: let both be the same, or one of them say it"
@@ -63,7 +63,7 @@ pub(super) fn with_ends<L>(
     joined: [fn(L, NodeId) -> L; 2],
     clamped: [fn(L) -> L; 2],
     m: &mut Builder,
-) -> Found<L> {
+) -> Result<L> {
     for (place, [key, end]) in [["start_node", "start"], ["end_node", "end"]].into_iter().enumerate() {
         let is_clamped = e.texts("clamped").any(|own| own == end);
         match e.given(key, |e, key| e.node(key, m))? {

@@ -66,7 +66,7 @@ pub(super) const SECTION: Section = Section {
 type Thickness = Vec<Vec<(usize, Recorded)>>;
 
 /// Points of the mesh where they are wanted.
-fn points(e: Entry, data: &MeshData) -> Found<Vec<Vector3<Recorded>>> {
+fn points(e: Entry, data: &MeshData) -> Result<Vec<Vector3<Recorded>>> {
     let mut points = match e.form {
         "faces" => e.points("points")?,
         _ => data.points.iter().map(|&point| Vector3::from_f64(point)).collect(),
@@ -85,7 +85,7 @@ fn points(e: Entry, data: &MeshData) -> Found<Vec<Vector3<Recorded>>> {
 }
 
 /// What a file gives of its own must be right before a mesh is made of it.
-fn check(e: Entry, data: &MeshData) -> Found<()> {
+fn check(e: Entry, data: &MeshData) -> Result<()> {
     let count = data.points.len();
     for (at, face) in e.list("faces") {
         let Value::List(own) = face else { continue };
@@ -102,9 +102,9 @@ fn check(e: Entry, data: &MeshData) -> Found<()> {
 }
 
 /// The thickness that an entry, or one of its parts, gives to some faces.
-fn thickness(e: Entry, data: &MeshData, faces: &[usize]) -> Found<Thickness> {
+fn thickness(e: Entry, data: &MeshData, faces: &[usize]) -> Result<Thickness> {
     let (mut all, mesh) = (vec![Vec::new(); data.faces.len()], e.item.place);
-    let has_each = e.known.each.iter().any(|own| own.1.mesh == mesh);
+    let has_each = e.context.each.iter().any(|own| own.1.mesh == mesh);
     let constant = if has_each { None } else { Some(e.number("thickness")?) };
     // the middle of a quadrilateral of eight points follows the last of all points
     let mut middles = data.points.len()..;
@@ -135,7 +135,7 @@ fn thickness(e: Entry, data: &MeshData, faces: &[usize]) -> Found<Thickness> {
 }
 
 /// The mesh of an entry, with what holds its points.
-fn free_mesh(e: Entry, data: &Arc<MeshData>, m: &mut Builder) -> Found<FreeMesh<Recorded>> {
+fn free_mesh(e: Entry, data: &Arc<MeshData>, m: &mut Builder) -> Result<FreeMesh<Recorded>> {
     let mut mesh = FreeMesh::of_data_at(data, points(e, data)?);
     if let Some(angle) = e.fixed("crease") {
         mesh = mesh.creased(angle);
@@ -168,7 +168,7 @@ fn free_mesh(e: Entry, data: &Arc<MeshData>, m: &mut Builder) -> Found<FreeMesh<
 }
 
 /// The tables that say the sections of faces, the entry itself where they belong to no part, and which does for each.
-fn parts<'k>(e: Entry<'k>, data: &MeshData) -> Found<(Vec<Entry<'k>>, Vec<usize>)> {
+fn parts<'k>(e: Entry<'k>, data: &MeshData) -> Result<(Vec<Entry<'k>>, Vec<usize>)> {
     let mut entries: Vec<Entry> = e.tables("parts").collect();
     let mut part_of: Vec<Option<usize>> = vec![None; data.faces.len()];
     for (number, own) in entries.iter().enumerate() {
@@ -198,7 +198,7 @@ fn parts<'k>(e: Entry<'k>, data: &MeshData) -> Found<(Vec<Entry<'k>>, Vec<usize>
     Ok((entries, part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect()))
 }
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let Some(data) = &e.item.mesh else { return e.wrong(format!("\"{}\" has no mesh", e.name())) };
     check(e, data)?;
     // these were read with the mesh
@@ -231,5 +231,5 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
             return own.wrong("this part has no faces");
         });
     }
-    Ok(Made::Mesh(Box::new(m.shell_of_parts(e.name(), mesh, &sections, |face| part_of[face]))))
+    Ok(Built::Mesh(Box::new(m.shell_of_parts(e.name(), mesh, &sections, |face| part_of[face]))))
 }

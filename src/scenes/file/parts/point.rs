@@ -17,7 +17,7 @@ pub(super) const SECTION: Section = Section {
         if let Some(mass) = e.given("mass", Entry::number)? {
             m.point_mass(e.name(), node, mass);
         }
-        Ok(Made::Node(node))
+        Ok(Built::Node(node))
     },
     ..Section::with_nodes("point", "A point without rotation.", Nodes::one(OF_POINT))
 };

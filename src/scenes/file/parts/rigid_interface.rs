@@ -12,7 +12,7 @@ pub(super) const SECTION: Section = Section {
     build: |e, m| {
         let (body, nodes) = (e.node("body", m)?, e.node_sets("nodes", m)?);
         m.rigid_interface(e.name(), body, &nodes);
-        Ok(Made::Nothing)
+        Ok(Built::Nothing)
     },
     ..Section::listed("rigid_interface", "Nodes that a body carries along as they stand, by a rigid link to each.")
 };

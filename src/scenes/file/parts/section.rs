@@ -6,7 +6,7 @@ use crate::scenes::file::formula::SHARE_PLACE;
 
 pub(super) const SECTION: Section = Section {
     forms: flexible::SECTION,
-    build: |e, _| shape_of(e).map(|_| Made::Nothing),
+    build: |e, _| shape_of(e).map(|_| Built::Nothing),
     ..Section::named(
         "section",
         "The section of beams and cables; axis 1 along the line, 2 and 3 across. For beams that taper its numbers may use `share`, the place \
@@ -15,20 +15,20 @@ pub(super) const SECTION: Section = Section {
 };
 
 /// Material and shape of a section; nothing of one by its numbers.
-pub(super) fn shape_of(e: Entry) -> Found<OfShape<Recorded>> {
+pub(super) fn shape_of(e: Entry) -> Result<OfShape<Recorded>> {
     if !e.has("material") {
         return Ok(None);
     }
     let (material, sizes) = (e.material()?, flexible::SECTION.forms.iter().find(|form| form.name == e.form));
     let sizes = sizes.into_iter().flat_map(|form| &form.keys[1..]).map(|key| e.number(key.name));
-    let shape = flexible::Shape::of_form(e.form, &sizes.collect::<Found<Vec<Recorded>>>()?, material.poisson);
+    let shape = flexible::Shape::of_form(e.form, &sizes.collect::<Result<Vec<Recorded>>>()?, material.poisson);
     Ok(shape.map(|shape| (material, shape)))
 }
 
 /// What a key `section` names, and where it does.
-pub(super) fn section_of(e: Entry) -> Found<(usize, Entry)> {
+pub(super) fn section_of(e: Entry) -> Result<(usize, Entry)> {
     match e.get("section") {
-        Some((at, Value::Item(item, _))) => Ok((at, e.known.entry(*item))),
+        Some((at, Value::Item(item, _))) => Ok((at, e.context.entry(*item))),
         _ => e.wrong("the key section is needed here"),
     }
 }

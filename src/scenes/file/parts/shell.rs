@@ -63,7 +63,7 @@ pub(super) const SECTION: Section = Section {
 };
 
 /// The surface of a shell by its form.
-fn surface(e: Entry, elements: [usize; 2]) -> Found<ShellMesh<Recorded>> {
+fn surface(e: Entry, elements: [usize; 2]) -> Result<ShellMesh<Recorded>> {
     let (vector, number) = (|key| e.vector(key), |key| e.number(key));
     Ok(match e.form {
         "plate" => {
@@ -85,7 +85,7 @@ fn surface(e: Entry, elements: [usize; 2]) -> Found<ShellMesh<Recorded>> {
     })
 }
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let (name, elements) = (e.name(), e.counts("elements").unwrap_or([1; 2]));
     let mut mesh = surface(e, elements)?;
     if e.flag("closed") {
@@ -110,7 +110,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         mesh = mesh.with_node(i, j, own.node("node", m)?);
     }
     if e.has("laminate") {
-        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, e.laminate()?.0, e.vector("direction")?))));
+        return Ok(Built::Shell(Box::new(m.laminate_shell(name, mesh, e.laminate()?.0, e.vector("direction")?))));
     }
     let (material, thickness) = (e.material()?, e.strips("thickness", elements[0])?);
     let (strips, along) = (thickness.len(), elements[0]);
@@ -122,5 +122,5 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
         return e.wrong_key("thickness", text);
     }
     let shell = m.tapered_shell(name, mesh, &material, |element, _| thickness[(element % along) * strips / along]);
-    Ok(Made::Shell(Box::new(shell)))
+    Ok(Built::Shell(Box::new(shell)))
 }

@@ -15,7 +15,7 @@ pub(super) const SECTION: Section = Section {
     build: |e, m| {
         let place = (e.vector_or("centre", Vector3::zeros())?, e.number("radius")?);
         let (material, thickness) = (e.material()?, e.number("thickness")?);
-        Ok(Made::Sphere(m.sphere_shell(e.name(), place, e.count("elements"), &material, thickness)))
+        Ok(Built::Sphere(m.sphere_shell(e.name(), place, e.count("elements"), &material, thickness)))
     },
     ..Section::with_nodes(
         "sphere",

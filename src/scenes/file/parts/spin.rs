@@ -12,10 +12,10 @@ pub(super) const SECTION: Section = Section {
     ],
     space: "",
     build: |e, m| {
-        let nodes: Vec<NodeId> = e.list("parts").flat_map(|(_, part)| nodes_of(e.known, part)).collect();
+        let nodes: Vec<NodeId> = e.list("parts").flat_map(|(_, part)| nodes_of(e.context, part)).collect();
         let [point, axis] = [e.vector_or("point", Vector3::zeros())?, e.vector("axis")?];
         m.spin(&nodes, point, axis, e.number("rate")?);
-        Ok(Made::Nothing)
+        Ok(Built::Nothing)
     },
     ..Section::listed(
         "spin",
@@ -25,12 +25,12 @@ pub(super) const SECTION: Section = Section {
 };
 
 /// All nodes of a part.
-fn nodes_of(known: &Known, part: &Value) -> Vec<NodeId> {
+fn nodes_of(context: &EntryContext, part: &Value) -> Vec<NodeId> {
     let Value::Item(item, _) = part else { return Vec::new() };
-    match &known.made[*item] {
-        Made::Node(node) => vec![*node],
-        Made::Beam(beam) => beam.nodes.clone(),
-        Made::Cable(cable) => cable.nodes.clone(),
+    match &context.built[*item] {
+        Built::Node(node) => vec![*node],
+        Built::Beam(beam) => beam.nodes.clone(),
+        Built::Cable(cable) => cable.nodes.clone(),
         shells => shells.shells().into_iter().flat_map(|shell| shell.nodes.clone()).collect(),
     }
 }

@@ -8,7 +8,7 @@ pub(super) const SPRING: Section = Section {
     forms: Forms { common: &[NAME], forms: &forms_of::<{ SPRINGS.len() }, _>(SPRINGS), own: Some(Kind::Spring) },
     space: "force",
     has_columns: true,
-    build: |e, m| element(e.known.own.spring_named(e.form), e, m),
+    build: |e, m| element(e.context.own.spring_named(e.form), e, m),
     ..Section::listed("spring", "A spring.")
 };
 
@@ -37,7 +37,7 @@ pub(super) const LOAD_SECTIONS: [Section; LOADS.len()] = {
 };
 
 /// Makes a spring, damper or load of its entry, on each node or element of what carries it.
-fn element(part: Option<&SpringPart>, e: Entry, m: &mut Builder) -> Found<Made> {
+fn element(part: Option<&SpringPart>, e: Entry, m: &mut Builder) -> Result<Built> {
     let part = part.unwrap_or_else(|| unreachable!("{} is one of the forms", e.form));
     let (on, mut values) = (e.carriers(m)?, values(e, part.form.keys)?);
     if e.has("on") && on.len() > 1 {
@@ -48,5 +48,5 @@ fn element(part: Option<&SpringPart>, e: Entry, m: &mut Builder) -> Found<Made> 
         });
     }
     m.load(part, &on, &values);
-    located(Made::Nothing, e, m)
+    located(Built::Nothing, e, m)
 }

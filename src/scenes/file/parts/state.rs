@@ -57,7 +57,7 @@ impl Element for FormulaState {
     }
 }
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let named = |key: &str| match e.get(key) {
         Some((_, Value::Formulas(given))) => given.as_slice(),
         _ => &[],
@@ -65,7 +65,7 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     let [initial, rates, outputs] = if e.form == "formula" { ["initial", "rate", "output"] } else { MADE }.map(named);
     for key in SECTION.forms.keys(e.form) {
         if let (Type::Number(..), Some((at, Value::Formula(formula, _)))) = (key.takes, e.get(key.name)) {
-            if formula.uses_from(e.known.numbers.len()) {
+            if formula.uses_from(e.context.numbers.len()) {
                 return Err(Mistake::new(at, format!("{} must be a number of the design alone", key.name)));
             }
             e.number(key.name)?;
@@ -73,10 +73,10 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     }
     let mut start = Vec::new();
     for (value, at, formula) in initial {
-        if formula.is_vector() || formula.uses_from(e.known.numbers.len()) {
+        if formula.is_vector() || formula.uses_from(e.context.numbers.len()) {
             return Err(Mistake::new(*at, format!("the start of {value} must be a number of the design alone")));
         }
-        start.extend(formula.value(|place| e.known.numbers[place]).components());
+        start.extend(formula.value(|place| e.context.numbers[place]).components());
     }
     let mut reading = Reading::new(e, m)?;
     let node = m.states(e.name(), &start);
@@ -102,5 +102,5 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     }
     let Reading { nodes, formulas, p, .. } = reading;
     m.element(e.name(), &nodes, FormulaState { formulas, outputs: told }, &p);
-    Ok(Made::Node(node))
+    Ok(Built::Node(node))
 }

@@ -42,9 +42,9 @@ pub(super) const SECTION: Section = Section {
     )
 };
 
-pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
+pub(super) fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     let (name, across) = (e.name(), e.counts("across").unwrap_or([1; 2]));
-    let size = || Found::Ok([e.number("width")?, e.number("height")?]);
+    let size = || Ok::<_, Mistake>([e.number("width")?, e.number("height")?]);
     let (profile, walls) = match e.form {
         "box_tube" => (Profile::box_tube(size()?, across), 4),
         "i_section" => (Profile::i_section(size()?, across), 5),
@@ -71,5 +71,5 @@ pub(super) fn build(e: Entry, m: &mut Builder) -> Found<Made> {
     let of_wall = |wall: usize, _: f64| thickness[wall % thickness.len()];
     let walls = m.thin_walls(name, &profile, &extrusion, &e.material()?, of_wall);
     // why there may be none is among the mistakes of the builder
-    Ok(if walls.start().is_empty() { Made::Nothing } else { Made::Walls(walls) })
+    Ok(if walls.start().is_empty() { Built::Nothing } else { Built::Walls(walls) })
 }

@@ -23,7 +23,7 @@ pub(super) const SECTION: Section = Section {
     build: |e, m| {
         let nodes = e.node_sets("nodes", m)?;
         m.tie_to(e.name(), &nodes, &e.shells("to").concat(), e.fixed("within"));
-        Ok(Made::Nothing)
+        Ok(Built::Nothing)
     },
     ..Section::listed(
         "tie",

@@ -8,7 +8,7 @@ use crate::integrators::{Observer, Pause, Replay, RunError, StartRecord, StepRec
 use std::fmt;
 
 /// A run in a file of the first rank, which hands its steps to the others where all ask for them; these keep none.
-pub struct Handed {
+pub struct FirstRankHistory {
     world: &'static dyn Exchange,
     file: Option<FileHistory>,
     start: Option<StartRecord<f64>>,
@@ -16,25 +16,25 @@ pub struct Handed {
     taken_over: usize,
 }
 
-impl fmt::Debug for Handed {
+impl fmt::Debug for FirstRankHistory {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{} steps, {:?}", self.steps, self.file)
     }
 }
 
-impl Handed {
+impl FirstRankHistory {
     /// What ranks keep of a run, of which the first one makes the file.
     pub fn new(
         world: &'static dyn Exchange,
         file: impl FnOnce() -> Result<FileHistory, RunError>,
     ) -> Result<Self, RunError> {
         let file = if world.rank() == 0 { Some(file()?) } else { None };
-        Ok(Handed { world, file, start: None, steps: 0, taken_over: 0 })
+        Ok(FirstRankHistory { world, file, start: None, steps: 0, taken_over: 0 })
     }
 }
 
-/// Tells all other ranks a record, or that there is none.
-fn tell<T: Flat>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
+/// Sends a record to all other ranks, or that there is none.
+fn send_to_others<T: Flat>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
     list.clear();
     record.iter().for_each(|record| record.put(list));
     assert!(list.len().is_multiple_of(8), "records are made of numbers");
@@ -42,15 +42,15 @@ fn tell<T: Flat>(world: &dyn Exchange, record: Option<&T>, list: &mut Vec<u8>) {
     (1..world.ranks()).for_each(|rank| world.send(rank, message.clone()));
 }
 
-/// What the first rank tells; nothing if there is none.
-fn hear<'b>(world: &dyn Exchange, list: &'b mut Vec<u8>) -> Option<&'b [u8]> {
+/// The record that the first rank sends, if there is one.
+fn receive_from_first<'b>(world: &dyn Exchange, list: &'b mut Vec<u8>) -> Option<&'b [u8]> {
     set_bytes(list, &world.receive(0));
     (!list.is_empty()).then_some(list)
 }
 
 const READABLE: &str = "the first rank has read it";
 
-impl Observer for Handed {
+impl Observer for FirstRankHistory {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
         self.start = Some(start.clone());
         self.file.as_mut().map_or(Ok(()), |file| file.start(start))
@@ -69,16 +69,16 @@ impl Observer for Handed {
         let (world, mut list) = (self.world, Vec::new());
         if let Some(file) = &mut self.file {
             let pause = file.take_up(rule, &mut |step| {
-                tell(world, Some(step), &mut list);
+                send_to_others(world, Some(step), &mut list);
                 steps(step)
             })?;
-            tell(world, None::<&StepRecord<f64>>, &mut list);
-            tell(world, pause.as_ref(), &mut list);
+            send_to_others(world, None::<&StepRecord<f64>>, &mut list);
+            send_to_others(world, pause.as_ref(), &mut list);
             self.steps = file.steps();
             return Ok(pause);
         }
         let mut step = StepRecord::default();
-        while let Some(bytes) = hear(world, &mut list) {
+        while let Some(bytes) = receive_from_first(world, &mut list) {
             unpack(&mut step, bytes, rule).expect(READABLE);
             self.steps += 1;
             if !steps(&step)? {
@@ -86,11 +86,11 @@ impl Observer for Handed {
             }
         }
         self.taken_over = self.steps;
-        Ok(hear(world, &mut list).map(|bytes| Pause::from_bytes(bytes).expect(READABLE)))
+        Ok(receive_from_first(world, &mut list).map(|bytes| Pause::from_bytes(bytes).expect(READABLE)))
     }
 }
 
-impl History for Handed {
+impl History for FirstRankHistory {
     fn start_record(&self) -> Option<&StartRecord<f64>> {
         self.start.as_ref()
     }
@@ -100,7 +100,7 @@ impl History for Handed {
     fn read<'h>(&'h self, rerun: &'h Rerun<'_>, direction: Direction) -> Result<Box<dyn Steps + 'h>, RunError> {
         let file = self.file.as_ref().map(|file| file.read(rerun, direction)).transpose()?;
         let (world, rule, step, list) = (self.world, rerun.rule(), StepRecord::default(), Vec::new());
-        Ok(Box::new(Handing { world, file, rule, step, list }))
+        Ok(Box::new(FirstRankSteps { world, file, rule, step, list }))
     }
     fn usage(&self) -> Usage {
         let others = Usage { taken_over: self.taken_over, ..Usage::default() };
@@ -108,7 +108,7 @@ impl History for Handed {
     }
 }
 
-struct Handing<'h> {
+struct FirstRankSteps<'h> {
     world: &'static dyn Exchange,
     file: Option<Box<dyn Steps + 'h>>,
     rule: StepRule<'h>,
@@ -116,14 +116,14 @@ struct Handing<'h> {
     list: Vec<u8>,
 }
 
-impl Steps for Handing<'_> {
+impl Steps for FirstRankSteps<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         if let Some(file) = &mut self.file {
             let step = file.next()?;
-            tell(self.world, step, &mut self.list);
+            send_to_others(self.world, step, &mut self.list);
             return Ok(step);
         }
-        let Some(bytes) = hear(self.world, &mut self.list) else { return Ok(None) };
+        let Some(bytes) = receive_from_first(self.world, &mut self.list) else { return Ok(None) };
         unpack(&mut self.step, bytes, self.rule).expect(READABLE);
         Ok(Some(&self.step))
     }

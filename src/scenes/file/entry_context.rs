@@ -6,10 +6,9 @@ use super::mistake::Mistake;
 use super::own_parts::OwnParts;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
-use crate::elements::Characteristic;
-use crate::elements::TimeFunction;
 use crate::elements::entries::{FUNCTION, Range, Type};
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
+use crate::elements::{Characteristic, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::program::Recorded;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -20,7 +19,7 @@ use std::ops::Deref;
 use std::sync::{Mutex, PoisonError};
 
 /// What an entry became.
-pub(super) enum Made {
+pub(super) enum Built {
     Nothing,
     Node(NodeId),
     Joint(ConstraintId),
@@ -37,21 +36,21 @@ pub(super) enum Made {
     Laminate(Laminate<Recorded>, Vec<PlyStrength<Recorded>>),
 }
 
-impl Made {
+impl Built {
     /// The shells of which it consists.
     pub fn shells(&self) -> Vec<&MeshedShell> {
         match self {
-            Made::Shell(shell) => vec![shell],
-            Made::Mesh(shell) => vec![shell],
-            Made::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
-            Made::Sphere(faces) => faces.iter().map(|face| &**face).collect(),
+            Built::Shell(shell) => vec![shell],
+            Built::Mesh(shell) => vec![shell],
+            Built::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
+            Built::Sphere(faces) => faces.iter().map(|face| &**face).collect(),
             _ => Vec::new(),
         }
     }
 }
 
 /// What is known of a scene while it is built at a design.
-pub(super) struct Known<'f> {
+pub(super) struct EntryContext<'f> {
     /// Parts beside those of the library.
     pub own: &'f OwnParts,
     pub items: &'f [Item],
@@ -62,27 +61,27 @@ pub(super) struct Known<'f> {
     /// Variables with values for faces or nodes of a mesh: their places among the numbers, and these values.
     pub each: Vec<(usize, &'f Each, Vec<Recorded>)>,
     /// What entries became so far.
-    pub made: Vec<Made>,
+    pub built: Vec<Built>,
     /// The elements of each.
     pub elements: Vec<Vec<ElementId>>,
 }
 
-impl Known<'_> {
+impl EntryContext<'_> {
     pub fn entry(&self, place: usize) -> Entry<'_> {
         let item = &self.items[place];
-        Entry { known: self, item, fields: &item.fields }
+        Entry { context: self, item, fields: &item.fields }
     }
 }
 
 pub(super) type Builder = MechanismBuilder<Recorded>;
 
 /// A result, or what is wrong and where.
-pub(super) type Found<T> = Result<T, Mistake>;
+pub(super) type Result<T, E = Mistake> = std::result::Result<T, E>;
 
 /// An entry, or a table in it, that is built.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'k> {
-    pub known: &'k Known<'k>,
+    pub context: &'k EntryContext<'k>,
     pub item: &'k Item,
     pub fields: &'k Fields,
 }
@@ -99,24 +98,24 @@ impl<'k> Entry<'k> {
         &self.item.name
     }
 
-    pub fn wrong<T>(&self, what: impl Into<String>) -> Found<T> {
+    pub fn wrong<T>(&self, what: impl Into<String>) -> Result<T> {
         Err(Mistake::new(self.at, what))
     }
 
-    pub fn wrong_key<T>(&self, key: &str, what: impl Into<String>) -> Found<T> {
+    pub fn wrong_key<T>(&self, key: &str, what: impl Into<String>) -> Result<T> {
         Err(Mistake::new(self.place(key), what))
     }
 
-    fn missing<T>(&self, key: &str) -> Found<T> {
+    fn missing<T>(&self, key: &str) -> Result<T> {
         self.wrong(format!("the key {key} is needed here"))
     }
 
-    fn needed(&self, key: &str) -> Found<(usize, &'k Value)> {
+    fn needed(&self, key: &str) -> Result<(usize, &'k Value)> {
         self.fields.get(key).map_or_else(|| self.missing(key), Ok)
     }
 
     /// What is read of a key where it is given.
-    pub fn given<T>(&self, key: &str, read: impl FnOnce(&Self, &str) -> Found<T>) -> Found<Option<T>> {
+    pub fn given<T>(&self, key: &str, read: impl FnOnce(&Self, &str) -> Result<T>) -> Result<Option<T>> {
         self.has(key).then(|| read(self, key)).transpose()
     }
 
@@ -132,8 +131,8 @@ impl<'k> Entry<'k> {
         own.fields.tables(key).map(move |fields| Entry { fields, ..own })
     }
 
-    fn quantity(&self, key: &str, given: (usize, &Value)) -> Found<Quantity<Recorded>> {
-        let Known { share, numbers, .. } = self.known;
+    fn quantity(&self, key: &str, given: (usize, &Value)) -> Result<Quantity<Recorded>> {
+        let EntryContext { share, numbers, .. } = self.context;
         self.value_of(key, given, |place| if place == SHARE_PLACE { share.get() } else { numbers[place] })
     }
 
@@ -142,28 +141,25 @@ impl<'k> Entry<'k> {
         key: &str,
         (at, value): (usize, &Value),
         known: impl Fn(usize) -> Recorded,
-    ) -> Found<Quantity<Recorded>> {
+    ) -> Result<Quantity<Recorded>> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
         let value = formula.value(known);
-        let range = *range;
-        match value.components().iter().map(|own| own.value()).find(|own| !(own.is_finite() && range.holds(*own))) {
-            None => Ok(value),
-            Some(own) => {
-                let (own, wanted) = (shortest(own), if range == Range::Any { "finite" } else { range.words() });
-                Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
-            }
-        }
+        let is_wrong = |own: &f64| !(own.is_finite() && range.holds(*own));
+        value.components().iter().map(|own| own.value()).find(is_wrong).map_or(Ok(value), |own| {
+            let (own, wanted) = (shortest(own), if *range == Range::Any { "finite" } else { range.words() });
+            Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
+        })
     }
 
-    pub fn number(&self, key: &str) -> Found<Recorded> {
+    pub fn number(&self, key: &str) -> Result<Recorded> {
         self.quantity(key, self.needed(key)?).map(|own| own.number())
     }
 
     /// A number at a point of a face of a mesh, for which some variables have values of their own; what the face is called, for messages.
-    pub fn number_at(&self, key: &str, [mesh, face, point]: [usize; 3], called: &str) -> Found<Recorded> {
+    pub fn number_at(&self, key: &str, [mesh, face, point]: [usize; 3], called: &str) -> Result<Recorded> {
         let given = self.needed(key)?;
         let mut own = Vec::new();
-        for (place, each, values) in self.known.each.iter().filter(|own| own.1.mesh == mesh) {
+        for (place, each, values) in self.context.each.iter().filter(|own| own.1.mesh == mesh) {
             let wanted = if each.per == Per::Face { face } else { point };
             match each.places.binary_search(&wanted).ok().and_then(|own| values.get(own)) {
                 Some(&value) => own.push((*place, value)),
@@ -177,30 +173,30 @@ impl<'k> Entry<'k> {
                 None => {}
             }
         }
-        let known = |place| own.iter().find(|own| own.0 == place).map_or_else(|| self.known.numbers[place], |own| own.1);
+        let known = |place| own.iter().find(|own| own.0 == place).map_or_else(|| self.context.numbers[place], |own| own.1);
         let value = self.value_of(key, given, known).map(|own| own.number());
         value.map_err(|Mistake { at, what }| Mistake::new(at, format!("{called}, {what}")))
     }
 
-    pub fn number_or(&self, key: &str, default: f64) -> Found<Recorded> {
+    pub fn number_or(&self, key: &str, default: f64) -> Result<Recorded> {
         Ok(self.given(key, Entry::number)?.unwrap_or(default.into()))
     }
 
-    pub fn vector(&self, key: &str) -> Found<Vector3<Recorded>> {
+    pub fn vector(&self, key: &str) -> Result<Vector3<Recorded>> {
         self.quantity(key, self.needed(key)?).map(|own| own.vector())
     }
 
-    pub fn vector_or(&self, key: &str, default: Vector3<Recorded>) -> Found<Vector3<Recorded>> {
+    pub fn vector_or(&self, key: &str, default: Vector3<Recorded>) -> Result<Vector3<Recorded>> {
         Ok(self.given(key, Entry::vector)?.unwrap_or(default))
     }
 
     /// All numbers of a list, none if the key is not given.
-    pub fn series(&self, key: &str) -> Found<Vec<Recorded>> {
+    pub fn series(&self, key: &str) -> Result<Vec<Recorded>> {
         self.list(key).map(|given| Ok(self.quantity(key, given)?.number())).collect()
     }
 
     /// The numbers of strips: where one formula uses [`SHARE_PLACE`], those at the middles of so many.
-    pub fn strips(&self, key: &str, count: usize) -> Found<Vec<Recorded>> {
+    pub fn strips(&self, key: &str, count: usize) -> Result<Vec<Recorded>> {
         let uses_share =
             |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.taken().contains(&SHARE_PLACE));
         let given: Vec<_> = self.list(key).collect();
@@ -209,33 +205,33 @@ impl<'k> Entry<'k> {
             return Err(Mistake::new(at, "share is the place along all strips: give one formula of it"));
         };
         let at_middle = |strip: usize| {
-            self.known.share.set(Recorded::from((strip as f64 + 0.5) / count as f64));
+            self.context.share.set(Recorded::from((strip as f64 + 0.5) / count as f64));
             Ok(self.quantity(key, one)?.number())
         };
         let all = (0..count).map(at_middle).collect();
-        self.known.share.set(Recorded::default());
+        self.context.share.set(Recorded::default());
         all
     }
 
-    pub fn numbers<const N: usize>(&self, key: &str) -> Found<[Recorded; N]> {
+    pub fn numbers<const N: usize>(&self, key: &str) -> Result<[Recorded; N]> {
         self.series(key)?.try_into().or_else(|_| self.missing(key))
     }
 
-    pub fn pairs(&self, key: &str) -> Found<Vec<[Recorded; 2]>> {
+    pub fn pairs(&self, key: &str) -> Result<Vec<[Recorded; 2]>> {
         let number = |(at, own): &(usize, Value)| Ok(self.quantity("a number of a pair", (*at, own))?.number());
         let pair = |(_, own): (usize, &Value)| {
             let Value::List(own) = own else { return self.missing(key) };
-            own.iter().map(number).collect::<Found<Vec<_>>>()?.try_into().or_else(|_| self.missing(key))
+            own.iter().map(number).collect::<Result<Vec<_>>>()?.try_into().or_else(|_| self.missing(key))
         };
         self.list(key).map(pair).collect()
     }
 
-    pub fn points(&self, key: &str) -> Found<Vec<Vector3<Recorded>>> {
+    pub fn points(&self, key: &str) -> Result<Vec<Vector3<Recorded>>> {
         self.list(key).map(|given| Ok(self.quantity(key, given)?.vector())).collect()
     }
 
     /// Nodes at a place: one, or those of an edge or end.
-    pub fn nodes_at(&self, at: usize, place: &NodePlace, m: &mut Builder) -> Found<Vec<NodeId>> {
+    pub fn nodes_at(&self, at: usize, place: &NodePlace, m: &mut Builder) -> Result<Vec<NodeId>> {
         let Some(item) = place.item else { return Ok(vec![m.ground()]) };
         let index = |count: usize| match place.index.first() {
             Some(&own) if own < count => Ok(own),
@@ -258,25 +254,25 @@ impl<'k> Entry<'k> {
                 _ => Err(Mistake::new(at, format!("the grid has {columns} x {rows} nodes, counted from 0"))),
             }
         };
-        match &self.known.made[item] {
-            Made::Node(node) => Ok(vec![*node]),
-            Made::Beam(beam) => on_line(&beam.nodes).map(|node| vec![node]),
-            Made::Cable(cable) => on_line(&cable.nodes).map(|node| vec![node]),
-            Made::Walls(walls) => some(if place.edge == Some("start") { walls.start() } else { walls.end() }),
-            Made::Shell(shell) => match place.edge {
+        match &self.context.built[item] {
+            Built::Node(node) => Ok(vec![*node]),
+            Built::Beam(beam) => on_line(&beam.nodes).map(|node| vec![node]),
+            Built::Cable(cable) => on_line(&cable.nodes).map(|node| vec![node]),
+            Built::Walls(walls) => some(if place.edge == Some("start") { walls.start() } else { walls.end() }),
+            Built::Shell(shell) => match place.edge {
                 Some(edge) => some(shell.edge(Edge::named(edge))),
                 None => on_grid(shell, &place.index),
             },
-            Made::Mesh(shell) => {
+            Built::Mesh(shell) => {
                 let node = |&point: &usize| shell.node(point).ok_or_else(|| Mistake::new(at, "this is no node"));
                 place.points.iter().map(node).collect()
             }
-            Made::Sphere(faces) => on_grid(&faces[index(faces.len())?], &place.index[1..]),
+            Built::Sphere(faces) => on_grid(&faces[index(faces.len())?], &place.index[1..]),
             _ => Err(Mistake::new(at, "this is no node")),
         }
     }
 
-    pub fn node_sets(&self, key: &str, m: &mut Builder) -> Found<Vec<NodeId>> {
+    pub fn node_sets(&self, key: &str, m: &mut Builder) -> Result<Vec<NodeId>> {
         let mut nodes = Vec::new();
         for (at, value) in self.list(key) {
             if let Value::Node(place) = value {
@@ -287,7 +283,7 @@ impl<'k> Entry<'k> {
     }
 
     /// What a spring, damper or load acts on: its nodes, each that a load names, or those of each element of a member, with names.
-    pub fn carriers(&self, m: &mut Builder) -> Found<Vec<(String, Vec<NodeId>)>> {
+    pub fn carriers(&self, m: &mut Builder) -> Result<Vec<(String, Vec<NodeId>)>> {
         let given = ["between", "on", "beam", "shell"].into_iter().find_map(|key| self.fields.get(key));
         let (at, value) = given.map_or_else(|| self.missing("on"), Ok)?;
         let name = self.name();
@@ -303,19 +299,19 @@ impl<'k> Entry<'k> {
                     |(i, node)| (if count == 1 { name.into() } else { format!("{name}, node {}", i + 1) }, vec![node]);
                 return Ok(nodes.into_iter().enumerate().map(named).collect());
             }
-            Value::Item(item, group) => (&self.known.made[*item], group),
+            Value::Item(item, group) => (&self.context.built[*item], group),
             _ => return Ok(vec![(name.into(), self.different_nodes_of_part(m)?)]),
         };
         match item {
-            (Made::Beam(beam), _) => Ok(beam.carriers(name)),
-            (Made::Mesh(shell), Some(group)) => {
+            (Built::Beam(beam), _) => Ok(beam.carriers(name)),
+            (Built::Mesh(shell), Some(group)) => {
                 Ok(shell.carriers(name, &shell.group_named(group).map_err(|why| Mistake::new(at, why))?))
             }
-            (made, _) => Ok(made.shells().into_iter().flat_map(|own| own.carriers(name, &own.group())).collect()),
+            (built, _) => Ok(built.shells().into_iter().flat_map(|own| own.carriers(name, &own.group())).collect()),
         }
     }
 
-    fn one_node(&self, (at, value): (usize, &Value), m: &mut Builder) -> Found<NodeId> {
+    fn one_node(&self, (at, value): (usize, &Value), m: &mut Builder) -> Result<NodeId> {
         let Value::Node(place) = value else { return Err(Mistake::new(at, "this is no node")) };
         match self.nodes_at(at, place, m)?.as_slice() {
             [node] => Ok(*node),
@@ -323,12 +319,12 @@ impl<'k> Entry<'k> {
         }
     }
 
-    pub fn node(&self, key: &str, m: &mut Builder) -> Found<NodeId> {
+    pub fn node(&self, key: &str, m: &mut Builder) -> Result<NodeId> {
         self.one_node(self.needed(key)?, m)
     }
 
     /// What the keys `between`, or else `on`, name.
-    pub fn nodes_of_part(&self, m: &mut Builder) -> Found<Vec<NodeId>> {
+    pub fn nodes_of_part(&self, m: &mut Builder) -> Result<Vec<NodeId>> {
         match self.has("between") {
             true => self.list("between").map(|given| self.one_node(given, m)).collect(),
             false => self.node("on", m).map(|node| vec![node]),
@@ -336,7 +332,7 @@ impl<'k> Entry<'k> {
     }
 
     /// The same for what connects nodes, which are all different.
-    pub fn different_nodes_of_part(&self, m: &mut Builder) -> Found<Vec<NodeId>> {
+    pub fn different_nodes_of_part(&self, m: &mut Builder) -> Result<Vec<NodeId>> {
         let nodes = self.nodes_of_part(m)?;
         match (0..nodes.len()).any(|place| nodes[..place].contains(&nodes[place])) {
             true => self.wrong_key("between", "two of between are the same node; give different ones"),
@@ -344,22 +340,22 @@ impl<'k> Entry<'k> {
         }
     }
 
-    pub fn different_nodes(&self, m: &mut Builder) -> Found<[NodeId; 2]> {
+    pub fn different_nodes(&self, m: &mut Builder) -> Result<[NodeId; 2]> {
         self.different_nodes_of_part(m)?.try_into().or_else(|_| self.missing("between"))
     }
 
     /// What another entry became.
-    pub fn made(&self, key: &str) -> Found<&'k Made> {
+    pub fn built(&self, key: &str) -> Result<&'k Built> {
         match self.fields.get(key) {
-            Some((_, Value::Item(item, _))) => Ok(&self.known.made[*item]),
+            Some((_, Value::Item(item, _))) => Ok(&self.context.built[*item]),
             _ => self.missing(key),
         }
     }
 
-    pub fn joint(&self) -> Found<ConstraintId> {
-        match self.made("joint")? {
-            Made::Joint(joint) => Ok(*joint),
-            Made::SoftJoint => {
+    pub fn joint(&self) -> Result<ConstraintId> {
+        match self.built("joint")? {
+            Built::Joint(joint) => Ok(*joint),
+            Built::SoftJoint => {
                 let text = "this joint is soft: springs have no multipliers; leave out its stiffness to measure them";
                 self.wrong_key("joint", text)
             }
@@ -367,41 +363,41 @@ impl<'k> Entry<'k> {
         }
     }
 
-    pub fn material(&self) -> Found<Material<Recorded>> {
-        match self.made("material")? {
-            Made::Material(material) => Ok(*material),
+    pub fn material(&self) -> Result<Material<Recorded>> {
+        match self.built("material")? {
+            Built::Material(material) => Ok(*material),
             _ => self.missing("material"),
         }
     }
 
     /// The laminate that an entry names, with the strengths of its plies.
-    pub fn laminate(&self) -> Found<(&'k Laminate<Recorded>, &'k [PlyStrength<Recorded>])> {
-        match self.made("laminate")? {
-            Made::Laminate(laminate, strengths) => Ok((laminate, strengths)),
+    pub fn laminate(&self) -> Result<(&'k Laminate<Recorded>, &'k [PlyStrength<Recorded>])> {
+        match self.built("laminate")? {
+            Built::Laminate(laminate, strengths) => Ok((laminate, strengths)),
             _ => self.missing("laminate"),
         }
     }
 
     /// Shells that a key names, a list of those of each entry.
     pub fn shells(&self, key: &str) -> Vec<Vec<&'k MeshedShell>> {
-        let made = &self.known.made;
+        let built = &self.context.built;
         let shells = |(_, value): (usize, &Value)| match value {
-            Value::Item(item, _) => Some(made[*item].shells()),
+            Value::Item(item, _) => Some(built[*item].shells()),
             _ => None,
         };
         self.list(key).filter_map(shells).collect()
     }
 
     /// Elements of everything that a key names.
-    pub fn group(&self, key: &str) -> Found<ElementGroup> {
+    pub fn group(&self, key: &str) -> Result<ElementGroup> {
         let mut groups = Vec::new();
         for (at, value) in self.list(key) {
             let Value::Item(item, name) = value else { continue };
-            groups.extend(match (&self.known.made[*item], name) {
-                (Made::Mesh(shell), Some(name)) => vec![shell.group_named(name).map_err(|why| Mistake::new(at, why))?],
-                (Made::Beam(beam), _) => vec![beam.group()],
-                (Made::Cable(cable), _) => vec![cable.group()],
-                (Made::Group(group), _) => vec![group.clone()],
+            groups.extend(match (&self.context.built[*item], name) {
+                (Built::Mesh(shell), Some(name)) => vec![shell.group_named(name).map_err(|why| Mistake::new(at, why))?],
+                (Built::Beam(beam), _) => vec![beam.group()],
+                (Built::Cable(cable), _) => vec![cable.group()],
+                (Built::Group(group), _) => vec![group.clone()],
                 (shells, _) => shells.shells().into_iter().map(MeshedShell::group).collect(),
             });
         }
@@ -412,18 +408,18 @@ impl<'k> Entry<'k> {
     }
 
     /// The elements of entries of any kind, and of groups.
-    pub fn parts(&self, key: &str) -> Found<ElementGroup> {
+    pub fn parts(&self, key: &str) -> Result<ElementGroup> {
         let own = self.list(key).flat_map(|(_, value)| match value {
-            Value::Item(item, None) => &self.known.elements[*item][..],
+            Value::Item(item, None) => &self.context.elements[*item][..],
             _ => &[],
         });
         let elements = self.group(key)?.elements.into_iter().chain(own.copied());
         Ok(ElementGroup::new("of all that are named", elements))
     }
 
-    pub fn orientation(&self) -> Found<Quaternion<Recorded>> {
+    pub fn orientation(&self) -> Result<Quaternion<Recorded>> {
         let Some(own) = self.table("orientation") else { return Ok(Quaternion::identity()) };
-        let direction = |key: &str| -> Found<Vector3<Recorded>> {
+        let direction = |key: &str| -> Result<Vector3<Recorded>> {
             let vector = own.vector(key)?;
             match vector.iter().any(|own| own.value() != 0.0) {
                 true => Ok(vector.unit()),
@@ -436,7 +432,7 @@ impl<'k> Entry<'k> {
             _ => {
                 let values: [Recorded; 4] = own.numbers("values")?;
                 let norm = values.iter().map(|own| own.value() * own.value()).sum::<f64>().sqrt();
-                if (norm - 1.0).abs() > 1e-9 {
+                if (norm - 1.0).abs() > crate::tolerances::CONSISTENT {
                     return own.wrong(format!("these Euler parameters have length {}; it must be 1", shortest(norm)));
                 }
                 Ok(Quaternion(values))
@@ -444,9 +440,9 @@ impl<'k> Entry<'k> {
         }
     }
 
-    fn formula_of_time(&self) -> Found<Signal<Recorded>> {
+    fn formula_of_time(&self) -> Result<Signal<Recorded>> {
         let (at, Value::Formula(formula, _)) = self.needed("value")? else { return self.missing("value") };
-        let (function, parameters) = formula.law(&self.known.numbers);
+        let (function, parameters) = formula.law(&self.context.numbers);
         if !function.at(&[Recorded::default()], &parameters).number().value().is_finite() {
             return Err(Mistake::new(at, "at t = 0 s the value is not finite"));
         }
@@ -454,7 +450,7 @@ impl<'k> Entry<'k> {
     }
 
     /// Points of a table, and the values there if no design variable changes them.
-    fn points_and_values(&self, points: &str) -> Found<(Vec<f64>, Option<Vec<f64>>)> {
+    fn points_and_values(&self, points: &str) -> Result<(Vec<f64>, Option<Vec<f64>>)> {
         if !self.has("file") {
             self.needed(points)?;
             self.needed("values")?;
@@ -464,7 +460,7 @@ impl<'k> Entry<'k> {
     }
 
     /// A law of s, its rate and the time.
-    pub fn law(&self, key: &str) -> Found<(Characteristic, Vec<Recorded>)> {
+    pub fn law(&self, key: &str) -> Result<(Characteristic, Vec<Recorded>)> {
         if let Some(own) = self.table(key) {
             let law = match own.points_and_values("points")? {
                 (points, Some(fixed)) => Characteristic::curve(&points, &fixed, own.way()).map(|law| (law, Vec::new())),
@@ -473,16 +469,16 @@ impl<'k> Entry<'k> {
             return law.or_else(|why| own.wrong(why));
         }
         let (at, Value::Formula(formula, _)) = self.needed(key)? else { return self.missing(key) };
-        let (law, numbers) = formula.law(&self.known.numbers);
+        let (law, numbers) = formula.law(&self.context.numbers);
         Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
     }
 
     /// A function of time with its numbers.
-    pub fn function(&self, key: &str) -> Found<Signal<Recorded>> {
+    pub fn function(&self, key: &str) -> Result<Signal<Recorded>> {
         let Some(own) = self.table(key) else { return Ok(Signal::Constant(self.number(key)?)) };
         let numbers = FUNCTION.keys(own.form).skip(FUNCTION.common.len());
         let numbers = numbers.filter(|key| matches!(key.takes, Type::Number(..)));
-        let numbers = numbers.map(|key| own.number_or(key.name, 0.0)).collect::<Found<Vec<Recorded>>>()?;
+        let numbers = numbers.map(|key| own.number_or(key.name, 0.0)).collect::<Result<Vec<Recorded>>>()?;
         let signal = match (own.form, TimeFunction::of_form(own.form, own.fixed("at"))) {
             (_, Some(function)) => Signal::of(function, &numbers),
             ("formula", _) => {
