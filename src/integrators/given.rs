@@ -89,7 +89,7 @@ impl<S: RunScalar> StepSelection<S> for Given<'_> {
             Some(steps) => steps.next()?,
             None => None,
         };
-        let h = if self.halvings > 0 { interval.step_size.h } else { f64::INFINITY };
+        let h = if self.halvings > 0 { interval.step_size.h } else { f64::INFINITY }.min(interval.laid);
         Ok(TrialStep { h, scheme: interval.scheme(&stepper.method.table, h), guided })
     }
 

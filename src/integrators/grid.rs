@@ -114,6 +114,25 @@ impl TimeGrid {
         TimeGrid { times, breakpoints: breakpoints.collect(), events: BTreeMap::new(), asked: self.asked }
     }
 
+    /// Steps behind an event keep their sizes, so that their ends move with it up to a breakpoint or the end of the run, before which the last step
+    /// is as long as what is left, or the last two are halves of that: the share of the event's motion that an end of a step has, if it is no event.
+    pub(crate) fn share_behind_event(&self, end: usize) -> f64 {
+        let is_fixed = |place: usize| place >= self.steps() || self.breakpoints.contains_key(&place);
+        if is_fixed(end) {
+            return 0.0;
+        }
+        let [own, next] = [self.times[end] - self.times[end - 1], self.times[end + 1] - self.times[end]];
+        let is_half = is_fixed(end + 1) && (own - next).abs() <= SAME_TIME * own;
+        if is_half { 0.5 } else { 1.0 }
+    }
+
+    /// Whether an event lies before a step, and no breakpoint between them.
+    pub(crate) fn is_behind_event(&self, step: usize) -> bool {
+        let last = |place: Option<&usize>| place.map_or(0, |place| place + 1);
+        let event = last(self.events.range(..=step).next_back().map(|(place, _)| place));
+        event > last(self.breakpoints.range(..=step).next_back().map(|(place, _)| place))
+    }
+
     /// Whether a step that starts at an end of a step does not go on from those before.
     pub(super) fn is_interrupted(&self, place: usize) -> bool {
         self.breakpoints.contains_key(&place) || self.events.contains_key(&place)

@@ -1,8 +1,5 @@
 use super::{Scheme, SideChange, StepSizeState, Table, TimeGrid};
 
-/// Share of a step below which what an event leaves of it is made with the next one.
-const LEFT_OUT: f64 = 0.3;
-
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct RunInterval<'c> {
     stretches: &'c TimeGrid,
@@ -11,12 +8,14 @@ pub(super) struct RunInterval<'c> {
     target: usize,
     /// What the selection of later steps depends on.
     pub step_size: StepSizeState,
+    /// Size of the steps that are laid from an event up to the end of its stretch, where they are given \[s\].
+    pub laid: f64,
 }
 
 impl<'c> RunInterval<'c> {
     /// At the start of the first stretch, with the steps to be added to `grid`.
     pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid, step_size: StepSizeState) -> Self {
-        RunInterval { stretches, grid, target: 1, step_size }
+        RunInterval { stretches, grid, target: 1, step_size, laid: f64::INFINITY }
     }
 
     pub fn t(&self) -> f64 {
@@ -36,11 +35,20 @@ impl<'c> RunInterval<'c> {
         self.grid.is_interrupted(self.grid.steps())
     }
 
-    /// The breakpoint, or the end of the run, up to which steps may be moved.
-    pub fn next_breakpoint(&self) -> f64 {
+    /// Place of the next breakpoint, or of the end of the run, up to which steps may be moved.
+    fn stretch_end(&self) -> usize {
         let stretches = self.stretches;
-        let place = stretches.breakpoints.range(self.target..).next().map_or(stretches.steps(), |(&place, _)| place);
-        stretches.times[place]
+        stretches.breakpoints.range(self.target..).next().map_or(stretches.steps(), |(&place, _)| place)
+    }
+
+    /// Its time \[s\].
+    pub fn next_breakpoint(&self) -> f64 {
+        self.stretches.times[self.stretch_end()]
+    }
+
+    /// In a run that is made again: which share of the derivative by the time of the event before a step its end has, if it ends at none.
+    pub fn share_behind_event(&self) -> f64 {
+        self.stretches.share_behind_event(self.target)
     }
 
     /// Sides that change at the end of the next step, in a run that is made again.
@@ -78,27 +86,25 @@ impl<'c> RunInterval<'c> {
         scheme
     }
 
-    /// Takes a step, at whose end sides may change. Of steps that are laid, one that would then be much shorter than it was is left out.
+    /// Takes a step, at whose end sides may change: from there on steps of the size that is given are laid anew.
     pub fn advance_over(&mut self, end: f64, changes: Vec<SideChange>) {
-        if changes.is_empty() || end >= self.next_breakpoint() || self.stretches.events.contains_key(&self.target) {
-            self.advance(end);
-        } else {
+        if changes.is_empty() {
+            return self.advance(end);
+        }
+        let stretch_end = self.stretch_end();
+        if end < self.stretches.times[stretch_end] && !self.is_made_again() {
+            let size = self.stretches.times[self.target] - self.stretches.times[self.target - 1];
+            self.laid = self.laid.min(size);
+            self.target = stretch_end;
             self.grid.times.push(end);
-            self.leave_out(end);
+        } else {
+            self.advance(end);
         }
-        if !changes.is_empty() {
-            self.grid.events.insert(self.grid.steps(), changes);
-        }
+        self.grid.events.insert(self.grid.steps(), changes);
     }
 
-    fn leave_out(&mut self, end: f64) {
-        while self.stretches.times[self.target] < self.next_breakpoint() {
-            let [before, target] = [0, 1].map(|next| self.stretches.times[self.target - 1 + next]);
-            if target - end > LEFT_OUT * (target - before) {
-                break;
-            }
-            self.target += 1;
-        }
+    fn is_made_again(&self) -> bool {
+        !self.stretches.events.is_empty()
     }
 
     pub fn advance(&mut self, end: f64) {
@@ -108,6 +114,7 @@ impl<'c> RunInterval<'c> {
                 self.grid.breakpoints.insert(self.grid.steps(), numbers.clone());
             }
             self.target += 1;
+            self.laid = f64::INFINITY;
         }
     }
 }

@@ -569,9 +569,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         for (number, part) in numbers.iter_mut().zip([S::zero(), unit]) {
             make(self, part)?;
             *number = self.number(switch);
-            self.resume(before)?;
+            self.between.clone_from(&before.between);
             // what is carried into the step is measured by it
             self.clock = clock;
+            [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
         }
         let rate = (numbers[1].part(0) - numbers[0].part(0)) / unit_part::<S>();
         let mut part = S::zero();

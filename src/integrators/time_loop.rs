@@ -95,8 +95,8 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
         stepper.checkpoint_in(&mut before);
         selection.begin(&mut interval, &mut stepper, &before)?;
     }
-    // derivative part of where the interval is, behind an event
-    let mut moved: Option<S> = None;
+    // behind an event up to the end of its stretch: derivative parts of its time, and of where the interval is
+    let mut behind: Option<[S; 2]> = None;
     while !interval.at_end() {
         let index = stepper.next_step();
         recorder.checkpoint(index, &|| stepper.pause(interval.t(), interval.step_size))?;
@@ -104,17 +104,22 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             let TrialStep { h, scheme, guided } = selection.next(&mut interval, &stepper)?;
             let ((t, end), reached) = interval.span(h);
             let changes = interval.changes_next().filter(|_| is_made_again).map(<[SideChange]>::to_vec);
-            if has_parts && is_made_again && (moved.is_some() || changes.is_some()) {
-                let start = moved.take().unwrap_or_else(|| stepper.moved(t));
+            if has_parts && is_made_again && (behind.is_some() || changes.is_some()) {
+                let [of_event, start] = behind.take().unwrap_or_else(|| [S::zero(), stepper.moved(t)]);
                 let make = |stepper: &mut Stepper<S>, part: S| {
                     stepper.own_clock = Some(Clock::new([t, end], [start, part]));
                     stepper.step_over(scheme, (t, end), interval.at_breakpoint(), guided)
                 };
                 match &changes {
-                    Some(changes) => moved = Some(stepper.move_event(changes[0].switch, &before, make)?),
+                    Some(changes) => {
+                        let part = stepper.move_event(changes[0].switch, &before, make)?;
+                        behind = Some([part, part]);
+                    }
                     None => {
-                        let part = stepper.moved(end);
+                        let (share, of_end) = (interval.share_behind_event(), stepper.moved(interval.next_breakpoint()));
+                        let part = of_event * share + of_end * (1.0 - share);
                         make(&mut stepper, part)?;
+                        behind = (share > 0.0).then_some([of_event, part]);
                     }
                 }
                 stepper.own_clock = None;

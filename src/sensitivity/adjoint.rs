@@ -5,15 +5,16 @@
 
 use super::solvers::StepSolvers;
 use super::transposed::{Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros};
-use crate::assembly::{System, VectorsAvq};
+use crate::assembly::{Model, System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
 use crate::history::{Direction, History, Rerun};
+use crate::program::Formula;
 use crate::integrators::{
     Carried, Combination, Counters, Events, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord, StartRecord,
-    StepRecord, StepRule, Table,
+    StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -63,6 +64,7 @@ pub fn adjoint(
         p: rerun.problem.p.clone(),
         events: Events::new(rerun.problem.model),
         sides: Vec::new(),
+        reads_time: reads_time(rerun.problem.model, functionals),
         method,
         functionals: functionals
             .iter()
@@ -87,6 +89,8 @@ struct Sweep<'m> {
     p: Vec<f64>,
     events: Events,
     sides: Vec<f64>,
+    /// Whether forces, joints or functionals depend on the time itself.
+    reads_time: bool,
     method: &'m Method,
     functionals: Vec<FunctionalGradient<'m>>,
     active: &'m [bool],
@@ -202,12 +206,12 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut place = StepPlace::default();
+        let mut place = StepPlace::last(rerun.grid);
         while let Some(step) = steps.next()? {
             self.select(&step.dropped, solvers, None)?;
             self.step(step, &place, &weights.back_through(step), back, solvers)?;
             solvers.settle_care(None);
-            place = self.before(step);
+            place = self.before(step, &place, rerun.grid);
         }
         Ok(())
     }
@@ -223,7 +227,7 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut place = StepPlace::default();
+        let mut place = StepPlace::last(rerun.grid);
         let mut p = self.p.clone();
         // whether this thread factored the systems of a step; it takes the first of two pieces of work
         let mut is_mine = true;
@@ -256,7 +260,7 @@ impl<'m> Sweep<'m> {
                 std::mem::swap(solvers, &mut ahead);
                 solvers.learn_from(&ahead);
             }
-            place = self.before(step);
+            place = self.before(step, &place, rerun.grid);
             if !place.events_end.is_empty() {
                 p.clone_from(&self.p);
             }
@@ -265,12 +269,12 @@ impl<'m> Sweep<'m> {
     }
 
     /// The place of the step before one, with the sides that it had.
-    fn before(&mut self, step: &StepRecord<f64>) -> StepPlace {
+    fn before(&mut self, step: &StepRecord<f64>, place: &StepPlace, grid: &TimeGrid) -> StepPlace {
         step.switched.iter().for_each(|change| self.sides[change.switch] = change.sides[0]);
         if !step.switched.is_empty() {
             self.events.write(&self.sides, &mut self.p);
         }
-        StepPlace { is_before_another: true, events_end: step.switched.clone() }
+        StepPlace::of(place.index.saturating_sub(1), step.switched.clone(), grid)
     }
 
     fn select(
@@ -357,15 +361,21 @@ impl<'m> Sweep<'m> {
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let (ends, starts) = (place.events_end.first(), !step.switched.is_empty());
-        if ends.is_none() && !starts {
-            back.iter_mut().for_each(|back| back.span = None);
+        let (ends, [of_start, of_end]) = (place.events_end.first(), place.shares);
+        let is_moved_alone = ends.is_none() && of_start == of_end;
+        if is_moved_alone && (of_start == 0.0 || !self.reads_time) {
+            back.iter_mut().for_each(|back| {
+                back.span = None;
+                back.by_event *= of_start;
+            });
             return self.step_through(step, place, weights, back, solvers);
         }
-        let span = [step.t, step.end];
         for back in &mut *back {
-            // by the end so far: what later steps make of it
-            (back.span, back.moves) = (Some(span), [0.0, back.moves[0]]);
+            (back.span, back.moves) = (Some([step.t, step.end]), [0.0; 2]);
+            if ends.is_some() {
+                // what later steps make of its end
+                back.moves[1] = std::mem::take(&mut back.by_event);
+            }
         }
         if let Some(change) = ends {
             let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
@@ -387,7 +397,7 @@ impl<'m> Sweep<'m> {
         {
             for back in back {
                 let moved = -back.moves[1] / event.moves[1];
-                back.moves[0] += moved * event.moves[0];
+                (back.moves[0] += moved * event.moves[0], back.moves[1] = 0.0);
                 let lists = [&mut back.mu, &mut back.p].into_iter().chain(&mut back.carried);
                 let others = [&event.mu, &event.p].into_iter().chain(&event.carried);
                 lists.zip(others).for_each(|(own, other)| add(own, moved, other));
@@ -396,6 +406,7 @@ impl<'m> Sweep<'m> {
             let lists = [&mut event.mu, &mut event.p].into_iter().chain(&mut event.carried);
             lists.for_each(|own| own.fill(0.0));
         }
+        back.iter_mut().for_each(|back| back.by_event += of_start * back.moves[0] + of_end * back.moves[1]);
         Ok(())
     }
 
@@ -596,11 +607,40 @@ fn join_awake<A: Send, B: Send>(first: impl FnOnce() -> A + Send, second: impl F
 }
 
 /// Where a step stands in a run.
-#[derive(Default)]
 struct StepPlace {
+    index: usize,
     is_before_another: bool,
     /// Sides that change at its end, the one first whose number ended it.
     events_end: Vec<SideChange>,
+    /// Shares with which its start and its end move with the event before it.
+    shares: [f64; 2],
+}
+
+impl StepPlace {
+    fn last(grid: &TimeGrid) -> Self {
+        Self::of(grid.steps().saturating_sub(1), Vec::new(), grid)
+    }
+
+    fn of(index: usize, events_end: Vec<SideChange>, grid: &TimeGrid) -> Self {
+        let is_before_another = index + 1 < grid.steps();
+        let mut shares = [0.0; 2];
+        if grid.is_behind_event(index) {
+            let is_event = grid.events.contains_key(&index);
+            shares[0] = if is_event { 1.0 } else { grid.share_behind_event(index) };
+            shares[1] = if events_end.is_empty() { grid.share_behind_event(index + 1) } else { 0.0 };
+        }
+        StepPlace { index, is_before_another, events_end, shares }
+    }
+}
+
+fn reads_time(model: &Model, functionals: &[&Functional]) -> bool {
+    let mut reads = false;
+    let mut look = |formula: &Arc<Formula>, places: &dyn Fn() -> Vec<Place>| {
+        reads |= places().iter().zip(formula.values().reads()).any(|(place, reads)| *place == Place::Time && reads);
+    };
+    each_formula(model, |_, _, formula, places| look(formula, places));
+    functionals.iter().for_each(|own| own.each_formula(model, |formula, _, places| look(formula, places)));
+    reads
 }
 
 #[derive(Default)]

@@ -35,6 +35,8 @@ pub(super) struct Backward {
     /// Where the step begins and ends, if its length has derivatives, and what is known of those by its start and by its end.
     pub span: Option<[f64; 2]>,
     pub moves: [f64; 2],
+    /// The same by the time of the event before the step, of all steps that move with it.
+    pub by_event: f64,
     /// Whether its adjoint variables of motions are corrected: see [`TransposedSolver::refine`].
     pub refining: Trial,
 }
