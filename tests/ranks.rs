@@ -109,15 +109,19 @@ impl Folder {
         all.filter(|(_, text)| text.contains(&own)).collect()
     }
 
-    /// The process of a rank, as soon as it runs.
-    fn process_of(&self, rank: usize) -> String {
-        let of_rank = format!("OMPI_COMM_WORLD_RANK={rank}\0");
+    /// The process of a rank, as soon as all of them run: an mpirun whose first rank ends while it starts the second may wait for ever.
+    fn process_of(&self, rank: usize, ranks: usize) -> String {
         let begun = Instant::now();
         loop {
-            if let Some((number, _)) = self.processes().into_iter().find(|(_, text)| text.contains(&of_rank)) {
-                return number;
+            let processes = self.processes();
+            let of_rank = |rank: usize| {
+                let own = format!("OMPI_COMM_WORLD_RANK={rank}\0");
+                processes.iter().find(|(_, text)| text.contains(&own))
+            };
+            if let (Some((number, _)), true) = (of_rank(rank), (0..ranks).all(|rank| of_rank(rank).is_some())) {
+                return number.clone();
             }
-            assert!(begun.elapsed() < FIRST_STEP, "rank {rank} does not start");
+            assert!(begun.elapsed() < FIRST_STEP, "the {ranks} ranks do not start");
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -683,7 +687,7 @@ fn all_ranks_end_where_one_fails_at_work() {
             let rank = if happens == NO_ROOM { 0 } else { (place + time) % ranks };
             let end = end_of(&folder, command, begun, || {
                 std::thread::sleep(Duration::from_millis(time as u64 * 977 % if begun.is_empty() { 1000 } else { 2500 }));
-                let process = folder.process_of(rank);
+                let process = folder.process_of(rank, ranks);
                 assert!(Command::new(happens[0]).args(&happens[1..]).arg(process).status().unwrap().success());
             });
             assert!(end.said.contains(words), "{name}, rank {rank} of {ranks}: {}", end.said);

@@ -4,12 +4,13 @@
 
 use super::RunError;
 use super::amplitudes::{Amplitudes, Pencil, left_over};
-use super::mode_vectors::LEFT;
 use super::vibrations::{Operator, RestingProblem};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::scalar::{COMPLEX_STEP, Complex64};
 
 const PLACE: &str = "frequency response";
+/// What a solution may leave of its equations, by their largest terms.
+const LEFT: f64 = 1e-10;
 
 pub(crate) struct Response {
     pub q: Vec<f64>,

@@ -33,7 +33,7 @@ impl<S: RunScalar> StepRecord<S> {
         solve.equations = rule.method.stage_equations(table, index, *h, rule.constrained);
         // a stage at the end of the step lies before the breakpoint that may be there, whatever t + h rounds to
         solve.t =
-            if stage.c <= 1.0 + crate::tolerances::SAME_TIME { (*t + stage.c * *h).min(*end) } else { *t + stage.c * *h };
+            if stage.c <= 1.0 + crate::tolerances::LONG_SUM { (*t + stage.c * *h).min(*end) } else { *t + stage.c * *h };
         *known = stage.known;
         if let Some(place) = stage.known {
             solve.unknowns.x.clone_from(&carried[place]);

@@ -45,14 +45,14 @@ const OPTIONS: [&str; 26] = [
 /// held to complex steps (`tests/scene_files/coverage/equilibrium.toml`).
 const AT_REST: [&str; 1] = ["HeldNode"];
 
-/// The names that a file hands on.
+/// The names that a file hands on: the last one of each path of a `pub use`, over as many lines as it takes.
 fn names_of(file: &str) -> impl Iterator<Item = &str> {
-    let lines = file.lines().map(str::trim).filter(|line| line.starts_with("pub"));
-    let lines = lines.filter_map(|line| line.split_once(" use ")?.1.strip_suffix(';'));
-    lines.flat_map(|line| {
-        let names = line.rsplit("::").next().unwrap_or(line);
-        names.trim_matches(['{', '}']).split(',').map(str::trim)
-    })
+    let uses = file.split(';').filter_map(|statement| {
+        let (before, paths) = statement.rsplit_once(" use ")?;
+        before.lines().last()?.trim().starts_with("pub").then_some(paths)
+    });
+    let paths = uses.flat_map(|paths| paths.split(['{', '}', ',']));
+    paths.map(|path| path.trim().rsplit("::").next().unwrap_or(path))
 }
 
 /// The last names of all paths in that of a type, those of its arguments included.

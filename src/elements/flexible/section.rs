@@ -9,7 +9,7 @@ use crate::elements::entries::Range::{Any, AtLeastZero, Positive};
 use crate::elements::entries::Type::{Item, Number, Numbers};
 use crate::elements::entries::{Forms, Given, Key, forms, may, need};
 use crate::scalar::Scalar;
-use crate::tolerances::CONSISTENT;
+use crate::tolerances::{CONSISTENT, LONG_SUM};
 use nalgebra::SMatrix;
 use std::f64::consts::PI;
 use std::fmt;
@@ -167,7 +167,7 @@ impl ImpossibleSize {
         let thick = |&(name, size): &(&'static str, S)| {
             let half = 0.5 * size.value();
             let own = ImpossibleSize { name: "wall", value: wall.value(), within: Some((name, half)) };
-            (own.value > half * (1.0 + CONSISTENT)).then_some(own)
+            (own.value > half * (1.0 + LONG_SUM)).then_some(own)
         };
         Self::among(outer).or(Self::among(&[("wall", wall)])).or_else(|| outer.iter().find_map(thick))
     }

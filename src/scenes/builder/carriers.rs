@@ -6,10 +6,12 @@ use crate::assembly::NodeId;
 use crate::elements::flexible::faces::{FaceShape, MOST_NODES};
 use crate::elements::flexible::shape::weighed;
 use crate::scalar::{Scalar, Vector3};
-use crate::tolerances::{LONG_SUM, SAME_VERTEX};
+use crate::tolerances::{ROUND_OFF, SAME_VERTEX};
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
+/// Weights of this size are those of nodes that a place has nothing to do with.
+const NO_WEIGHT: f64 = 10.0 * ROUND_OFF;
 /// Newton's corrections of a place that is nearly right.
 const CORRECTIONS: usize = 6;
 
@@ -74,7 +76,7 @@ impl<S: Scalar> Carriers<S> {
         let mut shares = Vec::new();
         for (place, &(node, _)) in self.faces[foot.face].iter().enumerate() {
             let slopes = || near.slopes.iter().map(|own| own[place]);
-            if near.values[place].abs() < LONG_SUM && slopes().all(|slope| slope.abs() < LONG_SUM) {
+            if near.values[place].abs() < NO_WEIGHT && slopes().all(|slope| slope.abs() < NO_WEIGHT) {
                 continue;
             }
             let weight = slopes().zip(&by).fold(S::from(near.values[place]), |sum, (slope, &by)| sum + by * slope);

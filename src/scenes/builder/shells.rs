@@ -14,7 +14,7 @@ use crate::elements::forces::{LOADS, LoadFrame};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{Drawn, Signal};
-use crate::tolerances::CONSISTENT;
+use crate::tolerances::{CONSISTENT, LONG_SUM};
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
@@ -411,7 +411,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let e = self.rotation(node).0.map(Scalar::value);
         let before = *start.get_or_insert(e);
-        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > CONSISTENT) {
+        if before.iter().zip(e).any(|(a, b)| (a - b).abs() > LONG_SUM) {
             self.mistakes.push(format!(
                 "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
                  or join nodes of its own by fixed joints"

@@ -108,7 +108,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let start = self.rotation(first);
         for &(other, _) in shares {
             let apart = start.0.iter().zip(self.rotation(other).0).map(|(a, b)| (a.value() - b.value()).abs());
-            if apart.fold(0.0, f64::max) > crate::tolerances::CONSISTENT {
+            if apart.fold(0.0, f64::max) > crate::tolerances::LONG_SUM {
                 let [a, b] = [first, other].map(|node| called(self, node));
                 return Err(format!(
                     "the frames of {a} and {b} start with different Euler parameters; let them start alike"
