@@ -65,7 +65,13 @@ impl<'f> FunctionalGradient<'f> {
     }
 
     /// Derivatives of the share of a sample with a weight in time by the start and the end of its step, which a clock has as its first parts.
-    pub fn moves(&self, model: &Model, sample: &Sample<f64>, p: &[f64], (weight, clock): (f64, Clock<Tangents>)) -> [f64; 2] {
+    pub fn moves(
+        &self,
+        model: &Model,
+        sample: &Sample<f64>,
+        p: &[f64],
+        (weight, clock): (f64, Clock<Tangents>),
+    ) -> [f64; 2] {
         let Functional { over, measured, .. } = self.functional;
         let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect::<Vec<_>>();
         let (mut moving, p) = (sample.lifted(), lift(p));

@@ -448,7 +448,15 @@ mod tests {
         let unknowns = Unknowns { x: vec![-9.81], ..Unknowns::default() };
         let acceleration = SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns };
         let (equilibrium, position_projection, velocity_projection) = (None, None, None);
-        StartRecord { dropped: Vec::new(), sides: Vec::new(), clock: None, equilibrium, position_projection, velocity_projection, acceleration }
+        StartRecord {
+            dropped: Vec::new(),
+            sides: Vec::new(),
+            clock: None,
+            equilibrium,
+            position_projection,
+            velocity_projection,
+            acceleration,
+        }
     }
 
     fn step(index: usize) -> StepRecord<f64> {

@@ -3,7 +3,8 @@
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pause, Prediction, Renewal,
-    Scheme, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState, StepState, Track,
+    Scheme, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState,
+    StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -209,7 +210,8 @@ flat! {
 
 impl Flat for StartRecord<f64> {
     fn put(&self, bytes: &mut Vec<u8>) {
-        let StartRecord { dropped, sides, clock: _, equilibrium, position_projection, velocity_projection, acceleration } = self;
+        let StartRecord { dropped, sides, clock: _, equilibrium, position_projection, velocity_projection, acceleration } =
+            self;
         (dropped.put(bytes), sides.put(bytes));
         [equilibrium, position_projection, velocity_projection].into_iter().for_each(|own| own.put(bytes));
         acceleration.put(bytes);
@@ -218,6 +220,14 @@ impl Flat for StartRecord<f64> {
         let (dropped, sides) = Flat::take(bytes)?;
         let [equilibrium, position_projection, velocity_projection] = Flat::take(bytes)?;
         let acceleration = Flat::take(bytes)?;
-        Some(StartRecord { dropped, sides, clock: None, equilibrium, position_projection, velocity_projection, acceleration })
+        Some(StartRecord {
+            dropped,
+            sides,
+            clock: None,
+            equilibrium,
+            position_projection,
+            velocity_projection,
+            acceleration,
+        })
     }
 }

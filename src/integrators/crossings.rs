@@ -255,7 +255,12 @@ pub fn each_formula(model: &Model, mut see: impl FnMut(&str, bool, &Arc<Formula>
     }
 }
 
-pub(super) fn places(model: &Model, lists: &[fn(usize) -> Place], nodes: &[NodeId], parameters: &Range<usize>) -> Vec<Place> {
+pub(super) fn places(
+    model: &Model,
+    lists: &[fn(usize) -> Place],
+    nodes: &[NodeId],
+    parameters: &Range<usize>,
+) -> Vec<Place> {
     let dofs = || nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
     let state = lists.iter().flat_map(|list| dofs().map(list));
     state.chain(parameters.clone().map(Place::P)).chain([Place::Time]).collect()

@@ -87,7 +87,8 @@ impl Events {
             sides.extend(part.switches.told_by(numbers));
         }
         let at_end: Vec<(usize, Excess)> = self.excesses(moment, p, &sides).into_iter().enumerate().collect();
-        for (switch, own) in at_end.into_iter().filter(|(_, own)| own.by.abs() <= own.round_off(moment.t) && own.rate > 0.0) {
+        for (switch, own) in at_end.into_iter().filter(|(_, own)| own.by.abs() <= own.round_off(moment.t) && own.rate > 0.0)
+        {
             sides[switch] = own.other;
         }
         sides

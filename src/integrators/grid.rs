@@ -105,25 +105,38 @@ impl TimeGrid {
         Ok(moved)
     }
 
-    /// The steps as they were laid, without the ends at events, which each run finds anew.
+    /// The steps as they were laid before a run found events, which each run finds anew; chosen ones without the ends at events.
     fn without_events(&self) -> Self {
-        let places = (0..self.times.len()).filter(|place| !self.events.contains_key(place));
-        let times = places.map(|place| self.times[place]).collect();
-        let before = |place: usize| self.events.range(..place).count();
-        let breakpoints = self.breakpoints.iter().map(|(&place, numbers)| (place - before(place), numbers.clone()));
-        TimeGrid { times, breakpoints: breakpoints.collect(), events: BTreeMap::new(), asked: self.asked }
+        let mut grid = Self::begin(self.times[0], self.asked);
+        let h = (self.times[self.steps()] - self.times[0]) / self.asked as f64;
+        let places: Vec<usize> = self.boundaries().collect();
+        for (first, last) in places.iter().copied().zip(places.iter().copied().skip(1)) {
+            let has_events = self.events.range(first..last).next().is_some();
+            if has_events && self.asked > 0 {
+                grid.add_stretch(self.times[last], h);
+            } else {
+                let kept = (first + 1..=last).filter(|place| !self.events.contains_key(place));
+                grid.times.extend(kept.map(|place| self.times[place]));
+            }
+            self.breakpoints.get(&last).map(|numbers| grid.breakpoints.insert(grid.steps(), numbers.clone()));
+        }
+        grid
     }
 
     /// Steps behind an event keep their sizes, so that their ends move with it up to a breakpoint or the end of the run, before which the last step
     /// is as long as what is left, or the last two are halves of that: the share of the event's motion that an end of a step has, if it is no event.
     pub(crate) fn share_behind_event(&self, end: usize) -> f64 {
-        let is_fixed = |place: usize| place >= self.steps() || self.breakpoints.contains_key(&place);
-        if is_fixed(end) {
+        if self.is_fixed(end) {
             return 0.0;
         }
         let [own, next] = [self.times[end] - self.times[end - 1], self.times[end + 1] - self.times[end]];
-        let is_half = is_fixed(end + 1) && (own - next).abs() <= SAME_TIME * own;
+        let is_half = self.is_fixed(end + 1) && (own - next).abs() <= SAME_TIME * own;
         if is_half { 0.5 } else { 1.0 }
+    }
+
+    /// Whether an end of a step is that of a stretch between breakpoints.
+    pub(super) fn is_fixed(&self, place: usize) -> bool {
+        place >= self.steps() || self.breakpoints.contains_key(&place)
     }
 
     /// Whether an event lies before a step, and no breakpoint between them.

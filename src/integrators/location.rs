@@ -44,7 +44,9 @@ pub(super) fn locate<S: RunScalar>(
         candidates.min_by(|one, other| one.after.total_cmp(&other.after))
     };
     let Some(mut own) = first(&ends, h, &passed) else { return Ok(None) };
-    let (mut made, mut trials) = (h, 0);
+    let scheme = stepper.method.table.starting_scheme();
+    let is_made = stepper.record().scheme == scheme;
+    let (mut made, mut trials) = (if is_made { h } else { f64::NAN }, 0);
     loop {
         let Candidate { switch, after, bracket: [low, high], .. } = own;
         trials += 1;
@@ -56,9 +58,11 @@ pub(super) fn locate<S: RunScalar>(
         }
         // the end of the step is what is rounded
         let next = (t + after) - t;
+        if next <= 0.0 {
+            return Err(goes_along(stepper, switch, t));
+        }
         if next != made {
             stepper.resume(before)?;
-            let scheme = interval.scheme_to(&stepper.method.table, t + next);
             match stepper.step_over(scheme, (t, t + next), interval.at_breakpoint(), None) {
                 Ok(()) => {}
                 // formulas need not be defined beyond the end of a side
@@ -92,19 +96,15 @@ pub(super) fn locate<S: RunScalar>(
             continue;
         }
         // another one may have changed before
-        if let Some(earlier) = first(&ends, made, &passed).filter(|other| other.is_sure && other.switch != switch && other.after < made)
+        if let Some(earlier) =
+            first(&ends, made, &passed).filter(|other| other.is_sure && other.switch != switch && other.after < made)
             && ends[earlier.switch].by > ends[earlier.switch].round_off(t + made)
         {
             own = earlier;
             continue;
         }
-        let is_back = stepper.record().switched.iter().any(|change| change.switch == switch);
-        if is_back && made <= AT_ONCE * h {
-            return Err(RunError::Input(format!(
-                "{} changes to and fro: the motion goes along the switch of its formula instead of passing it, as a body that sticks goes along the \
-                 change of sign of its velocity; make the formula smooth there, by a slope over a small width",
-                place(stepper, switch, t + made)
-            )));
+        if made <= AT_ONCE * h && stepper.record().switched.iter().any(|change| change.switch == switch) {
+            return Err(goes_along(stepper, switch, t + made));
         }
         return Ok(Some((t + made, changes(stepper, switch, &ends, t + made))));
     }
@@ -113,6 +113,14 @@ pub(super) fn locate<S: RunScalar>(
 fn place<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> String {
     let part = stepper.events.as_ref().map_or("", |events| events.part_of(switch));
     format!("\"{part}\" at t = {} s", shortest(t))
+}
+
+fn goes_along<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> RunError {
+    RunError::Input(format!(
+        "{} changes back at once: the motion goes along the switch of its formula instead of passing it, as a body that sticks goes along the \
+         change of sign of its velocity; make the formula smooth there, by a slope over a small width",
+        place(stepper, switch, t)
+    ))
 }
 
 /// The whole step again: no switch changes in it.

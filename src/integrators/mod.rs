@@ -65,9 +65,9 @@ pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub use error::{RunError, Stop};
-pub(crate) use events::{Events, Moment};
 #[doc(hidden)]
 pub use events::SideChange;
+pub(crate) use events::{Events, Moment};
 pub(crate) use given::{march, march_along, march_dividing, march_given};
 pub use grid::TimeGrid;
 #[doc(hidden)]

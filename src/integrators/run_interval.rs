@@ -81,7 +81,8 @@ impl<'c> RunInterval<'c> {
     pub fn scheme_to(&mut self, table: &Table, reached: f64) -> Scheme {
         let index = self.grid.steps();
         self.grid.times.push(reached);
-        let scheme = table.scheme_at(self.grid, index);
+        let is_last = reached >= self.next_breakpoint() && self.grid.is_behind_event(index);
+        let scheme = table.scheme_of(self.grid, index, is_last || self.changes_next().is_some());
         self.grid.times.pop();
         scheme
     }

@@ -1,10 +1,10 @@
 //! The time loop of a run, whatever selects the step sizes.
 
+use super::location::locate;
 use super::march::{Method, Problem, Run};
 use super::record::{Observer, StepRecord};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::location::locate;
 use super::{Checkpoint, Clocks, RunError, Scheme, SideChange, StartPlan, StartRecord, StepSizeState};
 use crate::assembly::Clock;
 use crate::elements::RunScalar;

@@ -61,7 +61,8 @@ fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]
     let needed = graph.needed(outputs);
     let operations = &graph.operations()[..needed.len()];
     let depending = |arguments: &[bool]| {
-        let is_among = |own: &Operation| matches!(*own, Operation::Input(input) if arguments.get(input as usize) == Some(&true));
+        let is_among =
+            |own: &Operation| matches!(*own, Operation::Input(input) if arguments.get(input as usize) == Some(&true));
         graph.depending_on(operations.iter().map(is_among).collect(), &needed)
     };
     let (moves, is_excluded) = (depending(moving), depending(excluded));

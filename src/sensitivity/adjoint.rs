@@ -11,11 +11,11 @@ use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
 use crate::history::{Direction, History, Rerun};
-use crate::program::Formula;
 use crate::integrators::{
-    Carried, Combination, Counters, Events, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord, StartRecord,
-    StepRecord, StepRule, Table, TimeGrid, each_formula,
+    Carried, Combination, Counters, Events, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord,
+    StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
+use crate::program::Formula;
 use smallvec::SmallVec;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,8 +1,8 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Clock, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System, Term,
-    TermPoint, Unknowns, VectorsAvq,
+    Adjoints, Clock, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
+    Term, TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
 use crate::elements::RunScalar;

@@ -343,7 +343,9 @@ impl<'c> RunEntries<'c> {
                 .wrong(fields.place("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"),
             _ => {}
         }
-        for key in ["velocity_tolerance", "locate", "project_start", "start"].into_iter().filter(|key| is_static && fields.has(key)) {
+        for key in
+            ["velocity_tolerance", "locate", "project_start", "start"].into_iter().filter(|key| is_static && fields.has(key))
+        {
             self.wrong(fields.place(key), format!("{key} of [settings] means nothing with the method static"));
         }
         for key in ["velocity_tolerance", "longest_step"].into_iter().filter(|key| tolerance.is_none() && fields.has(key)) {
