@@ -1218,6 +1218,45 @@ fn energy_that_a_method_loses_is_said() {
     assert!(fine < 1e-5 && loss < 2e-3 && said.is_empty(), "{fine:e} {loss:e} {said}");
 }
 
+/// A mass of 1 kg goes round at 1 m/s on a circle of 1 m: no velocity along the radius, and a force of 1 N.
+const ROUND: &str = r#"
+version = 1
+settings = { end = 1, steps = 100, constraint_level = "position" }
+point = [{ name = "p", position = [1, 0, 0], velocity = [0, 1, 0], mass = 1 }]
+joint = [{ name = "rod", type = "distance", between = ["ground", "p"], points = [[0, 0, 0], [1, 0, 0]] }]
+functional = [
+    { name = "radial", type = "formula", nodes = { p = "p" }, value = "dot(p.velocity, p.position)", unit = "m2/s", over = "terminal" },
+    { name = "force", type = "reaction_norm", joint = "rod", over = "terminal" },
+]
+"#;
+
+/// Several stages that keep constraints on coordinates have velocities of first order, which runs say, and reactions of none.
+#[test]
+fn what_stages_at_position_level_lose_is_said() {
+    let folder = Folder::new("position-level");
+    fs::write(folder.0.join("round.toml"), ROUND).unwrap();
+    let run = |method: &str| {
+        let output = folder.run(&["run", "round.toml", "--no-report", "--json", "--method", method]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let (object, said) = (json(&output), text(&output.stderr));
+        let [radial, force] = [0, 1].map(|k| object["functionals"][k]["value"].as_f64().unwrap().abs());
+        let share = object["largest_step_error"]["share"].as_f64().unwrap();
+        (share, radial, force, said.contains("\"force\": with") && said.contains("off by as much as they are themselves"))
+    };
+    for method in ["dirk2", "dirk3", "sdirk2", "sdirk3", "sdirk4"] {
+        let (share, radial, force, is_told) = run(method);
+        assert!(radial > 5e-4 && (force - 1.0).abs() > 0.1, "{method}: {radial} {force}");
+        assert!(share > 0.9 * radial && share < 1e-1 && is_told, "{method}: {share} for {radial}");
+    }
+    for method in ["bdf2", "generalized-alpha", "esdirk3", "esdirk5"] {
+        let (share, radial, force, is_told) = run(method);
+        assert!(
+            share < 1e-3 && radial < 1e-4 && (force - 1.0).abs() < 0.01 && !is_told,
+            "{method}: {share} {radial} {force}"
+        );
+    }
+}
+
 /// A crank that is turned by 1 rad within a time `T`, and stands until the end: the integral of its angle is 1 - T/2.
 const DWELL: &str = r#"
 version = 1

@@ -391,24 +391,36 @@ pub fn warnings(prepared: &Prepared, forward: &Forward) -> Vec<String> {
     if let Some(Statement::Warning(words)) = stability::statement(prepared, forward) {
         warnings.push(words);
     }
-    warnings.extend(undamped_reactions(prepared));
+    warnings.extend(rough_reactions(prepared));
     warnings.extend(beside_ends(prepared, forward));
     warnings
 }
 
-/// The warning of a method that does not damp the reactions of constraints at position level (Cardona & Geradin, Computers & Structures 33 (1989)).
-fn undamped_reactions(prepared: &Prepared) -> Option<String> {
+/// The warning of a method that does not damp the reactions of constraints at position level (Cardona & Geradin, Computers & Structures 33 (1989)),
+/// or whose stages do not have them.
+fn rough_reactions(prepared: &Prepared) -> Option<String> {
     let (table, level) = (&prepared.method.table, prepared.method.constraint_level());
-    if level != ConstraintLevel::Position || table.radius_at_infinity < 1.0 {
+    if level != ConstraintLevel::Position {
         return None;
     }
+    let (fault, better) = match (table.radius_at_infinity < 1.0, table.reactions_converge()) {
+        (false, _) => (
+            "swing from each step to the next, undamped, and their derivatives need not converge",
+            "a method that damps them",
+        ),
+        (_, false) => (
+            "at stages are off by as much as they are themselves, in steps of any size: only their means over steps are right",
+            "a method whose stages have order 2",
+        ),
+        _ => return None,
+    };
     let reads =
         |own: &&Functional| own.over != Over::Integral && own.over.times() != Times::Start && own.reads_multipliers();
     let names: Vec<&str> = prepared.functionals().iter().filter(reads).map(|own| own.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "{}: with \"{}\" and constraints at position level reactions swing from each step to the next, undamped, and their derivatives need not \
-             converge; take constraints at acceleration level, or a method that damps them, as {DEFAULT_TABLE}",
+            "{}: with \"{}\" and constraints at position level reactions {fault}; take constraints at acceleration level, or {better}, as \
+             {DEFAULT_TABLE}",
             quoted(&names),
             table.name
         )

@@ -62,6 +62,32 @@ impl Table {
         }
     }
 
+    /// Whether accelerations at the last stage, and with them reactions there, converge where constraints are kept on coordinates: whether a
+    /// coordinate that is t^2/2 at all stages has the acceleration 1 once its start is forgotten. Several stages of order 1 make other ones of
+    /// it, in steps of any size: only their mean is right (Hairer, Lubich & Roche, The numerical solution of differential-algebraic systems by
+    /// Runge-Kutta methods (1989)).
+    pub fn reactions_converge(&self) -> bool {
+        if self.is_static() || self.variational.is_some() {
+            return true;
+        }
+        let motion = |t: f64, derivative: i32| [0.5 * t * t, t, 1.0][derivative as usize];
+        let mut ages = [0.0; 3];
+        let at_start = |kind: &Carried| {
+            let age = &mut ages[kind.order() as usize];
+            *age += 1.0;
+            motion(1.0 - *age, kind.order())
+        };
+        let mut carried: Vec<f64> = self.carried.iter().map(at_start).collect();
+        let last = (0..STEPS).fold(0.0, |_, step| {
+            let x = self.scalar_step(1.0, &mut carried, |index, sum| {
+                let stage = &self.stages[index];
+                (motion(step as f64 + stage.c, 0) - sum(0, &stage.q)) / stage.q.stages[index]
+            });
+            x.last().copied().unwrap_or(0.0)
+        });
+        (last - 1.0).abs() < 1e-6
+    }
+
     /// Makes one step of size `h` of a single coordinate, whose unknowns x follow from the sums of carried vectors and earlier ones; returns these.
     pub(super) fn scalar_step(
         &self,
@@ -87,7 +113,16 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use crate::integrators::table_by_name;
+    use crate::integrators::{table_by_name, tables};
+
+    /// The orders of multipliers that study `orders` measures at position level: 0 of those whose stages have order 1.
+    #[test]
+    fn reactions_of_stages_of_order_one_do_not_converge() {
+        for table in tables().into_iter().filter(|table| table.radius_at_infinity < 1.0) {
+            let has_rough_stages = ["dirk2", "dirk3", "sdirk2", "sdirk3", "sdirk4"].contains(&&table.name[..]);
+            assert_eq!(table.reactions_converge(), !has_rough_stages, "{}", table.name);
+        }
+    }
 
     /// C of the rules' own textbooks: implicit Euler 1/2, backward differences of order 2 2/9 and of order 3 3/22 by the step of velocities
     /// that they divide by (2/3 and 6/11), the midpoint rule 1/24 and the trapezoidal rule 1/12 of velocities.

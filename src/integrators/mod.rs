@@ -87,6 +87,7 @@ pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;
 pub(crate) use restart::{Pause, StepSizeState};
 pub(crate) use resting_start::{resting_start, staying_states};
+pub(crate) use round_off::HeldRoundings;
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
 pub(crate) use start::{InitialState, RestingPlan, StartPlan};

@@ -2,8 +2,9 @@
 
 use super::lists::largest_scaled;
 use super::march::embedded_difference;
-use super::record::StepRecord;
+use super::record::{SolveRecord, StepRecord};
 use super::{StabilityCourse, Table};
+use crate::assembly::Level;
 use crate::elements::RunScalar;
 use smallvec::SmallVec;
 
@@ -13,7 +14,9 @@ use smallvec::SmallVec;
 /// It is that of an embedded solution, and in a step that begins with an acceleration solved for anew that of one without the explicit first
 /// stage, too, if that is larger; where the method of order p has none, its leading error terms C h^(p+1) d^(p+1)q/dt^(p+1) and
 /// C h^(p+1) d^(p+1)v/dt^(p+1), whose derivatives are those of a polynomial through the mean accelerations of the latest steps, and whose
-/// factors are those of the table for a given acceleration. What round-off makes of it does not count.
+/// factors are those of the table for a given acceleration. Constraints that several stages keep on coordinates make such a method one of first
+/// order (Hairer, Lubich & Roche, The numerical solution of differential-algebraic systems by Runge-Kutta methods (1989)): its error
+/// is what velocities at both ends differ by from the change of coordinates, too. What round-off makes of it does not count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
     /// Of the length or velocity.
@@ -74,6 +77,21 @@ impl StepErrors {
         Some(list.iter().enumerate().map(weight).collect())
     }
 
+    /// Writes what velocities at both ends of a step are off by beside the change of coordinates, (v0 + v1)/2 - h/12 (a1 - a0) - (q1 - q0)/h,
+    /// their mean along the step but for h^4: the slope of the accelerations is that of the polynomial through the latest ones.
+    fn velocity_offset<S: RunScalar>(&self, step: &StepRecord<S>, offset: &mut Vec<S>) {
+        let list = &self.accelerations;
+        let half = list.get(1).map_or(0.0, |before| (list[0].0 - before.0) / 2.0);
+        let [chord, curvature] = [1, 2].map(|order| self.weights_of_derivative(order).unwrap_or_default());
+        let of = |weights: &[f64], place: usize| weights.get(place).copied().unwrap_or(0.0);
+        let weights: [f64; 3] = std::array::from_fn(|place| of(&chord, place) + half * of(&curvature, place));
+        self.combine(&weights, -step.h * step.h / 12.0, offset);
+        let ends = step.q.iter().zip(&step.carried[0]).zip(step.v.iter().zip(&step.carried[1]));
+        for (offset, ((&q, &q_before), (&v, &v_before))) in offset.iter_mut().zip(ends) {
+            *offset += S::from(0.5 * (v.value() + v_before.value()) - (q.value() - q_before.value()) / step.h);
+        }
+    }
+
     fn combine<S: RunScalar>(&self, weights: &[f64], factor: f64, sum: &mut Vec<S>) {
         let lists = || weights.iter().zip(&self.accelerations);
         let of_dof = |dof: usize| lists().map(|(weight, (_, list))| weight * list[dof]).sum::<f64>() * factor;
@@ -96,6 +114,14 @@ pub(super) fn is_smooth<S: RunScalar>(before: [&[S]; 2], after: [&[S]; 2], h: f6
         open = open.max((own - 0.5 * h * (old_v[dof].value() + v[dof].value())).abs() * scale);
     }
     open <= SMOOTH * change
+}
+
+/// Whether several stages of a step keep constraints on coordinates.
+fn loses_order<S>(step: &StepRecord<S>) -> bool {
+    let holds = |SolveRecord { equations, unknowns, .. }: &SolveRecord<S>| {
+        equations.level == Level::Position && !(unknowns.mu.is_empty() && unknowns.local_mu.is_empty())
+    };
+    step.stages.iter().filter(|stage| stage.known.is_none() && holds(&stage.solve)).count() > 1
 }
 
 #[derive(Debug)]
@@ -137,6 +163,10 @@ impl<S: RunScalar> Resolution<S> {
                     self.errors.combine(&weights, factor, &mut difference);
                     self.judge(in_velocity, number, step, &difference, measures);
                 }
+            }
+            if loses_order(step) {
+                self.errors.velocity_offset(step, &mut difference);
+                self.judge(true, number, step, &difference, measures);
             }
         }
         self.difference = difference;

@@ -77,12 +77,14 @@ struct Reference {
 }
 
 /// How a motion with an estimate of its steps' errors ended: for the limit beyond which they are called coarse.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Deviation {
     /// Largest estimated error of a step, as a share.
     pub estimate: f64,
-    /// Largest share of its size by which a value is off.
+    /// Largest share of its size by which a value is off that no warning names.
     pub off: f64,
+    /// Of which functional that is, and its value and the right one.
+    pub of: String,
 }
 
 /// A drawn scene of a seed.
@@ -233,8 +235,20 @@ impl Case {
             (0, 1..) => SAFETY / steps,
             _ => 0.0,
         };
-        let off = (0..sizes.len()).map(|k| (own.values[k] - right.values[k]).abs() / sizes[k]).fold(0.0, f64::max);
-        let deviation = said["largest_step_error"]["share"].as_f64().map(|estimate| Deviation { estimate, off });
+        let off = |k: usize| (own.values[k] - right.values[k]).abs() / sizes[k];
+        // what a warning names is told, whatever the steps are
+        let is_named = |k: &usize| warnings.iter().any(|warning| warning.contains(&format!("\"{}\"", names[*k])));
+        let worst = (0..sizes.len()).filter(|k| !is_named(k)).max_by(|&i, &j| off(i).total_cmp(&off(j)));
+        let deviation = said["largest_step_error"]["share"].as_f64().zip(worst).map(|(estimate, k)| {
+            let of = format!(
+                "\"{}\" {:e} for {:e}, references {:.1e} of its size apart",
+                names[k],
+                own.values[k],
+                right.values[k],
+                apart[0][k] / sizes[k]
+            );
+            Deviation { estimate, off: off(k), of }
+        });
         let worst = wrong.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let alarm =
             warnings.iter().find(|warning| warning.contains("J apart") || warning.contains("the energy of this scene"));

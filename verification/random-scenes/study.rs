@@ -22,7 +22,9 @@ const REFUSED: f64 = 0.1;
 /// Scenes of each kind, in the short form; twenty times as many, and two hundred times, in the others.
 const COUNTS: [(Kind, &str, u64); 3] =
     [(Kind::Motion, "motions", 40), (Kind::Equilibrium, "equilibria", 5), (Kind::Vibration, "modes", 5)];
-/// Share of runs whose steps are not told to be coarse that may be off by more than a tenth.
+/// Share of its size by which a value is far off.
+const FAR: f64 = 0.1;
+/// Share of runs whose steps are not told to be coarse that may be off by more than that.
 const UNTOLD: f64 = 0.01;
 /// Cases of one kind of outcome that are printed.
 const PRINTED: usize = 10;
@@ -147,14 +149,17 @@ fn tell(report: &mut Report, name: &str, outcomes: &BTreeMap<u64, Ended>) {
     // what the limit is worth beyond which steps are called coarse
     if outcomes.values().any(|(_, deviation)| deviation.is_some()) {
         for (words, is_coarse) in [("told to be coarse", true), ("not told to be coarse", false)] {
-            let of = outcomes.values().filter_map(|(_, deviation)| *deviation);
-            let offs: Vec<f64> =
-                of.filter(|own| (own.estimate > StepError::COARSE) == is_coarse).map(|own| own.off).collect();
-            let share = |most: f64| offs.iter().filter(|&&off| off > most).count() as f64 / offs.len().max(1) as f64;
+            let of = outcomes.iter().filter_map(|(seed, (_, own))| own.as_ref().map(|own| (seed, own)));
+            let of: Vec<_> = of.filter(|(_, own)| (own.estimate > StepError::COARSE) == is_coarse).collect();
+            let beyond = |most: f64| of.iter().filter(move |(_, own)| own.off > most);
+            let share = |most: f64| beyond(most).count() as f64 / of.len().max(1) as f64;
+            for (seed, Deviation { estimate, off, of }) in beyond(FAR).filter(|_| !is_coarse) {
+                report.note(format!("{name} {seed}, {words}: {of}: {off:.1e} of its size off; a step {estimate:.1e}"));
+            }
             let name = format!("{name}/steps {words}");
-            report.inform(format!("{name}/runs"), offs.len() as f64);
+            report.inform(format!("{name}/runs"), of.len() as f64);
             report.inform(format!("{name}/a value off by more than 1 % of its size, share"), share(1e-2));
-            let (figure, most) = (format!("{name}/by more than 10 %, share"), share(1e-1));
+            let (figure, most) = (format!("{name}/by more than 10 %, share"), share(FAR));
             if is_coarse { report.inform(figure, most) } else { report.at_most(figure, most, UNTOLD) }
         }
     }
