@@ -212,7 +212,8 @@ impl Flat for StartRecord<f64> {
     fn put(&self, bytes: &mut Vec<u8>) {
         let StartRecord { dropped, sides, clock: _, equilibrium, position_projection, velocity_projection, acceleration } =
             self;
-        (dropped.put(bytes), sides.put(bytes));
+        dropped.put(bytes);
+        sides.put(bytes);
         [equilibrium, position_projection, velocity_projection].into_iter().for_each(|own| own.put(bytes));
         acceleration.put(bytes);
     }

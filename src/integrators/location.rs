@@ -163,7 +163,7 @@ fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64)
         0.5 * (low + high)
     };
     let is_beyond = end.by > end.round_off(t + h);
-    let shares = (1..16).map(|k| f64::from(k) / 16.0);
+    let mut shares = (1..16).map(|k| f64::from(k) / 16.0);
     if is_beyond {
         // it leaves the end of its side before it comes back
         let low = if by < 0.0 { 0.0 } else { shares.clone().find(|&share| cubic(share) < 0.0).unwrap_or(0.0) };
@@ -174,7 +174,7 @@ fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64)
     }
     if (by < 0.0 || is_at_end && start.rate < 0.0) && end.rate < 0.0 {
         // in between it may have been beyond
-        let beyond = shares.filter(|&share| cubic(share) > 0.0).next()?;
+        let beyond = shares.find(|&share| cubic(share) > 0.0)?;
         return Some(Candidate { switch, after: h * beyond, bracket: [0.0, f64::INFINITY], is_sure: false });
     }
     let prolonged = (1.0 + PROLONGED) * h;

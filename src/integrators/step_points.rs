@@ -53,7 +53,8 @@ impl<S: RunScalar> StepRecord<S> {
     pub fn carried_behind(&self, rule: StepRule) -> Vec<Vec<S>> {
         let mut all = vec![Vec::new(); rule.table(self).carried.len()];
         self.update(rule, &mut all);
-        (all[0].clone_from(&self.q), all[1].clone_from(&self.v));
+        all[0].clone_from(&self.q);
+        all[1].clone_from(&self.v);
         all
     }
 

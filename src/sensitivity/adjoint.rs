@@ -397,7 +397,8 @@ impl<'m> Sweep<'m> {
         {
             for back in back {
                 let moved = -back.moves[1] / event.moves[1];
-                (back.moves[0] += moved * event.moves[0], back.moves[1] = 0.0);
+                back.moves[0] += moved * event.moves[0];
+                back.moves[1] = 0.0;
                 let lists = [&mut back.mu, &mut back.p].into_iter().chain(&mut back.carried);
                 let others = [&event.mu, &event.p].into_iter().chain(&event.carried);
                 lists.zip(others).for_each(|(own, other)| add(own, moved, other));
@@ -420,7 +421,8 @@ impl<'m> Sweep<'m> {
             };
             let all: f64 = self.method.table.carried.iter().zip(carried).zip(&*bars).map(of_kind).sum();
             let rate = sign * all / (end - start);
-            (moves[0] -= rate, moves[1] += rate);
+            moves[0] -= rate;
+            moves[1] += rate;
         }
     }
 
