@@ -397,6 +397,12 @@ impl ElementPhysics {
     pub fn dof_count(&self) -> usize {
         self.0.dofs
     }
+    /// Parameters with sides of switches behind them, which numbers decide where they are not told.
+    pub(crate) fn with_sides<S: RunScalar>(&self, p: &[S]) -> Vec<S> {
+        let mut all = p.to_vec();
+        all.resize(self.parameter_count(), S::zero());
+        all
+    }
     /// Number of parameters, and of sides of switches behind them.
     pub fn parameter_count(&self) -> usize {
         self.0.parameters.len() + self.sides()
@@ -465,7 +471,7 @@ impl ElementPhysics {
     /// Its outputs at a state, in the order of their list.
     pub fn outputs_at(&self, [v, q]: [&[f64]; 2], p: &[f64], t: f64) -> Vec<f64> {
         let Some([told, stresses]) = self.output_formulas() else { return Vec::new() };
-        let mut work = FormulaWork::default();
+        let (mut work, p) = (FormulaWork::default(), &self.with_sides(p));
         let inputs = v.iter().chain(q).chain(p).chain([&t]).copied();
         let told = work.run(told.values(), inputs).to_vec();
         let count = stresses.outputs.len();
@@ -495,16 +501,19 @@ impl ElementPhysics {
     /// w_P P + w_F F.
     pub fn impulse_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S, [of_momentum, of_force]: [f64; 2]) -> Vec<S> {
         let weights = [S::from(of_momentum), S::from(of_force)];
+        let p = &self.with_sides(p);
         let inputs = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).chain(&weights).copied();
         FormulaWork::default().run(self.impulse().values(), inputs).to_vec()
     }
     fn evaluated<S: RunScalar>(&self, program: &Program, s: State<S>, p: &[S], t: S) -> Vec<S> {
+        let p = &self.with_sides(p);
         let inputs = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).copied();
         FormulaWork::default().run(program, inputs).to_vec()
     }
     /// Kinetic energy, potential energy, mass, and the part of the potential energy that is stored in strains.
     pub fn energies_at<S: RunScalar>(&self, v: &[S], q: &[S], p: &[S]) -> [S; 4] {
         let mut work = FormulaWork::default();
+        let p = &self.with_sides(p);
         let energies = work.run(self.energies().values(), v.iter().chain(q).chain(p).copied());
         std::array::from_fn(|place| energies[place])
     }

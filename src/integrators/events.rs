@@ -123,9 +123,9 @@ impl Events {
     }
 
     /// Gradient of that number: calls `add` with the place of each argument.
-    pub fn number_gradient(&self, switch: usize, moment: Moment<f64>, p: &[f64], mut add: impl FnMut(Place, f64)) {
+    pub fn number_by_arguments(&self, switch: usize, moment: Moment<f64>, p: &[f64], mut add: impl FnMut(Place, f64)) {
         let part = self.part(switch);
-        let gradient = part.switches.number_gradient(switch - part.first, &part.inputs(&moment, p));
+        let gradient = part.switches.number_by_arguments(switch - part.first, &part.inputs(&moment, p));
         part.places.iter().zip(gradient).for_each(|(&place, own)| add(place, own));
     }
 }

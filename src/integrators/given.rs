@@ -64,6 +64,7 @@ pub(crate) fn march_given(
     recorder: &mut dyn Observer<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
+    grid.times.reserve(steps.times.len());
     let interval = RunInterval::new(steps, &mut grid, WHOLE);
     let selection = Given { steps: None, halvings };
     let run = time_loop(problem, method, RunStart { plan, clocks: None, guided: None }, (selection, interval), recorder);

@@ -520,7 +520,7 @@ impl Switches {
     }
 
     /// Gradient of that number by all arguments.
-    pub fn number_gradient(&self, place: usize, inputs: &[f64]) -> Vec<f64> {
+    pub fn number_by_arguments(&self, place: usize, inputs: &[f64]) -> Vec<f64> {
         let (reads, mut direction) = (self.reads(), vec![0.0; inputs.len()]);
         let along = |input: usize| {
             if !reads[input] {

@@ -380,7 +380,7 @@ impl<'m> Sweep<'m> {
         if let Some(change) = ends {
             let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
             let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, t: step.end };
-            self.events.number_gradient(change.switch, moment, &self.p, |place, rate| match place {
+            self.events.number_by_arguments(change.switch, moment, &self.p, |place, rate| match place {
                 Place::V(dof) => own.carried[1][dof] += rate,
                 Place::Q(dof) => own.carried[0][dof] += rate,
                 Place::P(index) => own.p[index] += rate,
