@@ -213,7 +213,7 @@ fn check_mass<E: Element>(element: &E, Sample { v, q, p, .. }: &Sample, has_ener
 /// A formula that cannot be recorded, or the first disagreement: what, where, and both numbers.
 pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result<(), String> {
     let physics = element_physics(element);
-    check_sizes(samples, physics.dof_count(), physics.parameter_count())?;
+    check_sizes(samples, physics.dof_count(), physics.parameter_list().len())?;
     if let Some(why) = physics.residual_refused() {
         return Err(why.into());
     }
@@ -254,7 +254,9 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
         check_mass(&**element, sample, physics.has_energies())?;
         check_columns(&physics, sample)?;
     }
-    let assembled = Assembled::new(samples, |model, node| {
+    let with_sides = |sample: &Sample| Sample { p: physics.with_sides(&sample.p), ..sample.clone() };
+    let samples: Vec<Sample> = samples.iter().map(with_sides).collect();
+    let assembled = Assembled::new(&samples, |model, node| {
         model.add_element("", &[node], element.clone());
     });
     let shift = |gamma, beta, alpha| Equations::stage(StageCoefficients::new(gamma, beta, alpha), Level::Acceleration);
@@ -273,7 +275,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
 fn check_columns(physics: &ElementPhysics, sample: &Sample) -> Result<(), String> {
     let (s, p, t) = (sample.state(), &sample.p, sample.t);
     let values = physics.residual().values();
-    let inputs = [s.a, s.v, s.q, p, &[t]].concat();
+    let inputs = [s.a, s.v, s.q, &physics.with_sides(p)[..], &[t]].concat();
     let column = |place: usize| {
         let (mut complex, mut second): (Vec<Complex64>, Vec<Dual2_64>) = (lift(&inputs), lift(&inputs));
         complex[place].im = COMPLEX_STEP;

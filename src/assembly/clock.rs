@@ -6,7 +6,7 @@ use crate::elements::RunScalar;
 ///
 /// Steps keep their relative places, so that along the laid time they have their real size. Velocities and accelerations of a run with such parts
 /// are derivatives by the laid time; formulas get those by the time itself, `pace` and `pace`^2 times as large.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock<S> {
     offset: S,
     slope: S,

@@ -360,12 +360,21 @@ impl ElementPhysics {
         let own = &at_rest.own.0;
         Self::of(Arc::clone(&own.own), Some(at_rest.clone()), [&own.parameters[..], &further].concat())
     }
-    /// A formula, recorded when it is first asked for.
+    /// A formula, recorded when it is first asked for: all have the sides of the residual's switches among their arguments.
     pub(super) fn recorded(&self, what: ElementFormula) -> &Recording {
         self.0.formulas[what as usize].get_or_init(|| match &self.0.at_rest {
-            None => what.record(&*self.0.own),
             Some(own) => own.record(what),
+            None if what == ElementFormula::Residual => what.record(&*self.0.own)?.with_sides(),
+            None => what.record(&*self.0.own)?.with_sides_unread(self.sides()),
         })
+    }
+
+    /// Number of switches of its residual whose sides are told from outside, as numbers behind its parameters.
+    pub(crate) fn sides(&self) -> usize {
+        match &self.0.at_rest {
+            Some(at_rest) => at_rest.own.sides(),
+            None => self.recorded(ElementFormula::Residual).as_ref().map_or(0, |residual| residual.sides()),
+        }
     }
 
     /// Path of its type.
@@ -388,9 +397,15 @@ impl ElementPhysics {
     pub fn dof_count(&self) -> usize {
         self.0.dofs
     }
-    /// Number of parameters.
+    /// Parameters with sides of switches behind them, which numbers decide where they are not told.
+    pub(crate) fn with_sides<S: RunScalar>(&self, p: &[S]) -> Vec<S> {
+        let mut all = p.to_vec();
+        all.resize(self.parameter_count(), S::zero());
+        all
+    }
+    /// Number of parameters, and of sides of switches behind them.
     pub fn parameter_count(&self) -> usize {
-        self.0.parameters.len()
+        self.0.parameters.len() + self.sides()
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
@@ -456,7 +471,7 @@ impl ElementPhysics {
     /// Its outputs at a state, in the order of their list.
     pub fn outputs_at(&self, [v, q]: [&[f64]; 2], p: &[f64], t: f64) -> Vec<f64> {
         let Some([told, stresses]) = self.output_formulas() else { return Vec::new() };
-        let mut work = FormulaWork::default();
+        let (mut work, p) = (FormulaWork::default(), &self.with_sides(p));
         let inputs = v.iter().chain(q).chain(p).chain([&t]).copied();
         let told = work.run(told.values(), inputs).to_vec();
         let count = stresses.outputs.len();
@@ -476,7 +491,7 @@ impl ElementPhysics {
     }
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
-        let place = 3 * self.0.dofs + self.0.parameters.len();
+        let place = 3 * self.0.dofs + self.parameter_count();
         let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])
@@ -486,16 +501,19 @@ impl ElementPhysics {
     /// w_P P + w_F F.
     pub fn impulse_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S, [of_momentum, of_force]: [f64; 2]) -> Vec<S> {
         let weights = [S::from(of_momentum), S::from(of_force)];
+        let p = &self.with_sides(p);
         let inputs = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).chain(&weights).copied();
         FormulaWork::default().run(self.impulse().values(), inputs).to_vec()
     }
     fn evaluated<S: RunScalar>(&self, program: &Program, s: State<S>, p: &[S], t: S) -> Vec<S> {
+        let p = &self.with_sides(p);
         let inputs = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).copied();
         FormulaWork::default().run(program, inputs).to_vec()
     }
     /// Kinetic energy, potential energy, mass, and the part of the potential energy that is stored in strains.
     pub fn energies_at<S: RunScalar>(&self, v: &[S], q: &[S], p: &[S]) -> [S; 4] {
         let mut work = FormulaWork::default();
+        let p = &self.with_sides(p);
         let energies = work.run(self.energies().values(), v.iter().chain(q).chain(p).copied());
         std::array::from_fn(|place| energies[place])
     }

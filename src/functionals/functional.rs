@@ -123,6 +123,15 @@ impl<S: RunScalar> Sample<S> {
 }
 
 impl Sample<f64> {
+    /// The same in other numbers, with multipliers as solved.
+    pub(super) fn lifted<S: RunScalar>(&self) -> Sample<S> {
+        let lift = |values: &[f64]| values.iter().map(|&value| S::from(value)).collect::<Vec<_>>();
+        let VectorsAvq { a, v, q } = &self.at;
+        let mu = if self.solved_mu.is_empty() { &self.mu } else { &self.solved_mu };
+        let at = VectorsAvq { a: lift(a), v: lift(v), q: lift(q) };
+        Sample { t: S::from(self.t), at, mu: lift(mu), solved_mu: Vec::new(), dropped: self.dropped.clone() }
+    }
+
     /// Goes back through [`Sample::share`]: from the adjoints of shared multipliers to those of solved ones, of coordinates and of
     /// parameters.
     pub(crate) fn share_transposed(

@@ -1,7 +1,8 @@
 use super::aggregate::{SUMS, Totals, derivatives};
-use super::measured_group::GroupGradient;
-use super::{Functional, Measured, Over, Sample};
-use crate::assembly::{Model, VectorsAvq};
+use super::measured_group::{GroupGradient, GroupWork};
+use super::{Functional, Measured, Over, Sample, Times};
+use crate::assembly::{Clock, Model, VectorsAvq};
+use crate::elements::RunScalar;
 use crate::scalar::Tangents;
 
 /// Where the gradient at a sample goes.
@@ -61,5 +62,30 @@ impl<'f> FunctionalGradient<'f> {
             Some(group) => group.add(sample, p, ([factor, 0.0, 0.0], 0.0), seeds.at, seeds.p),
             None => measured.add_gradient(model, sample, p, factor, seeds),
         }
+    }
+
+    /// Derivatives of the share of a sample with a weight in time by the start and the end of its step, which a clock has as its first parts.
+    pub fn moves(
+        &self,
+        model: &Model,
+        sample: &Sample<f64>,
+        p: &[f64],
+        (weight, clock): (f64, Clock<Tangents>),
+    ) -> [f64; 2] {
+        let Functional { over, measured, .. } = self.functional;
+        let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect::<Vec<_>>();
+        let (mut moving, p) = (sample.lifted(), lift(p));
+        moving.follow(Some(clock));
+        if self.functional.reads_multipliers() {
+            moving.share(model, &p);
+        }
+        let mut weight = Tangents::from(weight);
+        if over.times() == Times::Run && !over.counts_samples() {
+            weight *= clock.length();
+        }
+        let (mut work, mut sums) = (GroupWork::default(), [Tangents::from(0.0); SUMS]);
+        measured.write_values(model, &moving, &p, over.points(), &mut work);
+        over.add_terms(&work.values, self.offset, weight, &mut sums);
+        [0, 1].map(|end| sums.iter().zip(self.seeds).map(|(sum, bar)| sum.part(end) * bar).sum())
     }
 }

@@ -2,9 +2,9 @@ use super::aggregate::{SUMS, Totals};
 use super::extremes::{Extreme, Extremes, Seen, follow};
 use super::measured_group::GroupWork;
 use super::{Functional, Measured, Sample, StageWeight, Times};
-use crate::assembly::{Clock, Model};
+use crate::assembly::Model;
 use crate::elements::RunScalar;
-use crate::integrators::{Clocks, Combination, StartRecord, StepRecord, Table, clock_at};
+use crate::integrators::{Combination, StartRecord, StepRecord, Table};
 
 /// Values of functionals, accumulated while a run goes on: no step needs to be kept for them.
 ///
@@ -32,9 +32,6 @@ pub struct Values<'f, S> {
     /// Whether any functional reads multipliers.
     reading: bool,
     work: GroupWork<S>,
-    /// How time goes, where derivative parts move the ends of steps; number of the next step.
-    clocks: Option<&'f Clocks<S>>,
-    next_step: usize,
 }
 
 impl<'f, S: RunScalar> Values<'f, S> {
@@ -59,8 +56,6 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sample: Sample::empty(),
             reading: functionals.iter().any(Functional::reads_multipliers),
             work: GroupWork::shared(),
-            clocks: None,
-            next_step: 0,
         }
     }
 
@@ -71,10 +66,9 @@ impl<'f, S: RunScalar> Values<'f, S> {
         table: &'f Table,
         p: &'f [S],
         totals: &[Totals<f64>],
-        clocks: &'f Clocks<S>,
     ) -> Self {
         let offsets = totals.iter().map(|totals| totals.offset).collect();
-        Values { following: false, offsets, clocks: Some(clocks), ..Self::new(functionals, model, table, p) }
+        Values { following: false, offsets, ..Self::new(functionals, model, table, p) }
     }
 
     /// Adds what functional `k` reads at a sample with a weight in time.
@@ -114,16 +108,11 @@ impl<'f, S: RunScalar> Values<'f, S> {
         (0..functionals.len()).filter(move |&k| functionals[k].over.times() == times)
     }
 
-    /// That of the next step.
-    fn clock(&self) -> Option<Clock<S>> {
-        clock_at(self.clocks?, self.next_step)
-    }
-
     /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<S>) {
         for k in self.at(Times::Start) {
             let mut sample = Sample::initial(start);
-            sample.follow(self.clock());
+            sample.follow(start.clock);
             if self.functionals[k].reads_multipliers() {
                 sample.share(self.model, self.p);
             }
@@ -133,8 +122,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
 
     /// A finished step.
     pub fn step(&mut self, step: &StepRecord<S>) {
-        let clock = self.clock();
-        self.next_step += 1;
+        let clock = step.clock;
         if self.at(Times::End).next().is_some() {
             let last = self.last.get_or_insert_with(Sample::empty);
             last.set_terminal(step);

@@ -448,7 +448,15 @@ mod tests {
         let unknowns = Unknowns { x: vec![-9.81], ..Unknowns::default() };
         let acceleration = SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns };
         let (equilibrium, position_projection, velocity_projection) = (None, None, None);
-        StartRecord { dropped: Vec::new(), equilibrium, position_projection, velocity_projection, acceleration }
+        StartRecord {
+            dropped: Vec::new(),
+            sides: Vec::new(),
+            clock: None,
+            equilibrium,
+            position_projection,
+            velocity_projection,
+            acceleration,
+        }
     }
 
     fn step(index: usize) -> StepRecord<f64> {
@@ -522,7 +530,7 @@ mod tests {
         long.push(0);
         assert!(read(&long).is_none());
         // a length beyond all memory, and one that is another vector's
-        let carried = 8 * (3 + 1 + 2 + 1 + 1);
+        let carried = 8 * (3 + 1 + 2 + 1 + 1 + 1);
         assert_eq!(whole[carried..carried + 8], 3_u64.to_le_bytes());
         for length in [u64::MAX, 2] {
             let mut other = whole.clone();

@@ -3,7 +3,8 @@
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pause, Prediction, Renewal,
-    Scheme, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState, StepState, Track,
+    Scheme, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState,
+    StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -187,10 +188,10 @@ flat! {
     VectorsAvq<f64> { a, v, q }
     Unknowns<f64> { x, mu, local_mu }
     SolveRecord<f64> { t, equations, base, unknowns }
-    StartRecord<f64> { dropped, equilibrium, position_projection, velocity_projection, acceleration }
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
-    StepState<f64> { step, scheme, dropped, chosen_anew, carried, last, prediction, allowed }
+    SideChange { switch, sides }
+    StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }
     Contractions { known, age }
@@ -205,4 +206,29 @@ flat! {
     StabilityCourse { end, lost }
     Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
     Pause<f64> { checkpoint, t, step_size, errors, counters }
+}
+
+impl Flat for StartRecord<f64> {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        let StartRecord { dropped, sides, clock: _, equilibrium, position_projection, velocity_projection, acceleration } =
+            self;
+        dropped.put(bytes);
+        sides.put(bytes);
+        [equilibrium, position_projection, velocity_projection].into_iter().for_each(|own| own.put(bytes));
+        acceleration.put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let (dropped, sides) = Flat::take(bytes)?;
+        let [equilibrium, position_projection, velocity_projection] = Flat::take(bytes)?;
+        let acceleration = Flat::take(bytes)?;
+        Some(StartRecord {
+            dropped,
+            sides,
+            clock: None,
+            equilibrium,
+            position_projection,
+            velocity_projection,
+            acceleration,
+        })
+    }
 }

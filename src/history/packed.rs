@@ -11,6 +11,7 @@ impl Flat for StepRecord<f64> {
         [self.t, self.h, self.end].put(bytes);
         self.scheme.put(bytes);
         self.dropped.put(bytes);
+        self.switched.put(bytes);
         self.restart.put(bytes);
         self.carried.put(bytes);
         self.stages.len().put(bytes);
@@ -74,6 +75,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     }
     step.scheme = Flat::take(bytes)?;
     retake(&mut step.dropped, bytes)?;
+    retake(&mut step.switched, bytes)?;
     step.restart = Flat::take(bytes)?;
     step.carried.resize_with(usize::take(bytes)?, Vec::new);
     step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;

@@ -1,7 +1,7 @@
 use super::newton::KeptFactorization;
 use super::record::SolveRecord;
 use super::table::SAME_SIZE;
-use super::{Carried, Prediction, Scheme};
+use super::{Carried, Prediction, Scheme, SideChange};
 use crate::assembly::{Unknowns, clone_fields};
 use crate::elements::RunScalar;
 
@@ -15,6 +15,9 @@ pub struct StepState<S> {
     pub dropped: Vec<usize>,
     /// They were chosen anew after the last step: the acceleration is solved for once more.
     pub chosen_anew: bool,
+    /// Sides of switches, and those that changed at the end of the last step.
+    pub sides: Vec<f64>,
+    pub switched: Vec<SideChange>,
     /// The table's carried vectors, q and v first.
     pub carried: Vec<Vec<S>>,
     pub last: Unknowns<S>,
@@ -72,7 +75,7 @@ impl<S: RunScalar> StepState<S> {
     }
 }
 
-clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, last, prediction, allowed });
+clone_fields!(StepState { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed });
 
 /// A run between two steps: all that later steps depend on.
 ///

@@ -116,11 +116,14 @@ pub struct SwitchWatch {
     crossings: Vec<Crossing>,
     /// Switches of formulas, with lengths and without.
     known: HashMap<(*const Formula, bool), Option<Switches>>,
+    /// Whether steps end at switches of elements.
+    locates: bool,
 }
 
 impl SwitchWatch {
-    pub fn new(model: &Model) -> Self {
-        let mut watch = SwitchWatch::default();
+    /// For a run whose steps end at switches or not.
+    pub fn new(model: &Model, locates: bool) -> Self {
+        let mut watch = SwitchWatch { locates, ..SwitchWatch::default() };
         each_formula(model, |name, _, formula, places| watch.add((name, None), formula, true, places));
         watch
     }
@@ -134,8 +137,9 @@ impl SwitchWatch {
         lengths: bool,
         places: impl FnOnce() -> Vec<Place>,
     ) {
+        let reads = if self.locates { Reads::NotLocated } else { Reads::Motion };
         let known = self.known.entry((Arc::as_ptr(formula), lengths));
-        if let Some(switches) = known.or_insert_with(|| formula.switches(Reads::Motion, lengths)).clone() {
+        if let Some(switches) = known.or_insert_with(|| formula.switches(reads, lengths)).clone() {
             let (name, places, numbers) = (name.into(), places(), Vec::new());
             let reads = (0..).zip(switches.reads()).filter_map(|(input, reads)| reads.then_some(input)).collect();
             let inputs = vec![0.0; places.len()];
@@ -251,7 +255,12 @@ pub fn each_formula(model: &Model, mut see: impl FnMut(&str, bool, &Arc<Formula>
     }
 }
 
-fn places(model: &Model, lists: &[fn(usize) -> Place], nodes: &[NodeId], parameters: &Range<usize>) -> Vec<Place> {
+pub(super) fn places(
+    model: &Model,
+    lists: &[fn(usize) -> Place],
+    nodes: &[NodeId],
+    parameters: &Range<usize>,
+) -> Vec<Place> {
     let dofs = || nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
     let state = lists.iter().flat_map(|list| dofs().map(list));
     state.chain(parameters.clone().map(Place::P)).chain([Place::Time]).collect()

@@ -52,9 +52,21 @@ pub fn march_dividing(
     plan: &StartPlan,
     recorder: &mut dyn Observer<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
+    march_given(problem, method, (steps, MOST_HALVINGS), plan, recorder)
+}
+
+/// The same with so many halvings.
+pub(crate) fn march_given(
+    problem: &Problem<f64>,
+    method: &Method,
+    (steps, halvings): (&TimeGrid, usize),
+    plan: &StartPlan,
+    recorder: &mut dyn Observer<f64>,
+) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
+    grid.times.reserve(steps.times.len());
     let interval = RunInterval::new(steps, &mut grid, WHOLE);
-    let selection = Given { steps: None, halvings: MOST_HALVINGS };
+    let selection = Given { steps: None, halvings };
     let run = time_loop(problem, method, RunStart { plan, clocks: None, guided: None }, (selection, interval), recorder);
     (grid, run)
 }
@@ -78,7 +90,7 @@ impl<S: RunScalar> StepSelection<S> for Given<'_> {
             Some(steps) => steps.next()?,
             None => None,
         };
-        let h = if self.halvings > 0 { interval.step_size.h } else { f64::INFINITY };
+        let h = if self.halvings > 0 { interval.step_size.h } else { f64::INFINITY }.min(interval.laid);
         Ok(TrialStep { h, scheme: interval.scheme(&stepper.method.table, h), guided })
     }
 

@@ -1,3 +1,4 @@
+use super::SideChange;
 use crate::assembly::Clock;
 use crate::design::shortest;
 use crate::elements::RunScalar;
@@ -30,6 +31,8 @@ pub struct TimeGrid {
     pub times: Vec<f64>,
     /// Indices into `times` of breakpoints, each with the numbers of all that lie there, in the order in which they were given.
     pub breakpoints: BTreeMap<usize, Vec<usize>>,
+    /// Indices into `times` of events within the run, with the sides that change there.
+    pub events: BTreeMap<usize, Vec<SideChange>>,
     /// How many equal steps were asked for; 0 where steps were chosen.
     pub(super) asked: usize,
 }
@@ -62,7 +65,7 @@ impl TimeGrid {
 
     /// Steps to be laid from a time on, for so many equal ones; 0 for steps to be chosen.
     pub(super) fn begin(t: f64, asked: usize) -> Self {
-        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), asked }
+        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), events: BTreeMap::new(), asked }
     }
 
     fn boundaries(&self) -> impl Iterator<Item = usize> {
@@ -72,6 +75,9 @@ impl TimeGrid {
     /// The same steps where breakpoints lie at other times: those of each stretch keep their relative places. Where breakpoints come in another
     /// order, or others lie within the run, steps are laid anew.
     pub(crate) fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
+        if !self.events.is_empty() {
+            return self.without_events().moved_to(breakpoints);
+        }
         let end = self.times[self.steps()];
         let groups = grouped(breakpoints, end, SAME_TIME * end / self.asked.max(1) as f64);
         if !groups.iter().map(|(_, numbers)| numbers).eq(self.breakpoints.values()) {
@@ -99,6 +105,52 @@ impl TimeGrid {
         Ok(moved)
     }
 
+    /// The steps as they were laid before a run found events, which each run finds anew; chosen ones without the ends at events.
+    fn without_events(&self) -> Self {
+        let mut grid = Self::begin(self.times[0], self.asked);
+        let h = (self.times[self.steps()] - self.times[0]) / self.asked as f64;
+        let places: Vec<usize> = self.boundaries().collect();
+        for (first, last) in places.iter().copied().zip(places.iter().copied().skip(1)) {
+            let has_events = self.events.range(first..last).next().is_some();
+            if has_events && self.asked > 0 {
+                grid.add_stretch(self.times[last], h);
+            } else {
+                let kept = (first + 1..=last).filter(|place| !self.events.contains_key(place));
+                grid.times.extend(kept.map(|place| self.times[place]));
+            }
+            self.breakpoints.get(&last).map(|numbers| grid.breakpoints.insert(grid.steps(), numbers.clone()));
+        }
+        grid
+    }
+
+    /// Steps behind an event keep their sizes, so that their ends move with it up to a breakpoint or the end of the run, before which the last step
+    /// is as long as what is left, or the last two are halves of that: the share of the event's motion that an end of a step has, if it is no event.
+    pub(crate) fn share_behind_event(&self, end: usize) -> f64 {
+        if self.is_fixed(end) {
+            return 0.0;
+        }
+        let [own, next] = [self.times[end] - self.times[end - 1], self.times[end + 1] - self.times[end]];
+        let is_half = self.is_fixed(end + 1) && (own - next).abs() <= SAME_TIME * own;
+        if is_half { 0.5 } else { 1.0 }
+    }
+
+    /// Whether an end of a step is that of a stretch between breakpoints.
+    pub(super) fn is_fixed(&self, place: usize) -> bool {
+        place >= self.steps() || self.breakpoints.contains_key(&place)
+    }
+
+    /// Whether an event lies before a step, and no breakpoint between them.
+    pub(crate) fn is_behind_event(&self, step: usize) -> bool {
+        let last = |place: Option<&usize>| place.map_or(0, |place| place + 1);
+        let event = last(self.events.range(..=step).next_back().map(|(place, _)| place));
+        event > last(self.breakpoints.range(..=step).next_back().map(|(place, _)| place))
+    }
+
+    /// Whether a step that starts at an end of a step does not go on from those before.
+    pub(super) fn is_interrupted(&self, place: usize) -> bool {
+        self.breakpoints.contains_key(&place) || self.events.contains_key(&place)
+    }
+
     /// Whether another grid was laid for the same run.
     pub(crate) fn is_of_same_run(&self, other: &TimeGrid) -> bool {
         (self.asked, self.times[self.steps()]) == (other.asked, other.times[other.steps()])
@@ -108,7 +160,7 @@ impl TimeGrid {
         let mut times = vec![self.times[0]];
         times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));
         let breakpoints = self.breakpoints.iter().map(|(index, numbers)| (2 * index, numbers.clone())).collect();
-        TimeGrid { times, breakpoints, asked: 2 * self.asked }
+        TimeGrid { times, breakpoints, events: BTreeMap::new(), asked: 2 * self.asked }
     }
 
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.

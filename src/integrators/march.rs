@@ -44,13 +44,20 @@ pub struct Method {
     pub unreduced: bool,
     /// Measure what the parts of steps take, [`Counters::nanoseconds`]; looking at the clock takes a share of the steps of small systems.
     pub measures_phases: bool,
+    /// Whether steps of motions end where elements pass from one piece of their formulas to another.
+    pub locates: bool,
 }
 
 impl Method {
     /// A table and a level, with round-off tolerance.
     pub fn new(table: Table, level: ConstraintLevel) -> Self {
         let (tolerance, backend) = (NewtonTolerance::default(), Backend::default());
-        Method { table, level, tolerance, backend, unreduced: false, measures_phases: false }
+        Method { table, level, tolerance, backend, unreduced: false, measures_phases: false, locates: false }
+    }
+
+    /// Whether steps end at switches of elements: not in equilibria, nor where elements add impulses of a step.
+    pub(crate) fn locates(&self) -> bool {
+        self.locates && !self.table.is_static() && self.table.variational.is_none()
     }
 
     pub(crate) fn unreduced(&self) -> Self {

@@ -14,6 +14,7 @@ mod counters;
 mod crossings;
 mod error;
 mod error_terms;
+mod events;
 pub(crate) mod given;
 mod grid;
 mod harmonic_response;
@@ -22,6 +23,7 @@ mod initial_guess;
 mod krylov;
 mod lists;
 mod load_steps;
+mod location;
 pub(crate) mod march;
 mod mode_vectors;
 mod newton;
@@ -63,7 +65,10 @@ pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub use error::{RunError, Stop};
-pub(crate) use given::{march, march_along, march_dividing};
+#[doc(hidden)]
+pub use events::SideChange;
+pub(crate) use events::{Events, Moment};
+pub(crate) use given::{march, march_along, march_dividing, march_given};
 pub use grid::TimeGrid;
 #[doc(hidden)]
 pub use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};

@@ -1,5 +1,5 @@
-use super::{Pause, RunError, Scheme, StepRule};
-use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
+use super::{Pause, RunError, Scheme, SideChange, StepRule};
+use crate::assembly::{Clock, Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
@@ -51,6 +51,10 @@ pub struct StepRecord<S> {
     pub scheme: Scheme,
     /// Redundant constraint equations that are left out.
     pub dropped: Vec<usize>,
+    /// Sides of switches that change where it starts; the first of them ended the step before.
+    pub switched: Vec<SideChange>,
+    /// How time goes, where derivative parts move the ends of the step.
+    pub(crate) clock: Option<Clock<S>>,
     /// Acceleration solved anew at the start: at a breakpoint, or because other redundant equations are left out from here on.
     pub restart: Option<SolveRecord<S>>,
     /// The table's carried vectors before the step, q and v first.
@@ -75,6 +79,8 @@ clone_fields!(StepRecord {
     end,
     scheme,
     dropped,
+    switched,
+    clock,
     restart,
     carried,
     stages,
@@ -96,6 +102,10 @@ impl<S: Scalar> StepRecord<S> {
 pub struct StartRecord<S> {
     /// Redundant constraint equations that are left out.
     pub dropped: Vec<usize>,
+    /// Sides of switches.
+    pub sides: Vec<f64>,
+    /// How time goes, where derivative parts move the ends of steps.
+    pub(crate) clock: Option<Clock<S>>,
     /// The equilibrium at the start, if asked for: its unknowns lead there from the given coordinates.
     pub equilibrium: Option<SolveRecord<S>>,
     /// Projection of the given coordinates, if asked for.

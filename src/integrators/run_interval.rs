@@ -1,4 +1,4 @@
-use super::{Scheme, StepSizeState, Table, TimeGrid};
+use super::{Scheme, SideChange, StepSizeState, Table, TimeGrid};
 
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct RunInterval<'c> {
@@ -8,12 +8,14 @@ pub(super) struct RunInterval<'c> {
     target: usize,
     /// What the selection of later steps depends on.
     pub step_size: StepSizeState,
+    /// Size of the steps that are laid from an event up to the end of its stretch, where they are given \[s\].
+    pub laid: f64,
 }
 
 impl<'c> RunInterval<'c> {
     /// At the start of the first stretch, with the steps to be added to `grid`.
     pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid, step_size: StepSizeState) -> Self {
-        RunInterval { stretches, grid, target: 1, step_size }
+        RunInterval { stretches, grid, target: 1, step_size, laid: f64::INFINITY }
     }
 
     pub fn t(&self) -> f64 {
@@ -28,8 +30,30 @@ impl<'c> RunInterval<'c> {
         self.stretches.times[self.stretches.steps()] - self.stretches.times[0]
     }
 
+    /// Whether earlier steps do not foretell the next one.
     pub fn at_breakpoint(&self) -> bool {
-        self.grid.breakpoints.contains_key(&self.grid.steps())
+        self.grid.is_interrupted(self.grid.steps())
+    }
+
+    /// Place of the next breakpoint, or of the end of the run, up to which steps may be moved.
+    fn stretch_end(&self) -> usize {
+        let stretches = self.stretches;
+        stretches.breakpoints.range(self.target..).next().map_or(stretches.steps(), |(&place, _)| place)
+    }
+
+    /// Its time \[s\].
+    pub fn next_breakpoint(&self) -> f64 {
+        self.stretches.times[self.stretch_end()]
+    }
+
+    /// In a run that is made again: which share of the derivative by the time of the event before a step its end has, if it ends at none.
+    pub fn share_behind_event(&self) -> f64 {
+        self.stretches.share_behind_event(self.target)
+    }
+
+    /// Sides that change at the end of the next step, in a run that is made again.
+    pub fn changes_next(&self) -> Option<&[SideChange]> {
+        self.stretches.events.get(&self.target).map(Vec::as_slice)
     }
 
     /// A step of about the size `h`: start and end as elements see them, and its end.
@@ -50,11 +74,38 @@ impl<'c> RunInterval<'c> {
 
     /// Which scheme of a table makes a step of about the size `h`.
     pub fn scheme(&mut self, table: &Table, h: f64) -> Scheme {
-        let (index, (_, reached)) = (self.grid.steps(), self.span(h));
+        self.scheme_to(table, self.span(h).1)
+    }
+
+    /// Which makes a step to an end.
+    pub fn scheme_to(&mut self, table: &Table, reached: f64) -> Scheme {
+        let index = self.grid.steps();
         self.grid.times.push(reached);
-        let scheme = table.scheme_at(self.grid, index);
+        let is_last = reached >= self.next_breakpoint() && self.grid.is_behind_event(index);
+        let scheme = table.scheme_of(self.grid, index, is_last || self.changes_next().is_some());
         self.grid.times.pop();
         scheme
+    }
+
+    /// Takes a step, at whose end sides may change: from there on steps of the size that is given are laid anew.
+    pub fn advance_over(&mut self, end: f64, changes: Vec<SideChange>) {
+        if changes.is_empty() {
+            return self.advance(end);
+        }
+        let stretch_end = self.stretch_end();
+        if end < self.stretches.times[stretch_end] && !self.is_made_again() {
+            let size = self.stretches.times[self.target] - self.stretches.times[self.target - 1];
+            self.laid = self.laid.min(size);
+            self.target = stretch_end;
+            self.grid.times.push(end);
+        } else {
+            self.advance(end);
+        }
+        self.grid.events.insert(self.grid.steps(), changes);
+    }
+
+    fn is_made_again(&self) -> bool {
+        !self.stretches.events.is_empty()
     }
 
     pub fn advance(&mut self, end: f64) {
@@ -64,6 +115,7 @@ impl<'c> RunInterval<'c> {
                 self.grid.breakpoints.insert(self.grid.steps(), numbers.clone());
             }
             self.target += 1;
+            self.laid = f64::INFINITY;
         }
     }
 }

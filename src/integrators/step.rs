@@ -2,6 +2,7 @@
 
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
+use super::events::{Events, Moment, SideChange};
 use super::grid::{Clocks, clock_at};
 use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
@@ -15,18 +16,23 @@ use super::steady_turn;
 use super::step_points::StepRule;
 use super::{
     Carried, ConstraintLevel, InitialState, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse, StartPlan,
-    StepSizeState, Table, TimeGrid, Verdict,
+    StepSizeState, Table, TimeGrid, Verdict, unit_part,
 };
 use crate::assembly::{Clock, ConstraintRows, Equations, Residual, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::linalg::sign_of_determinant;
+use crate::program::Excess;
 use std::sync::Arc;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
 pub struct Stepper<'m, S> {
     pub(super) problem: &'m Problem<'m, S>,
     pub(super) method: &'m Method,
+    /// Parameters, with the sides of switches.
+    p: Vec<S>,
+    /// Switches at which steps end, if there are any.
+    pub(super) events: Option<Box<Events>>,
     constrained: bool,
     acceleration: Newton<'m, S>,
     stage: Newton<'m, S>,
@@ -43,9 +49,11 @@ pub struct Stepper<'m, S> {
     resolution: Resolution<S>,
     drives: Option<RealDrives>,
     difference: Vec<S>,
-    /// How time goes, where derivative parts move the ends of steps, and the clock by which what is carried is measured.
+    /// How time goes, where derivative parts move the ends of steps, and the clock by which what is carried is measured; that of the next step, where
+    /// it starts or ends at an event.
     pub(super) clocks: Clocks<S>,
     clock: Option<Clock<S>>,
+    pub(super) own_clock: Option<Clock<S>>,
 }
 
 struct RealDrives {
@@ -102,6 +110,10 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
     newton.release().map_err(|singular| RunError::of_pattern("start", singular))
 }
 
+fn real<S: RunScalar>(values: &[S]) -> Vec<f64> {
+    values.iter().map(|value| value.value()).collect()
+}
+
 fn solvers<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<[Newton<'m, S>; 3], RunError> {
     let acceleration = newton(method, system)?;
     let clone = || acceleration.clone_analysis().map_err(|singular| RunError::of_pattern("start", singular));
@@ -125,9 +137,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<Self, RunError> {
         let [acceleration, stage, start] = solvers(method, system)?;
         let dropped = system.options.dropped.clone();
+        let events = method.locates().then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
         Ok(Stepper {
             problem,
             method,
+            p: problem.p.clone(),
+            events: events.map(Box::new),
             constrained: system.is_constrained(),
             acceleration,
             stage,
@@ -143,6 +158,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             difference: Vec::new(),
             clocks: Vec::new(),
             clock: None,
+            own_clock: None,
         })
     }
 
@@ -174,6 +190,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Goes on from a checkpoint: the steps that follow are those of the run that left it, bit by bit.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
         self.between.clone_from(&checkpoint.between);
+        self.write_sides();
         if self.between.chosen_anew {
             // nothing is kept from systems without other equations
             return self.renew(&checkpoint.between.dropped);
@@ -181,7 +198,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.select(&checkpoint.between.dropped)?;
         let newtons = [&mut self.acceleration, &mut self.stage];
         for (newton, kept) in newtons.into_iter().zip(&checkpoint.kept) {
-            newton.resume(kept, &self.problem.p).map_err(|singular| {
+            newton.resume(kept, &self.p).map_err(|singular| {
                 let place = format!("checkpoint before step {}", checkpoint.between.step + 1);
                 let unknown = newton.system.unknown_name(singular.unknown, &newton.jacobian);
                 RunError::singular(place, &unknown, "the checkpoint belongs to another problem")
@@ -222,7 +239,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             None => None,
         };
         if equilibrium.is_some() {
-            model.spin_velocities(&q, &self.problem.p, &mut v);
+            model.spin_velocities(&q, &self.p, &mut v);
         }
         let mut projections = [None, None];
         if plan.project && self.constrained && !is_static {
@@ -235,6 +252,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if let Some(clock) = self.clock {
             v.iter_mut().for_each(|v| *v *= clock.length());
         }
+        let sides = match (&mut self.events, guide) {
+            (Some(_), Some(guide)) => guide.sides.clone(),
+            (Some(events), None) => {
+                let [q, v, p] = [&q, &v, &self.p].map(|values| real(values));
+                events.sides(Moment { a: &vec![0.0; q.len()], v: &v, q: &q, t }, &p)
+            }
+            (None, _) => Vec::new(),
+        };
+        self.between.sides.clone_from(&sides);
+        self.write_sides();
         let mut first = SolveRecord::default();
         let mut guessed = Vec::new();
         if is_static {
@@ -242,7 +269,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             first.base = VectorsAvq { a: vec![S::zero(); model.dofs], v: v.clone(), q: q.clone() };
             Residual::shape(&self.acceleration.system, &mut first.unknowns, true);
             if guide.is_none() {
-                guessed = self.start.reactions_at_release(&first.base, &self.problem.p, t).mu;
+                guessed = self.start.reactions_at_release(&first.base, &self.p, t).mu;
                 release(&mut self.start)?;
             }
         } else {
@@ -256,12 +283,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         carried.resize_with(kinds.len(), || vec![S::zero(); model.dofs]);
         let mut last = Unknowns::default();
         Residual::shape(&self.stage.system, &mut last, true);
-        self.between = StepState { dropped: plan.dropped.clone(), carried, last, ..StepState::default() };
+        self.between =
+            StepState { dropped: plan.dropped.clone(), sides: sides.clone(), carried, last, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;
         let (rows, is_driven) = ConstraintRows::new(&self.acceleration.system);
-        let p = || self.problem.p.iter().map(|p| p.value()).collect();
+        let p = || self.p.iter().map(|p| p.value()).collect();
         self.drives =
             (is_driven && watched).then(|| RealDrives { rows, q: Vec::new(), p: p(), before: None, determinants: 0 });
         if let Some(drives) = &mut self.drives {
@@ -272,7 +300,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         let [position_projection, velocity_projection] = projections;
         let dropped = plan.dropped.clone();
-        Ok(StartRecord { dropped, equilibrium, position_projection, velocity_projection, acceleration: first })
+        let clock = self.clock;
+        Ok(StartRecord { dropped, sides, clock, equilibrium, position_projection, velocity_projection, acceleration: first })
     }
 
     /// Moves coordinates and velocities to where the constraints hold; the joints of an equilibrium are closed.
@@ -291,7 +320,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             own.base = VectorsAvq { a: zeros.clone(), v: velocities.clone(), q: q.clone() };
             let guides = guide.map(|start| [&start.position_projection, &start.velocity_projection]);
             let from = InitialGuess::guided(guides.and_then(|guides| guides[order].as_ref()));
-            solve(&mut self.start, own, from, &self.problem.p, &|| "projection of the start (t = 0 s)".into())?;
+            solve(&mut self.start, own, from, &self.p, &|| "projection of the start (t = 0 s)".into())?;
             add_scaled(if order == 0 { &mut *q } else { &mut *v }, &own.unknowns.x, 1.0);
         }
         release(&mut self.start)?;
@@ -315,9 +344,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Velocities were given for other coordinates than those of the equilibrium.
     fn check_velocities(&self, q: &[S], v: &[S]) -> Result<(), RunError> {
-        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
         let start = InitialState { q: real(q), v: real(v) };
-        let problem = Problem { model: self.problem.model, p: real(&self.problem.p), start };
+        let problem = Problem { model: self.problem.model, p: real(&self.p), start };
         check_velocities(&problem, &self.method.table)?;
         steady_turn::check(problem.model, &problem.p, [&problem.start.q, &problem.start.v])
     }
@@ -389,7 +417,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let scheme = self.method.table.scheme_at(grid, index);
-        self.step_over(scheme, grid.span(index), grid.breakpoints.contains_key(&index), guided)?;
+        self.step_over(scheme, grid.span(index), grid.is_interrupted(index), guided)?;
+        if let Some(changes) = grid.events.get(&(index + 1)) {
+            self.switch(changes);
+        }
         Ok(&self.record)
     }
 
@@ -452,7 +483,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.start = newton(self.method, &self.method.system(self.problem.model, dropped))?;
         }
         let (q, v) = (&carried[0], &carried[1]);
-        let p = &self.problem.p;
+        let p = &self.p;
         if self.start.factor_accelerations((q, v), p, t).is_err() {
             let others = dependent_equations(self.problem, (q, v), t, Some(dropped.len()));
             (*chosen_anew, *dropped) = (others != *dropped, others);
@@ -475,7 +506,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
         let StepState { step, dropped, carried, .. } = &self.between;
-        let worst = self.watch.worst(self.problem.model, &self.problem.p, dropped, &carried[0], t);
+        let worst = self.watch.worst(self.problem.model, &self.p, dropped, &carried[0], t);
         worst
             .map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {} s)", shortest(t)), worst)))
     }
@@ -491,6 +522,75 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
+    fn write_sides(&mut self) {
+        if let Some(events) = &self.events {
+            events.write(&self.between.sides, &mut self.p);
+        }
+    }
+
+    /// Goes over to other sides of switches.
+    pub(super) fn switch(&mut self, changes: &[SideChange]) {
+        changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
+        self.between.switched = changes.to_vec();
+        self.write_sides();
+        // matrices of the other sides are of no use
+        [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
+    }
+
+    /// How far the switches are beyond the ends of their sides at the start of the step made last, and at its end.
+    pub(super) fn excesses(&mut self, at_start: bool) -> Vec<Excess> {
+        let Some(events) = &mut self.events else { return Vec::new() };
+        let (state, t) = match at_start {
+            true => (&self.record.carried, self.record.t),
+            false => (&self.between.carried, self.record.end),
+        };
+        let a = self.method.table.carried.iter().position(|kind| *kind == Carried::A);
+        let a = a.map_or_else(|| real(&self.between.last.x), |place| real(&state[place]));
+        let [q, v, p] = [&state[0], &state[1], &self.p].map(|values| real(values));
+        events.excesses(Moment { a: &a, v: &v, q: &q, t }, &p, &self.between.sides)
+    }
+
+    /// Derivative part of a laid time.
+    pub(super) fn moved(&self, t: f64) -> S {
+        clock_at(&self.clocks, self.between.step).map_or(S::zero(), |clock| clock.time(t) - t)
+    }
+
+    /// Makes a step that ends at an event, g = 0, as `make` does it for a derivative part of its end; returns that for which those of g vanish, which
+    /// depend on it linearly.
+    pub(super) fn move_event(
+        &mut self,
+        switch: usize,
+        before: &Checkpoint<S>,
+        make: impl Fn(&mut Self, S) -> Result<(), RunError>,
+    ) -> Result<S, RunError> {
+        let mut unit = S::zero();
+        unit.add_to_part(0, unit_part::<S>());
+        let (mut numbers, clock) = ([S::zero(); 2], self.clock);
+        for (number, part) in numbers.iter_mut().zip([S::zero(), unit]) {
+            make(self, part)?;
+            *number = self.number(switch);
+            self.between.clone_from(&before.between);
+            // what is carried into the step is measured by it
+            self.clock = clock;
+            [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
+        }
+        let rate = (numbers[1].part(0) - numbers[0].part(0)) / unit_part::<S>();
+        let mut part = S::zero();
+        (0..S::PARTS).for_each(|own| part.add_to_part(own, -numbers[0].part(own) / rate));
+        make(self, part)?;
+        Ok(part)
+    }
+
+    /// The number of a switch at the end of the step made last.
+    pub(super) fn number(&self, switch: usize) -> S {
+        let Some(events) = &self.events else { return S::zero() };
+        let carried = &self.between.carried;
+        let mut at = VectorsAvq { a: vec![S::zero(); carried[0].len()], v: carried[1].clone(), q: carried[0].clone() };
+        let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));
+        self.clock.iter().for_each(|clock| clock.set_pace(&mut at));
+        events.number(switch, Moment { a: &at.a, v: &at.v, q: &at.q, t }, &self.p)
+    }
+
     /// Whether steps take over an acceleration: others begin with coordinates and velocities alone.
     fn carries_acceleration(&self) -> bool {
         !self.method.table.is_static() && self.method.table.carried.contains(&Carried::A)
@@ -498,9 +598,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Goes over to the clock of the next step: within a stretch it is the same one.
     fn change_clock(&mut self, state: &mut StepState<S>) {
-        let clock = clock_at(&self.clocks, state.step);
-        if let (Some(before), Some(own)) = (self.clock, clock) {
-            let factor = before.pace() * own.length();
+        let clock = self.own_clock.or_else(|| clock_at(&self.clocks, state.step));
+        if self.clock.is_some() || clock.is_some() {
+            let factor = self.clock.map_or(S::one(), |before| before.pace()) * clock.map_or(S::one(), |own| own.length());
             for (values, kind) in state.carried.iter_mut().zip(&self.method.table.carried) {
                 (0..kind.order()).for_each(|_| values.iter_mut().for_each(|value| *value *= factor));
             }
@@ -526,6 +626,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let h = end - t;
         (record.t, record.h, record.end, record.scheme) = (t, h, end, scheme);
         record.dropped.clone_from(&state.dropped);
+        record.switched = std::mem::take(&mut state.switched);
+        record.clock = self.clock;
         record.restart = None;
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
@@ -589,7 +691,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.equations = Equations::acceleration();
         record.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
         let place = || format!("acceleration before step {} (t = {} s)", step + 1, shortest(t));
-        solve(&mut self.acceleration, record, first, &self.problem.p, &place)
+        solve(&mut self.acceleration, record, first, &self.p, &place)
     }
 
     /// Solves for the stages. Returns the change of the acceleration over the step, where it is asked for.
@@ -627,7 +729,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 track.add_expected(t, h, &mut own.unknowns);
                 InitialGuess::Given
             };
-            solve(&mut self.stage, own, first, &self.problem.p, &place)?;
+            solve(&mut self.stage, own, first, &self.p, &place)?;
             if guided.is_none() {
                 track.learn((t, h), Some(&state.last), &own.unknowns, &self.stage.coordinate_scales);
             }
@@ -670,7 +772,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 track.add_expected(t, 1.0, &mut own.unknowns);
                 InitialGuess::Given
             };
-            solve(&mut self.stage, own, first, &self.problem.p, &place)?;
+            solve(&mut self.stage, own, first, &self.p, &place)?;
             if guided.is_none() {
                 track.learn((t, 1.0), None, &own.unknowns, &self.stage.coordinate_scales);
             }

@@ -49,6 +49,15 @@ impl<S: RunScalar> StepRecord<S> {
         }
     }
 
+    /// The carried vectors behind the step.
+    pub fn carried_behind(&self, rule: StepRule) -> Vec<Vec<S>> {
+        let mut all = vec![Vec::new(); rule.table(self).carried.len()];
+        self.update(rule, &mut all);
+        all[0].clone_from(&self.q);
+        all[1].clone_from(&self.v);
+        all
+    }
+
     /// Writes point, equations and time of a projection of coordinates or of velocities, whichever is `order` times derived. Both share the
     /// last stage's matrix.
     pub(super) fn begin_projection(&mut self, rule: StepRule, order: usize, [q, v]: [&[S]; 2]) -> &mut SolveRecord<S> {

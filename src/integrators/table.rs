@@ -149,14 +149,27 @@ impl Table {
 
     /// Which table makes step `index` of a grid.
     pub fn scheme_at(&self, grid: &TimeGrid, index: usize) -> Scheme {
-        let Some(starter) = &self.starter else { return Scheme::Main };
+        let has_own_length =
+            grid.events.contains_key(&(index + 1)) || grid.is_fixed(index + 1) && grid.is_behind_event(index);
+        self.scheme_of(grid, index, has_own_length)
+    }
+
+    /// The same where it is known whether the length of the step depends on the motion, other than that of those before: then it does not go on
+    /// from these, though it may happen to be as long.
+    pub fn scheme_of(&self, grid: &TimeGrid, index: usize, has_own_length: bool) -> Scheme {
+        let Some(starter) = self.starter.as_ref().filter(|_| !has_own_length) else { return self.starting_scheme() };
         let size = |index: usize| grid.times[index + 1] - grid.times[index];
         let own = size(index);
         let usable = |back: usize| {
             let point = index + 1 - back;
-            !grid.breakpoints.contains_key(&point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
+            !grid.is_interrupted(point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
         };
         if index >= starter.steps && (1..=starter.steps).all(usable) { Scheme::Main } else { Scheme::Starter }
+    }
+
+    /// The scheme of steps that do not go on from those before.
+    pub fn starting_scheme(&self) -> Scheme {
+        if self.starter.is_some() { Scheme::Starter } else { Scheme::Main }
     }
 
     /// A one-step table that also carries what `carried` and the last rows of `update` add, for methods that look further back.

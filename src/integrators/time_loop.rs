@@ -1,11 +1,16 @@
 //! The time loop of a run, whatever selects the step sizes.
 
+use super::location::locate;
 use super::march::{Method, Problem, Run};
 use super::record::{Observer, StepRecord};
 use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::{Checkpoint, Clocks, RunError, Scheme, StartPlan, StartRecord};
+use super::{Checkpoint, Clocks, RunError, Scheme, SideChange, StartPlan, StartRecord, StepSizeState};
+use crate::assembly::Clock;
 use crate::elements::RunScalar;
+
+/// How often a step is halved whose formulas are not defined up to its end.
+const MOST_HALVINGS: usize = 8;
 
 pub(super) struct TrialStep<'g> {
     /// About its size \[s\]; it is fitted to the stretch.
@@ -73,33 +78,94 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     let mut before = Checkpoint::default();
     let mut begins = Vec::new();
     let pause = recorder.take_up(stepper.rule(), &mut |step| {
-        begins.push(step.t);
+        begins.push((step.t, step.switched.clone()));
         Ok(true)
     })?;
+    let (is_made_again, has_parts) = (guided.is_some(), S::PARTS > 0);
+    let goes_back = selection.goes_back() || stepper.events.is_some();
     if let Some(pause) = pause {
         stepper.take_up(&pause)?;
-        let ends = begins.iter().skip(1).chain([&pause.t]);
-        ends.take(begins.len()).for_each(|&end| interval.advance(end));
+        begins.push((pause.t, pause.checkpoint.between.switched.clone()));
+        for (end, changes) in begins.into_iter().skip(1) {
+            interval.advance_over(end, changes);
+        }
         interval.step_size = pause.step_size;
         before = pause.checkpoint;
-    } else if selection.goes_back() {
+    } else if goes_back {
         stepper.checkpoint_in(&mut before);
         selection.begin(&mut interval, &mut stepper, &before)?;
     }
+    // behind an event up to the end of its stretch: derivative parts of its time, and of where the interval is
+    let mut behind: Option<[S; 2]> = None;
     while !interval.at_end() {
         let index = stepper.next_step();
         recorder.checkpoint(index, &|| stepper.pause(interval.t(), interval.step_size))?;
-        let reached = loop {
+        let (reached, changes) = loop {
             let TrialStep { h, scheme, guided } = selection.next(&mut interval, &stepper)?;
-            let (span, reached) = interval.span(h);
-            let made = stepper.step_over(scheme, span, interval.at_breakpoint(), guided);
+            let ((t, end), reached) = interval.span(h);
+            let changes = interval.changes_next().filter(|_| is_made_again).map(<[SideChange]>::to_vec);
+            if has_parts && is_made_again && (behind.is_some() || changes.is_some()) {
+                let [of_event, start] = behind.take().unwrap_or_else(|| [S::zero(), stepper.moved(t)]);
+                let make = |stepper: &mut Stepper<S>, part: S| {
+                    stepper.own_clock = Some(Clock::new([t, end], [start, part]));
+                    stepper.step_over(scheme, (t, end), interval.at_breakpoint(), guided)
+                };
+                match &changes {
+                    Some(changes) => {
+                        let part = stepper.move_event(changes[0].switch, &before, make)?;
+                        behind = Some([part, part]);
+                    }
+                    None => {
+                        let (share, of_end) = (interval.share_behind_event(), stepper.moved(interval.next_breakpoint()));
+                        let part = of_event * share + of_end * (1.0 - share);
+                        make(&mut stepper, part)?;
+                        behind = (share > 0.0).then_some([of_event, part]);
+                    }
+                }
+                stepper.own_clock = None;
+                break (reached, changes);
+            }
+            let mut made = stepper.step_over(scheme, (t, end), interval.at_breakpoint(), guided);
+            let (mut end, mut reached, mut event) = (end, reached, None);
+            if !is_made_again && stepper.events.is_some() && !selection.goes_back() {
+                // a formula need not be defined beyond the end of the side that it has in this step
+                for _ in 0..MOST_HALVINGS {
+                    if !made.as_ref().is_err_and(RunError::is_of_step) {
+                        break;
+                    }
+                    end = t + 0.5 * (end - t);
+                    reached = end;
+                    stepper.resume(&before)?;
+                    let scheme = interval.scheme_to(&stepper.method.table, end);
+                    made = stepper.step_over(scheme, (t, end), interval.at_breakpoint(), None);
+                }
+            }
+            if made.is_ok() && !is_made_again && stepper.events.is_some() {
+                match locate(&mut stepper, &before, &mut interval, (t, end)) {
+                    Ok(Some((end, changes))) => (reached, event) = (end, Some(changes)),
+                    Ok(None) => {}
+                    Err(failure) => made = Err(failure),
+                }
+            }
+            let span = (t, if event.is_some() { reached } else { end });
+            let step_size = interval.step_size;
             if selection.accepts(TrialOutcome { span, reached, made }, &mut interval, &mut stepper, &before)? {
-                break reached;
+                if event.is_some() {
+                    // that an event cuts a step says nothing of the next one
+                    interval.step_size = StepSizeState { h: step_size.h, ..interval.step_size };
+                }
+                break (reached, event.or(changes));
             }
             stepper.resume(&before)?;
         };
-        interval.advance(reached);
-        if selection.goes_back() {
+        match changes {
+            Some(changes) => {
+                stepper.switch(&changes);
+                interval.advance_over(reached, changes);
+            }
+            None => interval.advance(reached),
+        }
+        if goes_back {
             stepper.checkpoint_in(&mut before);
         }
         if !recorder.step(stepper.record())? {

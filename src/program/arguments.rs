@@ -13,6 +13,8 @@ pub enum ArgumentKind {
     Multiplier,
     /// A parameter of the part itself.
     Parameter,
+    /// On which side a switch is.
+    Side,
     /// A parameter of what is measured in the part.
     MeasureParameter,
     /// Time.
@@ -44,6 +46,10 @@ impl Arguments {
     /// Which of them are the time.
     pub fn of_time(&self) -> Vec<bool> {
         self.are(|kind| kind == ArgumentKind::Time)
+    }
+    /// Which of them are of some kinds.
+    pub fn of_kinds(&self, kinds: &[ArgumentKind]) -> Vec<bool> {
+        self.are(|kind| kinds.contains(&kind))
     }
     fn are(&self, of_kind: impl Fn(ArgumentKind) -> bool) -> Vec<bool> {
         self.0.iter().flat_map(|&(kind, count)| std::iter::repeat_n(of_kind(kind), count)).collect()

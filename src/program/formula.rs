@@ -284,14 +284,27 @@ impl Formula {
         count: usize,
         arguments: impl FnOnce(&[Recorded], &[Recorded]) -> Vec<Recorded>,
     ) -> Result<Arc<Formula>, String> {
+        self.widened((ArgumentKind::Parameter, count), arguments)
+    }
+
+    /// The same with more arguments of any kind behind parameters and sides.
+    pub(super) fn widened(
+        &self,
+        added: (ArgumentKind, usize),
+        arguments: impl FnOnce(&[Recorded], &[Recorded]) -> Vec<Recorded>,
+    ) -> Result<Arc<Formula>, String> {
         let mut kinds = self.arguments.kinds().to_vec();
-        let place = kinds.iter().position(|(kind, _)| *kind == ArgumentKind::Parameter);
-        let place = place.ok_or("it has no parameters of its own")?;
-        let end: usize = kinds[..=place].iter().map(|(_, own)| own).sum();
-        kinds[place].1 += count;
+        let is_own = |(kind, _): &(ArgumentKind, usize)| matches!(kind, ArgumentKind::Parameter | ArgumentKind::Side);
+        let last = kinds.iter().rposition(is_own).ok_or("it has no parameters of its own")?;
+        let end: usize = kinds[..=last].iter().map(|(_, own)| own).sum();
+        match added {
+            (kind, count) if kind == kinds[last].0 => kinds[last].1 += count,
+            (_, 0) => {}
+            _ => kinds.insert(last + 1, added),
+        }
         Self::record_in_stages(kinds, |x| {
             let (before, rest) = x.split_at(end);
-            let (added, behind) = rest.split_at(count);
+            let (added, behind) = rest.split_at(added.1);
             self.again(&arguments(&[before, behind].concat(), added))
         })
     }

@@ -23,6 +23,7 @@ mod operation;
 mod recorded;
 mod replay;
 mod running;
+mod sides;
 mod switch_times;
 mod switches;
 mod table_arguments;
@@ -41,5 +42,5 @@ pub use recorded::{Recorded, Recording, along_motion, continued, evaluate, gradi
 pub use replay::Replay;
 pub use running::{Program, ProgramWork, lanes, making_time};
 pub use switch_times::SwitchTime;
-pub use switches::{PassBuffers, Reads, SwitchKind, Switches, between};
+pub use switches::{Excess, PassBuffers, Reads, SwitchKind, Switches, between};
 pub use table_arguments::TableRange;

@@ -1,10 +1,11 @@
 //! Where a formula passes from one piece to another.
 
+use super::arguments::ArgumentKind;
 use super::formula::{Codes, Formula};
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
-use crate::scalar::Curve;
+use crate::scalar::{Curve, Scalar};
 use smallvec::smallvec;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -34,6 +35,10 @@ pub(super) enum Side {
 pub enum Reads {
     /// Those that read coordinates, their derivatives or multipliers: when they change sides a motion tells.
     Motion,
+    /// Those of them whose sides are arguments, in the order of these: steps end where one changes.
+    Located,
+    /// The others of them.
+    NotLocated,
     /// Those that read the time and none of these: when they change sides is known before the motion.
     TimeAlone,
 }
@@ -90,15 +95,19 @@ impl Formula {
     pub fn switches(&self, reads: Reads, lengths: bool) -> Option<Switches> {
         let (of_state, of_time) = (self.arguments().of_state(), self.arguments().of_time());
         let [moved_by, excluded] = match reads {
-            Reads::Motion => [&of_state[..], &[]],
             Reads::TimeAlone => [&of_time[..], &of_state],
+            _ => [&of_state[..], &[]],
         };
-        let (sides, nodes) =
-            self.inspect(|graph, outputs| Conditions::of(graph, outputs, [moved_by, excluded], (reads, lengths)));
+        let of_sides = self.arguments().of_kinds(&[ArgumentKind::Side]);
+        let (sides, nodes) = self.inspect(|graph, outputs| {
+            let mut own = Conditions { graph, located: located(graph, &of_sides), sides: Vec::new(), nodes: Vec::new() };
+            own.find(outputs, [moved_by, excluded], (reads, lengths));
+            (own.sides, own.nodes)
+        });
         if sides.is_empty() {
             return None;
         }
-        let code = [u32::from(lengths), u32::from(reads == Reads::TimeAlone)];
+        let code = [u32::from(lengths), reads as u32];
         let count = self.inputs;
         let along = |graph: &mut Graph, x: &[Node], results: &[Node]| {
             let seeds: Vec<(Node, Node)> = x[..count].iter().copied().zip(x[count..].iter().copied()).collect();
@@ -118,18 +127,16 @@ impl Formula {
 /// Sides of the switches that results depend on, and the numbers that tell them.
 struct Conditions<'g> {
     graph: &'g Graph,
+    /// Of operations: whether their sides are arguments.
+    located: Vec<bool>,
     sides: Vec<Side>,
     nodes: Vec<Node>,
 }
 
 impl<'g> Conditions<'g> {
-    /// Those that read an argument of `moved_by` and none that is `excluded`.
-    fn of(
-        graph: &'g Graph,
-        outputs: &[Node],
-        [moved_by, excluded]: [&[bool]; 2],
-        (reads, lengths): (Reads, bool),
-    ) -> (Vec<Side>, Vec<Node>) {
+    /// Finds those that read an argument of `moved_by` and none that is `excluded`.
+    fn find(&mut self, outputs: &[Node], [moved_by, excluded]: [&[bool]; 2], (reads, lengths): (Reads, bool)) {
+        let graph = self.graph;
         let needed = graph.needed(outputs);
         let operations = &graph.operations()[..needed.len()];
         let depends_on = |arguments: &[bool]| {
@@ -139,9 +146,15 @@ impl<'g> Conditions<'g> {
         };
         let (moves, is_excluded) = (depends_on(moved_by), depends_on(excluded));
         let counts = |node: Node| moves[node.0 as usize] && !is_excluded[node.0 as usize];
-        let mut own = Conditions { graph, sides: Vec::new(), nodes: Vec::new() };
-        for (place, &operation) in operations.iter().enumerate().filter(|(place, _)| needed[*place]) {
-            match operation {
+        let is_meant = |place: usize| match reads {
+            Reads::Located => self.located[place],
+            Reads::NotLocated => !self.located[place],
+            _ => true,
+        };
+        let meant: Vec<usize> = (0..operations.len()).filter(|&place| needed[place] && is_meant(place)).collect();
+        let own = self;
+        for place in meant {
+            match operations[place] {
                 Operation::Binary(Binary::Less, x, y) if counts(Node(place as u32)) => own.add(Side::Order, &[x, y]),
                 Operation::Unary(Unary::Floor, x) if counts(x) => own.add(Side::Whole, &[x]),
                 Operation::Unary(Unary::Tan, x) if counts(x) => {
@@ -172,7 +185,6 @@ impl<'g> Conditions<'g> {
                 _ => {}
             }
         }
-        (own.sides, own.nodes)
     }
 
     /// Adds a side, unless it is there.
@@ -404,6 +416,20 @@ fn half_turn(angle: f64, of_cosine: bool) -> f64 {
     }
 }
 
+/// Which operations tell a side only where an argument of it does not.
+fn located(graph: &Graph, of_sides: &[bool]) -> Vec<bool> {
+    let mut located = vec![false; graph.operations().len()];
+    for operation in graph.operations() {
+        if let Operation::Select([mask, _, otherwise]) = *operation
+            && let Operation::Input(input) = graph.operation(mask)
+            && of_sides.get(input as usize) == Some(&true)
+        {
+            located[otherwise.0 as usize] = true;
+        }
+    }
+    located
+}
+
 fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()
@@ -413,7 +439,107 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest: f64, value| largest.max(value.abs()))
 }
 
+/// How far the number of a switch is beyond the end of the side that is told: below zero where it is on that side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excess {
+    pub by: f64,
+    /// Change of it by time.
+    pub rate: f64,
+    /// Size of the terms whose difference it is.
+    pub terms: f64,
+    /// The side beyond the end.
+    pub other: f64,
+}
+
+/// Round-off of a sum, in units of that of its terms.
+const ROUNDINGS: f64 = 4.0;
+
+impl Excess {
+    /// Round-off of the terms, and what the rounding of the time makes of the number.
+    pub fn round_off(&self, t: f64) -> f64 {
+        ROUNDINGS * f64::EPSILON * (self.terms + (self.rate * t).abs())
+    }
+}
+
+impl Side {
+    /// The side as a number of [`Formula::with_sides`], by the numbers that tell it.
+    fn told_by(&self, own: &[f64]) -> f64 {
+        match self {
+            Side::Whole => coded(own[0].floor()),
+            _ if own[0] < own[1] => 1.0,
+            _ => -1.0,
+        }
+    }
+
+    fn excess_over(&self, told: f64, own: &[f64], rates: &[f64]) -> Excess {
+        let (number, rate) = (self.number(own), self.number(rates));
+        match self {
+            Side::Whole => {
+                let whole = if told > 0.0 { told - 1.0 } else { told };
+                let terms = number.abs() + 1.0;
+                match number > whole + 0.5 {
+                    true => Excess { by: number - (whole + 1.0), rate, terms, other: coded(whole + 1.0) },
+                    false => Excess { by: whole - number, rate: -rate, terms, other: coded(whole - 1.0) },
+                }
+            }
+            _ => {
+                let sign = told.signum();
+                Excess { by: sign * number, rate: sign * rate, terms: own[0].abs() + own[1].abs(), other: -told }
+            }
+        }
+    }
+}
+
+/// A whole number as a side, which is not 0.
+fn coded(whole: f64) -> f64 {
+    if whole < 0.0 { whole } else { whole + 1.0 }
+}
+
 impl Switches {
+    /// The sides of [located](Reads::Located) switches by the numbers that tell them.
+    pub fn told_by<'s>(&'s self, numbers: &'s [f64]) -> impl Iterator<Item = f64> + 's {
+        self.sides().map(|(side, own)| side.told_by(&numbers[own]))
+    }
+
+    /// How far numbers that change with some rates are beyond the ends of the sides that are told.
+    pub fn excesses<'s>(
+        &'s self,
+        told: &'s [f64],
+        numbers: &'s [f64],
+        rates: &'s [f64],
+    ) -> impl Iterator<Item = Excess> + 's {
+        let all = self.sides().zip(told);
+        all.map(|((side, own), &told)| side.excess_over(told, &numbers[own.clone()], &rates[own]))
+    }
+
+    /// The number of a switch, by its place, for arguments in any scalar.
+    pub fn number_in<S: Scalar>(&self, place: usize, inputs: &[S]) -> S {
+        let mut numbers = vec![S::zero(); self.program.outputs()];
+        self.program.run_in(inputs, &mut numbers, &mut ProgramWork::default());
+        self.number_of(place, &numbers)
+    }
+
+    /// Gradient of that number by all arguments.
+    pub fn number_by_arguments(&self, place: usize, inputs: &[f64]) -> Vec<f64> {
+        let (reads, mut direction) = (self.reads(), vec![0.0; inputs.len()]);
+        let along = |input: usize| {
+            if !reads[input] {
+                return 0.0;
+            }
+            direction.fill(0.0);
+            direction[input] = 1.0;
+            self.number_of(place, &self.rates(inputs, &direction, &mut ProgramWork::default()))
+        };
+        (0..inputs.len()).map(along).collect()
+    }
+
+    fn number_of<S: Scalar>(&self, place: usize, numbers: &[S]) -> S {
+        let mut all = self.sides();
+        let (side, own) = all.nth(place).unwrap_or_else(|| unreachable!("a switch of this formula"));
+        let own = &numbers[own];
+        if *side == Side::Order { own[0] - own[1] } else { own[0] }
+    }
+
     /// Numbers that tell the sides at some arguments.
     pub fn evaluate(&self, inputs: &[f64], numbers: &mut Vec<f64>, work: &mut ProgramWork<f64>) {
         numbers.resize(self.program.outputs(), 0.0);
@@ -440,7 +566,7 @@ impl Switches {
     }
 
     /// Rates of the numbers at some arguments along a change of these.
-    pub(super) fn rates(&self, inputs: &[f64], direction: &[f64], work: &mut ProgramWork<f64>) -> Vec<f64> {
+    pub fn rates(&self, inputs: &[f64], direction: &[f64], work: &mut ProgramWork<f64>) -> Vec<f64> {
         let mut rates = vec![0.0; self.rates.outputs()];
         self.rates.run(&[inputs, direction].concat(), &mut rates, work);
         rates
@@ -623,7 +749,7 @@ pub fn between(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::{Interpolant, Scalar};
+    use crate::scalar::Interpolant;
     use crate::{ArgumentKind, Recorded};
 
     /// A law of x by its name, the place of a switch of it on the way from 0 to 1, and what that does.

@@ -391,7 +391,10 @@ impl<S: Scalar> MechanismBuilder<S> {
             return self.model.refused_element();
         }
         self.numbers.p.extend_from_slice(p);
-        self.model.add_element(name, nodes, element.into())
+        let added = self.model.add_element(name, nodes, element.into());
+        // sides of switches, which runs tell
+        self.numbers.p.resize(self.model.parameters, S::zero());
+        added
     }
 
     /// Adds any constraint with its parameters.

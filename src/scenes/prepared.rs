@@ -74,7 +74,7 @@ impl<'s> Prepared<'s> {
         let table = table_named(name).map_err(RunError::Input)?;
         let table = table.ok_or_else(|| RunError::Input(unknown("method", name, &table_names())))?;
         let mut method = Method::new(table, settings.level);
-        (method.tolerance, method.backend) = (settings.newton, settings.solver);
+        (method.tolerance, method.backend, method.locates) = (settings.newton, settings.solver, settings.locate);
         Ok(method)
     }
 

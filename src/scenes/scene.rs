@@ -18,6 +18,8 @@ pub struct Settings {
     pub control: Option<StepControl>,
     /// Halve steps of equal size that Newton's method cannot make.
     pub divide: bool,
+    /// End steps where elements pass from one piece of their formulas to another.
+    pub locate: bool,
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
     /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`](super::Prepared::method_of).
@@ -38,6 +40,7 @@ impl Settings {
             steps,
             control: None,
             divide: false,
+            locate: false,
             policy: ConstraintPolicy::default(),
             method: None,
             level: ConstraintLevel::default(),

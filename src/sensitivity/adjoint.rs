@@ -4,16 +4,18 @@
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
 use super::solvers::StepSolvers;
-use super::transposed::{Backward, SolutionSeed, TransposedSolver, add, set_zero_vectors, set_zeros};
-use crate::assembly::{System, VectorsAvq};
+use super::transposed::{Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros};
+use crate::assembly::{Model, System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Method, Problem, RestingPlan, RunError, SolveRecord, StartRecord, StepRecord, Table,
+    Carried, Combination, Counters, Events, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord,
+    StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
+use crate::program::Formula;
 use smallvec::SmallVec;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,6 +61,10 @@ pub fn adjoint(
     let method = rerun.method;
     let mut sweep = Sweep {
         problem: rerun.problem,
+        p: rerun.problem.p.clone(),
+        events: Events::new(rerun.problem.model),
+        sides: Vec::new(),
+        reads_time: reads_time(rerun.problem.model, functionals),
         method,
         functionals: functionals
             .iter()
@@ -79,6 +85,12 @@ pub fn adjoint(
 
 struct Sweep<'m> {
     problem: &'m Problem<'m, f64>,
+    /// Parameters, with the sides of switches in the step that is gone through.
+    p: Vec<f64>,
+    events: Events,
+    sides: Vec<f64>,
+    /// Whether forces, joints or functionals depend on the time itself.
+    reads_time: bool,
     method: &'m Method,
     functionals: Vec<FunctionalGradient<'m>>,
     active: &'m [bool],
@@ -98,15 +110,20 @@ impl<'m> Sweep<'m> {
         let model = self.problem.model;
         let zeros = || vec![0.0; model.dofs];
         let multipliers = self.system.multipliers();
-        let mut back: Vec<Backward> = self
-            .functionals
-            .iter()
-            .map(|_| Backward {
-                carried: self.method.table.carried.iter().map(|_| zeros()).collect(),
-                mu: vec![0.0; multipliers],
-                ..Backward::of_parameters(model.parameters)
-            })
-            .collect();
+        let zero = || Backward {
+            carried: self.method.table.carried.iter().map(|_| zeros()).collect(),
+            mu: vec![0.0; multipliers],
+            ..Backward::of_parameters(model.parameters)
+        };
+        let mut back: Vec<Backward> = self.functionals.iter().map(|_| zero()).collect();
+        if !rerun.grid.events.is_empty() {
+            // of the number that is zero at an event
+            back.push(zero());
+            self.sides = history.start_record().map_or_else(Vec::new, |start| start.sides.clone());
+            let changes = rerun.grid.events.values().flatten();
+            changes.for_each(|change| self.sides[change.switch] = change.sides[1]);
+            self.events.write(&self.sides, &mut self.p);
+        }
         let mut solvers = StepSolvers::new(&self.system, self.method, self.active)?;
         if solvers.are_apart {
             let ahead = solvers.clone_analysis()?;
@@ -115,6 +132,7 @@ impl<'m> Sweep<'m> {
         } else {
             self.steps(rerun, history, &mut back, &mut solvers)?;
         }
+        back.truncate(self.functionals.len());
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
         self.select(&start.dropped, &mut solvers, None)?;
@@ -122,7 +140,7 @@ impl<'m> Sweep<'m> {
         let seeds = self.start_bars(start, &mut back);
         if !self.method.table.is_static() {
             let record = &start.acceleration;
-            let bases = solvers.plain().through(record, &self.problem.p, &seeds, &mut back, &mut self.counters)?;
+            let bases = solvers.plain().through(record, &self.p, &seeds, &mut back, &mut self.counters)?;
             carry(bases, &mut back);
         }
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
@@ -132,7 +150,7 @@ impl<'m> Sweep<'m> {
                     .map(|back| SolutionSeed { x: back.carried[carried].clone(), mu: vec![0.0; multipliers] })
                     .collect();
                 let solver = solvers.plain();
-                let bases = solver.through(record, &self.problem.p, &seeds, &mut back, &mut self.counters)?;
+                let bases = solver.through(record, &self.p, &seeds, &mut back, &mut self.counters)?;
                 carry(bases, &mut back);
             }
         }
@@ -152,11 +170,11 @@ impl<'m> Sweep<'m> {
     /// Back through the equilibrium at which a motion begins.
     fn equilibrium(&mut self, record: &SolveRecord<f64>, plan: &RestingPlan, back: &mut [Backward]) -> Result<(), RunError> {
         let resting = self.problem.model.at_rest(&plan.stays);
-        let (model, p, active) = (&resting.model, resting.parameters(&self.problem.p), resting.parameters(self.active));
+        let (model, p, active) = (&resting.model, resting.parameters(&self.p), resting.parameters(self.active));
         let q = record.point().q;
         for Backward { carried, p: p_bar, .. } in &mut *back {
             let [q_bar, v_bar, ..] = &mut carried[..] else { continue };
-            self.problem.model.spin_velocities_back((&q, &self.problem.p), [q_bar, v_bar, p_bar]);
+            self.problem.model.spin_velocities_back((&q, &self.p), [q_bar, v_bar, p_bar]);
         }
         let system = self.method.system(model, &plan.dropped);
         let multipliers = system.multipliers();
@@ -188,12 +206,12 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut last = true;
+        let mut place = StepPlace::last(rerun.grid);
         while let Some(step) = steps.next()? {
             self.select(&step.dropped, solvers, None)?;
-            self.step(step, last, &weights.back_through(step), back, solvers)?;
+            self.step(step, &place, &weights.back_through(step), back, solvers)?;
             solvers.settle_care(None);
-            last = false;
+            place = self.before(step, &place, rerun.grid);
         }
         Ok(())
     }
@@ -207,10 +225,10 @@ impl<'m> Sweep<'m> {
         solvers: &mut StepSolvers<'m>,
         mut ahead: StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let p = &self.problem.p;
         let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut last = true;
+        let mut place = StepPlace::last(rerun.grid);
+        let mut p = self.p.clone();
         // whether this thread factored the systems of a step; it takes the first of two pieces of work
         let mut is_mine = true;
         let (mut step, mut next) = (None, None);
@@ -222,15 +240,16 @@ impl<'m> Sweep<'m> {
             self.select(&step.dropped, solvers, Some(&mut ahead))?;
             let weights = weights.back_through(step);
             // with fewer unknowns all stages may share a solver
-            let ready = next.as_ref().filter(|next| next.dropped == step.dropped && ahead.are_apart);
+            let is_alike = |next: &&StepRecord<f64>| next.dropped == step.dropped && step.switched.is_empty();
+            let ready = next.as_ref().filter(|next| is_alike(next) && ahead.are_apart);
             let are_shared = solvers.are_shared;
-            let mut step_back = || self.step(step, last, &weights, back, solvers);
+            let mut step_back = || self.step(step, &place, &weights, back, solvers);
             match ready {
                 // who is ready first helps with the other systems
-                Some(next) if are_shared => rayon::join(step_back, || ahead.factor(next, p)).0?,
+                Some(next) if are_shared => rayon::join(step_back, || ahead.factor(next, &p)).0?,
                 // who factored the systems of a step goes back through it: their numbers are in its caches
-                Some(next) if is_mine => join_awake(step_back, || ahead.factor(next, p)).0?,
-                Some(next) => join_awake(|| ahead.factor(next, p), step_back).1?,
+                Some(next) if is_mine => join_awake(step_back, || ahead.factor(next, &p)).0?,
+                Some(next) => join_awake(|| ahead.factor(next, &p), step_back).1?,
                 None => step_back()?,
             }
             is_mine = ready.is_none() || !is_mine;
@@ -241,9 +260,21 @@ impl<'m> Sweep<'m> {
                 std::mem::swap(solvers, &mut ahead);
                 solvers.learn_from(&ahead);
             }
-            last = false;
+            place = self.before(step, &place, rerun.grid);
+            if !place.events_end.is_empty() {
+                p.clone_from(&self.p);
+            }
         }
         Ok(())
+    }
+
+    /// The place of the step before one, with the sides that it had.
+    fn before(&mut self, step: &StepRecord<f64>, place: &StepPlace, grid: &TimeGrid) -> StepPlace {
+        step.switched.iter().for_each(|change| self.sides[change.switch] = change.sides[0]);
+        if !step.switched.is_empty() {
+            self.events.write(&self.sides, &mut self.p);
+        }
+        StepPlace::of(place.index.saturating_sub(1), step.switched.clone(), grid)
     }
 
     fn select(
@@ -272,19 +303,27 @@ impl<'m> Sweep<'m> {
         set_zeros(mu, sample.mu.len());
         if weight != 0.0 {
             let mut seeds = SampleSeeds { at, mu, p: p_bar };
-            self.functionals[k].add(model, sample, &self.problem.p, weight, &mut seeds);
-            sample.share_transposed(model, &self.problem.p, mu, &mut at.q, p_bar);
+            self.functionals[k].add(model, sample, &self.p, weight, &mut seeds);
+            sample.share_transposed(model, &self.p, mu, &mut at.q, p_bar);
         }
     }
 
+    fn add_moves(&self, k: usize, sample: &Sample<f64>, weight: f64, back: &mut Backward) {
+        if let Some(span) = back.span {
+            let own = self.functionals[k].moves(self.problem.model, sample, &self.p, (weight, moving_clock(span)));
+            back.moves.iter_mut().zip(own).for_each(|(moves, own)| *moves += own);
+        }
+    }
+
+    /// When a functional reads; the number of an event is none.
     fn times(&self, k: usize) -> Times {
-        self.functionals[k].functional.over.times()
+        self.functionals.get(k).map_or(Times::Start, |own| own.functional.over.times())
     }
 
     /// Shares the forces of redundant constraints, if a functional reads them.
     fn share(&self, sample: &mut Sample<f64>) {
         if self.functionals.iter().any(|own| own.functional.reads_multipliers()) {
-            sample.share(self.problem.model, &self.problem.p);
+            sample.share(self.problem.model, &self.p);
         }
     }
 
@@ -312,15 +351,90 @@ impl<'m> Sweep<'m> {
         seeds
     }
 
-    /// Back through one step, whose stages have these weights in an integral; `last_step` if the run ends with it.
+    /// Back through one step, whose stages have these weights in an integral. The length of one that starts or ends at an event has derivatives; for
+    /// the number g of the event, which is zero at its end, the time t of that follows from those of g.
     fn step(
         &mut self,
         step: &StepRecord<f64>,
-        last_step: bool,
+        place: &StepPlace,
         weights: &[StageWeight],
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
+        let (ends, [of_start, of_end]) = (place.events_end.first(), place.shares);
+        let is_moved_alone = ends.is_none() && of_start == of_end;
+        if is_moved_alone && (of_start == 0.0 || !self.reads_time) {
+            back.iter_mut().for_each(|back| {
+                back.span = None;
+                back.by_event *= of_start;
+            });
+            return self.step_through(step, place, weights, back, solvers);
+        }
+        for back in &mut *back {
+            (back.span, back.moves) = (Some([step.t, step.end]), [0.0; 2]);
+            if ends.is_some() {
+                // what later steps make of its end
+                back.moves[1] = std::mem::take(&mut back.by_event);
+            }
+        }
+        if let Some(change) = ends {
+            let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
+            let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, t: step.end };
+            self.events.number_by_arguments(change.switch, moment, &self.p, |place, rate| match place {
+                Place::V(dof) => own.carried[1][dof] += rate,
+                Place::Q(dof) => own.carried[0][dof] += rate,
+                Place::P(index) => own.p[index] += rate,
+                Place::Time => own.moves[1] += rate,
+                Place::A(_) | Place::Mu(_) => {}
+            });
+        }
+        let rule = StepRule { method: self.method, constrained: self.system.is_constrained() };
+        self.pace(&step.carried_behind(rule), -1.0, back);
+        self.step_through(step, place, weights, back, solvers)?;
+        self.pace(&step.carried, 1.0, back);
+        if ends.is_some()
+            && let Some((event, back)) = back.split_last_mut()
+        {
+            for back in back {
+                let moved = -back.moves[1] / event.moves[1];
+                back.moves[0] += moved * event.moves[0];
+                back.moves[1] = 0.0;
+                let lists = [&mut back.mu, &mut back.p].into_iter().chain(&mut back.carried);
+                let others = [&event.mu, &event.p].into_iter().chain(&event.carried);
+                lists.zip(others).for_each(|(own, other)| add(own, moved, other));
+            }
+            event.moves = [0.0; 2];
+            let lists = [&mut event.mu, &mut event.p].into_iter().chain(&mut event.carried);
+            lists.for_each(|own| own.fill(0.0));
+        }
+        back.iter_mut().for_each(|back| back.by_event += of_start * back.moves[0] + of_end * back.moves[1]);
+        Ok(())
+    }
+
+    /// Velocities and accelerations between two steps are carried into the time of one, or out of it: (1 + s) times as large for each of their
+    /// derivatives, for a length of the step that grows by a share s.
+    fn pace(&self, carried: &[Vec<f64>], sign: f64, back: &mut [Backward]) {
+        for Backward { carried: bars, moves, span, .. } in back {
+            let Some([start, end]) = *span else { continue };
+            let of_kind = |((kind, values), bars): ((&Carried, &Vec<f64>), &Vec<f64>)| {
+                f64::from(kind.order()) * values.iter().zip(bars).map(|(value, bar)| value * bar).sum::<f64>()
+            };
+            let all: f64 = self.method.table.carried.iter().zip(carried).zip(&*bars).map(of_kind).sum();
+            let rate = sign * all / (end - start);
+            moves[0] -= rate;
+            moves[1] += rate;
+        }
+    }
+
+    fn step_through(
+        &mut self,
+        step: &StepRecord<f64>,
+        place: &StepPlace,
+        weights: &[StageWeight],
+        back: &mut [Backward],
+        solvers: &mut StepSolvers<'m>,
+    ) -> Result<(), RunError> {
+        let last_step = !place.is_before_another;
         back.iter_mut().for_each(Backward::drop_negligible);
         let table = self.method.table.scheme(step.scheme);
         let mut stages = std::mem::take(&mut self.stages);
@@ -342,6 +456,7 @@ impl<'m> Sweep<'m> {
             for (k, (stage, back)) in stages[last].iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.times(k) == Times::End {
                     self.read_state(k, &sample, step.stages[last].solve.equations.residual.gamma, stage, back);
+                    self.add_moves(k, &sample, 1.0, back);
                 }
             }
         }
@@ -363,7 +478,7 @@ impl<'m> Sweep<'m> {
         }
         if let Some(restart) = &step.restart {
             let seeds = take_carried_acceleration(table, back);
-            let bases = solvers.plain().through(restart, &self.problem.p, &seeds, back, &mut self.counters)?;
+            let bases = solvers.plain().through(restart, &self.p, &seeds, back, &mut self.counters)?;
             carry(bases, back);
         }
         self.stages = stages;
@@ -388,7 +503,7 @@ impl<'m> Sweep<'m> {
                 add(&mut bar.x, factor, &back.carried[carried]);
             }
             let solver = solvers.plain();
-            let bases = solver.through(record, &self.problem.p, &self.projected, back, &mut self.counters)?;
+            let bases = solver.through(record, &self.p, &self.projected, back, &mut self.counters)?;
             carry(bases, back);
             for (last, base) in last.iter_mut().zip(bases) {
                 add(&mut last.x, 1.0, &base.a);
@@ -415,13 +530,15 @@ impl<'m> Sweep<'m> {
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
         let weights: SmallVec<[f64; 8]> =
             self.functionals.iter().map(|own| own.functional.over.time_weight(weight)).collect();
-        let reads: SmallVec<[bool; 8]> = (0..back.len()).map(|k| weights[k] != 0.0 && self.times(k) == Times::Run).collect();
+        let reads = weights.iter().enumerate().map(|(k, &weight)| weight != 0.0 && self.times(k) == Times::Run);
+        let reads: SmallVec<[bool; 8]> = reads.chain((weights.len()..back.len()).map(|_| false)).collect();
         if reads.contains(&true) {
             let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
             sample.set_stage(step, stage);
             self.share(&mut sample);
             for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate().filter(|(k, _)| reads[*k]) {
                 self.measure(k, &sample, weights[k], &mut measured[k], &mut back.p);
+                self.add_moves(k, &sample, weights[k], back);
                 let Measured { at, mu } = &measured[k];
                 add(&mut own.mu, 1.0, mu);
                 // mostly one of these
@@ -438,7 +555,7 @@ impl<'m> Sweep<'m> {
                 add(&mut back.mu, 1.0, &own.mu);
             }
         } else {
-            solved = solvers.stage(stage).through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
+            solved = solvers.stage(stage).through(&record.solve, &self.p, own, back, &mut self.counters)?;
         }
         for ((Measured { at, .. }, base), _) in measured.iter_mut().zip(solved).zip(&reads).filter(|(_, reads)| **reads) {
             add(&mut at.a, 1.0, &base.a);
@@ -489,6 +606,43 @@ fn join_awake<A: Send, B: Send>(first: impl FnOnce() -> A + Send, second: impl F
             result
         },
     )
+}
+
+/// Where a step stands in a run.
+struct StepPlace {
+    index: usize,
+    is_before_another: bool,
+    /// Sides that change at its end, the one first whose number ended it.
+    events_end: Vec<SideChange>,
+    /// Shares with which its start and its end move with the event before it.
+    shares: [f64; 2],
+}
+
+impl StepPlace {
+    fn last(grid: &TimeGrid) -> Self {
+        Self::of(grid.steps().saturating_sub(1), Vec::new(), grid)
+    }
+
+    fn of(index: usize, events_end: Vec<SideChange>, grid: &TimeGrid) -> Self {
+        let is_before_another = index + 1 < grid.steps();
+        let mut shares = [0.0; 2];
+        if grid.is_behind_event(index) {
+            let is_event = grid.events.contains_key(&index);
+            shares[0] = if is_event { 1.0 } else { grid.share_behind_event(index) };
+            shares[1] = if events_end.is_empty() { grid.share_behind_event(index + 1) } else { 0.0 };
+        }
+        StepPlace { index, is_before_another, events_end, shares }
+    }
+}
+
+fn reads_time(model: &Model, functionals: &[&Functional]) -> bool {
+    let mut reads = false;
+    let mut look = |formula: &Arc<Formula>, places: &dyn Fn() -> Vec<Place>| {
+        reads |= places().iter().zip(formula.values().reads()).any(|(place, reads)| *place == Place::Time && reads);
+    };
+    each_formula(model, |_, _, formula, places| look(formula, places));
+    functionals.iter().for_each(|own| own.each_formula(model, |formula, _, places| look(formula, places)));
+    reads
 }
 
 #[derive(Default)]

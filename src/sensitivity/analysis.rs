@@ -11,7 +11,7 @@ use crate::history::{Direction, History, Keep, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Clocks, Counters, Crossing, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
     StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, Steps, SwitchWatch, TimeGrid,
-    march, march_adaptive, march_along, march_dividing, unit_part,
+    march_adaptive, march_along, march_dividing, march_given, unit_part,
 };
 use crate::program::Digest;
 use crate::scalar::{Complex64, Tangents};
@@ -131,6 +131,11 @@ impl<'m> Analysis<'m> {
         self.run(x, numbers, observer)
     }
 
+    /// Whether steps may end at switches of elements.
+    fn locates(&self) -> bool {
+        self.method.locates() && self.model.elements.iter().any(|element| element.physics.sides() > 0)
+    }
+
     /// Tells runs apart: a file goes on with the same laws, numbers, method and steps alone.
     fn fingerprint(&self, laws: &StructuralSignature, numbers: &ModelNumbers<f64>) -> u64 {
         let Analysis { method, grid, control, divide, plan, .. } = self;
@@ -150,23 +155,20 @@ impl<'m> Analysis<'m> {
         let refused = self.functionals.iter().find_map(|functional| functional.refused(self.model));
         refused.map_or(Ok(()), |why| Err(RunError::Input(why)))?;
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
-        let are_given = self.control.is_none() && !divides;
+        let are_given = self.control.is_none() && !divides && !self.locates();
         let steps = self.grid.moved_to(&self.breakpoints(&numbers)?.times()).map_err(RunError::Input)?;
         let signature = Signature::of(self);
         let run = self.fingerprint(&signature.structure, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
-        let mut switches = SwitchWatch::new(self.model);
+        let mut switches = SwitchWatch::new(self.model, self.method.locates());
         self.functionals.iter().for_each(|functional| functional.watch(self.model, &mut switches));
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
         let problem = self.problem(&numbers);
         let (grid, run) = match &self.control {
             Some(control) => march_adaptive(&problem, self.method, control, &steps, self.plan, &mut recorder),
             None if divides => march_dividing(&problem, self.method, &steps, self.plan, &mut recorder),
-            None => {
-                let run = march(&problem, self.method, &steps, self.plan, &mut recorder);
-                (steps, run)
-            }
+            None => march_given(&problem, self.method, (&steps, 0), self.plan, &mut recorder),
         };
         let Measuring { values, history, switches, .. } = recorder;
         let crossings = switches.finish();
@@ -488,8 +490,7 @@ impl<'m> Analysis<'m> {
         clocks: &Clocks<S>,
         forward: &Forward,
     ) -> Result<(Vec<S>, Counters), RunError> {
-        let mut values =
-            Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals, clocks);
+        let mut values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals);
         let counters = self.perturbed_run(numbers, clocks, forward, &mut values)?;
         Ok((values.finish().0, counters))
     }

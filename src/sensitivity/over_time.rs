@@ -74,10 +74,10 @@ impl Analysis<'_> {
             ends: StepEnds::new(&self.method.table),
         };
         let clocks = self.clocks(&numbers.p, forward)?;
-        if !clocks.is_empty() {
+        if !clocks.is_empty() || !forward.grid.events.is_empty() {
             return Err(RunError::Input(
-                "a design variable moves a breakpoint of a load or driver, and the ends of steps with it: derivatives at given times are not \
-                 known there; take functionals over the run"
+                "a design variable moves a breakpoint of a load or driver, or the time at which an element passes from one piece of its formula to \
+                 another, and the ends of steps with it: derivatives at given times are not known there; take functionals over the run"
                     .into(),
             ));
         }

@@ -138,6 +138,9 @@ impl<S: RunScalar> Observer<S> for Ends<S> {
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
         self.end.q.clone_from(&step.q);
         self.end.v.clone_from(&step.v);
+        if let Some(clock) = &step.clock {
+            self.end.v.iter_mut().for_each(|v| *v *= clock.pace());
+        }
         Ok(!self.stops)
     }
 }

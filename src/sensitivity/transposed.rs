@@ -1,12 +1,14 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System, Term,
-    TermPoint, Unknowns, VectorsAvq,
+    Adjoints, Clock, Equations, Jacobian, NodeSeeds, ProductPoint, ProductSeeds, Products, Residual, StageSystem, System,
+    Term, TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
+use crate::elements::RunScalar;
 use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord, kind};
 use crate::linalg::{Factorization, SMALL_FILL, Singular, SolverPlan, TransposedSolution};
+use crate::scalar::Tangents;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -30,6 +32,11 @@ pub(super) struct Backward {
     /// Of the acceleration and multipliers carried into an explicit first stage.
     pub mu: Vec<f64>,
     pub p: Vec<f64>,
+    /// Where the step begins and ends, if its length has derivatives, and what is known of those by its start and by its end.
+    pub span: Option<[f64; 2]>,
+    pub moves: [f64; 2],
+    /// The same by the time of the event before the step, of all steps that move with it.
+    pub by_event: f64,
     /// Whether its adjoint variables of motions are corrected: see [`TransposedSolver::refine`].
     pub refining: Trial,
 }
@@ -108,6 +115,8 @@ pub(super) struct TransposedSolver<'m> {
     reduced: Vec<f64>,
     sweep: Sweep,
     bases: Vec<VectorsAvq<f64>>,
+    /// Of derivatives by the ends of a step.
+    moved: Residual<Tangents>,
 }
 
 /// What one system takes on the way back, for one functional after the other.
@@ -182,6 +191,7 @@ impl<'m> TransposedSolver<'m> {
             reduced: Vec::new(),
             sweep: Sweep::default(),
             bases: Vec::new(),
+            moved: Residual::default(),
         }
     }
 
@@ -270,6 +280,7 @@ impl<'m> TransposedSolver<'m> {
         self.refine(record, p, (&asked, seeds), back, counters)?;
         self.add_products(record, p, &asked, back);
         self.add_inside_nodes(&record.equations, &asked, seeds);
+        self.add_moves(record, p, &asked, back);
         self.write_bases(&record.equations, &asked);
         Ok(&self.bases)
     }
@@ -412,6 +423,30 @@ impl<'m> TransposedSolver<'m> {
         }
     }
 
+    /// What the ends of the step do to F and G while its state stays, times the adjoint variables.
+    fn add_moves(&mut self, record: &SolveRecord<f64>, p: &[f64], asked: &[usize], back: &mut [Backward]) {
+        let Some(clock) = back.first().and_then(|back| back.span).map(moving_clock) else { return };
+        let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect::<Vec<_>>();
+        let SolveRecord { t, equations, base: VectorsAvq { a, v, q }, .. } = record;
+        let Unknowns { x, mu, local_mu } = &self.unknowns;
+        let (base, p) = (VectorsAvq { a: lift(a), v: lift(v), q: lift(q) }, lift(p));
+        let mut unknowns = Unknowns { x: lift(x), mu: lift(mu), local_mu: lift(local_mu) };
+        let stage = StageSystem { equations, base: &base, p: &p, t: *t };
+        let Residual { clock: own, keep_values, .. } = &mut self.moved;
+        (*own, *keep_values) = (Some(clock), true);
+        self.moved.start(&self.system, stage);
+        self.moved.evaluate(&self.system, stage, &mut unknowns);
+        let Residual { f, g, .. } = &self.moved;
+        for (&k, adjoints) in asked.iter().zip(&self.sweep.adjoints) {
+            for (end, moves) in back[k].moves.iter_mut().enumerate() {
+                let along = |values: &[Tangents], own: &[f64]| -> f64 {
+                    values.iter().zip(own).map(|(value, own)| value.part(end) * own).sum()
+                };
+                *moves += along(f, &adjoints.f) + along(g, &adjoints.g);
+            }
+        }
+    }
+
     fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], seeds: &[SolutionSeed]) {
         let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
         let all = 3 * system.model.dofs;
@@ -470,6 +505,16 @@ impl<'m> TransposedSolver<'m> {
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
         singular(&self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {} s", shortest(t)))
     }
+}
+
+/// How time goes in a step whose start has the first derivative part, and whose end the second.
+pub(super) fn moving_clock(span: [f64; 2]) -> Clock<Tangents> {
+    let parts = [0, 1].map(|end| {
+        let mut part = Tangents::from(0.0);
+        part.add_to_part(end, 1.0);
+        part
+    });
+    Clock::new(span, parts)
 }
 
 /// Unknowns from which each stage of a step may have a solver of its own: below, waking other threads takes longer than a factorization.

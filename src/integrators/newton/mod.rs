@@ -310,6 +310,11 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
     }
 
+    /// The next matrix is factored, whatever was kept.
+    pub(in crate::integrators) fn forget_factors(&mut self) {
+        self.kept.factored = None;
+    }
+
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
     pub(in crate::integrators) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
         self.kept.factored = None;

@@ -485,6 +485,7 @@ class Model:
         newton: Literal['round-off', 'residual', 'scaled'] | None = None,
         solver: Literal['automatic', 'dense', 'multifrontal'] | None = None,
         start: Literal['given', 'equilibrium', 'steady'] | None = None,
+        locate: bool | None = None,
         divide_steps: bool | None = None,
         drop_redundant: bool | None = None,
         project_start: bool | None = None,
@@ -501,6 +502,7 @@ class Model:
         * ``newton`` ("round-off" or "residual" or "scaled", optional): when Newton's method stops, as for --newton; round-off
         * ``solver`` ("automatic" or "dense" or "multifrontal", optional): solver of the linear systems; automatic
         * ``start`` ("given" or "equilibrium" or "steady", optional): where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in the frame that turns with what `[[spin]]` names; given
+        * ``locate`` (True or False, optional): end steps where springs, loads and other elements pass from one piece of their formulas to another: values keep the order of the method, and gradients are exact; false
         * ``divide_steps`` (True or False, optional): halve steps that Newton's method cannot make; false
         * ``drop_redundant`` (True or False, optional): leave out redundant constraint equations instead of refusing them; false
         * ``project_start`` (True or False, optional): project an inconsistent start onto the constraints instead of refusing it: a run prints what was given and what is used; false

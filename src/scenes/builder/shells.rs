@@ -277,7 +277,9 @@ impl<S: Scalar> MechanismBuilder<S> {
                         && self.check_nodes(&own, &nodes, &vec![NodeKind::Body; nodes.len()]) =>
                 {
                     self.numbers.p.extend_from_slice(&p);
-                    self.model.add_element_like(&own, &nodes, like)
+                    let added = self.model.add_element_like(&own, &nodes, like);
+                    self.numbers.p.resize(self.model.parameters, S::zero());
+                    added
                 }
                 Some(_) => self.model.refused_element(),
                 None => self.add_element(&own, &nodes, kind.element(), &p),

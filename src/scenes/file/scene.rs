@@ -343,7 +343,9 @@ impl<'c> RunEntries<'c> {
                 .wrong(fields.place("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"),
             _ => {}
         }
-        for key in ["velocity_tolerance", "project_start", "start"].into_iter().filter(|key| is_static && fields.has(key)) {
+        for key in
+            ["velocity_tolerance", "locate", "project_start", "start"].into_iter().filter(|key| is_static && fields.has(key))
+        {
             self.wrong(fields.place(key), format!("{key} of [settings] means nothing with the method static"));
         }
         for key in ["velocity_tolerance", "longest_step"].into_iter().filter(|key| tolerance.is_none() && fields.has(key)) {
@@ -359,6 +361,7 @@ impl<'c> RunEntries<'c> {
         let solver = Backend::ALL.into_iter().find(|own| fields.text("solver") == Some(own.name()));
         settings.solver = solver.unwrap_or(settings.solver);
         settings.divide = fields.flag("divide_steps");
+        settings.locate = fields.flag("locate");
         settings.policy.drop_redundant = fields.flag("drop_redundant");
         settings.policy.project_start = fields.flag("project_start");
         settings.policy.from_equilibrium = matches!(fields.text("start"), Some("equilibrium" | "steady"));

@@ -86,6 +86,12 @@ const OF_ALL: &[Section] = &[
                 "where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in \
                  the frame that turns with what `[[spin]]` names; given"
             ),
+            may(
+                "locate",
+                Flag,
+                "end steps where springs, loads and other elements pass from one piece of their formulas to another: values keep the order of the \
+                 method, and gradients are exact; false"
+            ),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
             may(

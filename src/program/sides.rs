@@ -1,0 +1,76 @@
+//! Switches whose sides are told from outside: steps of a run use those of their start, and end where one changes.
+
+use super::arguments::ArgumentKind::{self, Coordinate, Side, Velocity};
+use super::formula::Formula;
+use super::graph::Graph;
+use super::operation::{Binary, Node, Operation, Unary};
+use std::sync::Arc;
+
+impl Formula {
+    /// The formula with the sides of its comparisons and whole numbers as arguments behind the parameters of its part, for those that coordinates or
+    /// velocities decide without accelerations. A side of 0 leaves the decision to the numbers, as in the formula itself. Of a comparison 1 means that
+    /// it holds, -1 that it does not; of the largest whole number n up to a number, n + 1 means n where it is not below zero, and n itself below.
+    ///
+    /// # Errors
+    /// A formula that has no parameters of a part.
+    pub fn with_sides(self: &Arc<Self>) -> Result<Arc<Formula>, String> {
+        let switching = |formula: &Formula| {
+            let [moving, excluded] = [&[Coordinate, Velocity][..], &[ArgumentKind::Acceleration, ArgumentKind::Multiplier]];
+            let [moving, excluded] = [moving, excluded].map(|kinds| formula.arguments().of_kinds(kinds));
+            formula.inspect(|graph, outputs| switching(graph, outputs, &moving, &excluded))
+        };
+        let count = switching(self).len();
+        if count == 0 || self.stages.is_some() {
+            return Ok(Arc::clone(self));
+        }
+        let widened = self.with_sides_unread(count)?;
+        let nodes = switching(&widened);
+        let sides = widened.arguments().of_kinds(&[Side]);
+        let places: Vec<usize> = (0..sides.len()).filter(|&place| sides[place]).collect();
+        Ok(widened.derived(|graph, x, outputs| {
+            let mut replaced = Vec::new();
+            for (&node, &place) in nodes.iter().zip(&places) {
+                let (zero, side) = (graph.zero(), x[place]);
+                let holds = graph.binary(Binary::Less, zero, side);
+                let told = match graph.operation(node) {
+                    Operation::Unary(Unary::Floor, _) => graph.sub(side, holds),
+                    _ => holds,
+                };
+                replaced.push((node, graph.select(side, told, node)));
+            }
+            graph.substitute(outputs, &replaced)
+        }))
+    }
+
+    /// The formula with so many sides among its arguments that it does not read.
+    ///
+    /// # Errors
+    /// As for [`Formula::with_sides`].
+    pub fn with_sides_unread(&self, count: usize) -> Result<Arc<Formula>, String> {
+        self.widened((Side, count), |x, _| x.to_vec())
+    }
+
+    /// How many sides are among its arguments.
+    pub fn sides(&self) -> usize {
+        self.arguments().kinds().iter().filter(|(kind, _)| *kind == Side).map(|(_, count)| count).sum()
+    }
+}
+
+/// Comparisons and whole numbers that results depend on and that read `moving` arguments, and none that is excluded.
+fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]) -> Vec<Node> {
+    let needed = graph.needed(outputs);
+    let operations = &graph.operations()[..needed.len()];
+    let depending = |arguments: &[bool]| {
+        let is_among =
+            |own: &Operation| matches!(*own, Operation::Input(input) if arguments.get(input as usize) == Some(&true));
+        graph.depending_on(operations.iter().map(is_among).collect(), &needed)
+    };
+    let (moves, is_excluded) = (depending(moving), depending(excluded));
+    let decides = |place: &usize| {
+        needed[*place]
+            && moves[*place]
+            && !is_excluded[*place]
+            && matches!(operations[*place], Operation::Binary(Binary::Less, ..) | Operation::Unary(Unary::Floor, _))
+    };
+    (0..operations.len()).filter(decides).map(|place| Node(place as u32)).collect()
+}
