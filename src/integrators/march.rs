@@ -56,7 +56,7 @@ impl Method {
     }
 
     /// Whether steps end at switches of elements: not in equilibria, nor where elements add impulses of a step.
-    pub(crate) fn locates(&self) -> bool {
+    pub(crate) fn ends_at_switches(&self) -> bool {
         self.locates && !self.table.is_static() && self.table.variational.is_none()
     }
 

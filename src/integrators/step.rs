@@ -137,7 +137,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<Self, RunError> {
         let [acceleration, stage, start] = solvers(method, system)?;
         let dropped = system.options.dropped.clone();
-        let events = method.locates().then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
+        let events = method.ends_at_switches().then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
         Ok(Stepper {
             problem,
             method,

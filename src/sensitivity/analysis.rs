@@ -132,8 +132,8 @@ impl<'m> Analysis<'m> {
     }
 
     /// Whether steps may end at switches of elements.
-    fn locates(&self) -> bool {
-        self.method.locates() && self.model.elements.iter().any(|element| element.physics.sides() > 0)
+    fn ends_at_switches(&self) -> bool {
+        self.method.ends_at_switches() && self.model.elements.iter().any(|element| element.physics.sides() > 0)
     }
 
     /// Tells runs apart: a file goes on with the same laws, numbers, method and steps alone.
@@ -155,13 +155,13 @@ impl<'m> Analysis<'m> {
         let refused = self.functionals.iter().find_map(|functional| functional.refused(self.model));
         refused.map_or(Ok(()), |why| Err(RunError::Input(why)))?;
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
-        let are_given = self.control.is_none() && !divides && !self.locates();
+        let are_given = self.control.is_none() && !divides && !self.ends_at_switches();
         let steps = self.grid.moved_to(&self.breakpoints(&numbers)?.times()).map_err(RunError::Input)?;
         let signature = Signature::of(self);
         let run = self.fingerprint(&signature.structure, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
-        let mut switches = SwitchWatch::new(self.model, self.method.locates());
+        let mut switches = SwitchWatch::new(self.model, self.method.ends_at_switches());
         self.functionals.iter().for_each(|functional| functional.watch(self.model, &mut switches));
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
         let problem = self.problem(&numbers);
