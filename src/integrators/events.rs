@@ -61,6 +61,7 @@ impl Events {
             let switches = known.entry(Arc::as_ptr(formula)).or_insert_with(|| formula.switches(Reads::Located, false));
             let Some(switches) = switches.clone() else { continue };
             let (first, count) = (events.places.len(), own.physics.sides());
+            assert_eq!(switches.count(), count, "each switch of \"{}\" has one side", own.name);
             events.places.extend(own.parameters.end - count..own.parameters.end);
             let lists: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
             let places = super::crossings::places(model, lists, &own.nodes, &own.parameters);

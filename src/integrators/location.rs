@@ -95,11 +95,12 @@ pub(super) fn locate<S: RunScalar>(
             own = Candidate { after, bracket: [low, high], is_sure: own.is_sure || is_beyond, ..own };
             continue;
         }
-        // another one may have changed before
-        if let Some(earlier) =
-            first(&ends, made, &passed).filter(|other| other.is_sure && other.switch != switch && other.after < made)
-            && ends[earlier.switch].by > ends[earlier.switch].round_off(t + made)
-        {
+        // another one may have changed before, and even back again
+        let is_earlier = |other: &Candidate| {
+            let Excess { by, .. } = ends[other.switch];
+            other.switch != switch && other.after < made && !(other.is_sure && by <= ends[other.switch].round_off(t + made))
+        };
+        if let Some(earlier) = first(&ends, made, &passed).filter(is_earlier) {
             own = earlier;
             continue;
         }

@@ -36,7 +36,9 @@ impl Formula {
                     Operation::Unary(Unary::Floor, _) => graph.sub(side, holds),
                     _ => holds,
                 };
-                replaced.push((node, graph.select(side, told, node)));
+                // what decides it may have sides itself
+                let own = graph.substitute(&[node], &replaced)[0];
+                replaced.push((node, graph.select(side, told, own)));
             }
             graph.substitute(outputs, &replaced)
         }))

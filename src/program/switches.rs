@@ -127,8 +127,8 @@ impl Formula {
 /// Sides of the switches that results depend on, and the numbers that tell them.
 struct Conditions<'g> {
     graph: &'g Graph,
-    /// Of operations: whether their sides are arguments.
-    located: Vec<bool>,
+    /// Of operations: which argument is their side, if one is.
+    located: Vec<Option<u32>>,
     sides: Vec<Side>,
     nodes: Vec<Node>,
 }
@@ -147,11 +147,15 @@ impl<'g> Conditions<'g> {
         let (moves, is_excluded) = (depends_on(moved_by), depends_on(excluded));
         let counts = |node: Node| moves[node.0 as usize] && !is_excluded[node.0 as usize];
         let is_meant = |place: usize| match reads {
-            Reads::Located => self.located[place],
-            Reads::NotLocated => !self.located[place],
+            Reads::Located => self.located[place].is_some(),
+            Reads::NotLocated => self.located[place].is_none(),
             _ => true,
         };
-        let meant: Vec<usize> = (0..operations.len()).filter(|&place| needed[place] && is_meant(place)).collect();
+        let mut meant: Vec<usize> = (0..operations.len()).filter(|&place| needed[place] && is_meant(place)).collect();
+        if reads == Reads::Located {
+            // in the order of their sides
+            meant.sort_by_key(|&place| self.located[place]);
+        }
         let own = self;
         for place in meant {
             match operations[place] {
@@ -416,15 +420,15 @@ fn half_turn(angle: f64, of_cosine: bool) -> f64 {
     }
 }
 
-/// Which operations tell a side only where an argument of it does not.
-fn located(graph: &Graph, of_sides: &[bool]) -> Vec<bool> {
-    let mut located = vec![false; graph.operations().len()];
+/// Which operations tell a side only where an argument of it does not, and that argument.
+fn located(graph: &Graph, of_sides: &[bool]) -> Vec<Option<u32>> {
+    let mut located = vec![None; graph.operations().len()];
     for operation in graph.operations() {
         if let Operation::Select([mask, _, otherwise]) = *operation
             && let Operation::Input(input) = graph.operation(mask)
             && of_sides.get(input as usize) == Some(&true)
         {
-            located[otherwise.0 as usize] = true;
+            located[otherwise.0 as usize] = Some(input);
         }
     }
     located
@@ -499,6 +503,11 @@ impl Switches {
     /// The sides of [located](Reads::Located) switches by the numbers that tell them.
     pub fn told_by<'s>(&'s self, numbers: &'s [f64]) -> impl Iterator<Item = f64> + 's {
         self.sides().map(|(side, own)| side.told_by(&numbers[own]))
+    }
+
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.sides.len()
     }
 
     /// How far numbers that change with some rates are beyond the ends of the sides that are told.

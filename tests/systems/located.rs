@@ -243,3 +243,34 @@ functional = [{ name = "x", type = "formula", nodes = { x = "x" }, value = "x.va
     let error = prepared.analysis().forward(&[]).expect_err("it rests from 0.25 s on").to_string();
     assert!(error.contains("\"dry friction\" at t = 0.249999999") && error.contains("goes along the switch"), "{error}");
 }
+
+/// A thin wall that pushes back, which a step passes twice if its force goes on: the kink of the absolute value lies within the wall.
+#[test]
+fn a_thin_wall_is_left_on_the_other_side() {
+    let scene = parsed(
+        r#"
+version = 1
+variable.push = { initial = 1e3, bounds = [0, 1e4], unit = "N" }
+variable.half = { initial = 0.001, bounds = [0, 0.1], unit = "m" }
+settings = { end = 2.0, tolerance = 1e-6, locate = true }
+point = [{ name = "ball", position = [0, 0, 3], velocity = [0, 0, -4], mass = 1 }]
+element = [{ name = "wall", nodes = { b = "ball" }, force = { b = "[0, 0, if_less(abs(b.position.z), half, push, 0)]" } }]
+functional = [{ name = "height", type = "position", on = "ball", direction = [0, 0, 1], over = "terminal" }]
+"#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let height = |push: f64, half: f64| {
+        let left = (16.0 - 4.0 * push * half).sqrt();
+        -half - left * (2.0 - (3.0 - half) / 4.0 - (4.0 - left) / push)
+    };
+    let central = |of: &dyn Fn(f64) -> f64| (8.0 * (of(1e-3) - of(-1e-3)) - of(2e-3) + of(-2e-3)) / 12e-3;
+    let [push, half] = [1e3, 1e-3];
+    let exact =
+        [central(&|by| height(push * (1.0 + by), half)) / push, central(&|by| height(push, half * (1.0 + by))) / half];
+    let forward = prepared.analysis().forward(&[push, half]).expect("it runs");
+    assert_near(forward.values[0], height(push, half), 1e-12);
+    let row = &prepared.analysis().adjoint(&[push, half], &forward).expect("it has one").rows[0];
+    for (own, exact) in row.iter().zip(exact) {
+        assert_near(*own, exact, 1e-9 * exact.abs());
+    }
+}
