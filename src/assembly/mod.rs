@@ -17,6 +17,7 @@ mod constraint_rows;
 mod element_programs;
 mod equations;
 mod evaluation;
+mod event;
 mod gather_map;
 mod inside_nodes;
 mod jacobian;
@@ -45,6 +46,8 @@ pub use element_programs::Force;
 pub use equations::{Equations, Level, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};
 pub(crate) use evaluation::{BatchWork, run_lanes};
+#[doc(hidden)]
+pub use event::{Event, EventArguments, Reset, Target};
 pub(crate) use gather_map::Starts;
 pub use jacobian::Jacobian;
 #[doc(hidden)]

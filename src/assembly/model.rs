@@ -1,3 +1,4 @@
+use super::Event;
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
 use std::any::TypeId;
 use std::collections::HashMap;
@@ -78,6 +79,8 @@ pub struct Model {
     pub constraints: Vec<Attached<ConstraintPhysics>>,
     /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by `Model::at_rest`.
     pub holds: Vec<Attached<ConstraintPhysics>>,
+    /// What happens at instants of the motion.
+    pub(crate) events: Vec<Event>,
     /// What turns steadily where a motion begins.
     pub spin: Option<Spin>,
     /// States of first order stand in q, their rates in v, as at rest.

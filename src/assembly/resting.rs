@@ -97,6 +97,8 @@ impl Model {
         let mut sources: Vec<usize> = (0..self.parameters).collect();
         let states: Vec<usize> = self.state_dofs().filter(|_| !self.states_are_coordinates).collect();
         let of_states = (!states.is_empty()).then_some(of_states);
+        // what happens at instants of a motion is none of an equilibrium
+        model.events.clear();
         model.states_are_coordinates = true;
         let (mut turns, mut staying) = (vec![false; self.nodes.len()], vec![false; self.dofs]);
         spin.iter().flat_map(|spin| &spin.nodes).for_each(|node| turns[node.0] = true);

@@ -1,6 +1,6 @@
 //! What the parts of a model do, whatever they are called and whatever their numbers are.
 
-use super::{Attached, Model};
+use super::{Attached, Event, Model};
 use crate::elements::{ConstraintPhysics, ElementPhysics};
 use crate::program::Digest;
 
@@ -11,12 +11,19 @@ pub(crate) struct StructuralSignature {
     spin: Option<Vec<usize>>,
     elements: Vec<Digest>,
     constraints: Vec<Digest>,
+    events: Vec<Digest>,
     parameters: usize,
 }
 
 fn law<P>(part: &Attached<P>, own: Digest) -> Digest {
     let nodes: Vec<usize> = part.nodes.iter().map(|node| node.0).collect();
     Digest::of(&(nodes, &part.parameters, own))
+}
+
+fn law_of_event(own: &Event) -> Digest {
+    let Event { condition, directions, once, ends_run, resets } = own;
+    let resets: Vec<_> = resets.iter().map(|own| (law(&own.values, own.values.physics.digest()), &own.targets)).collect();
+    Digest::of(&(law(condition, condition.physics.digest()), directions, once, ends_run, resets))
 }
 
 impl Model {
@@ -45,6 +52,7 @@ impl Model {
                 .chain(&self.holds)
                 .map(|own| law(own, of_constraint(&own.physics)))
                 .collect(),
+            events: self.events.iter().map(law_of_event).collect(),
             parameters: self.parameters,
         }
     }
@@ -54,8 +62,8 @@ impl StructuralSignature {
     /// What differs from another one, in words, with the names of the model whose signature this is.
     pub fn difference(&self, other: &StructuralSignature, model: &Model) -> Option<String> {
         let first = |own: &[Digest], other: &[Digest]| own.iter().zip(other).position(|(own, other)| own != other);
-        let counts = [&self.nodes, &self.elements, &self.constraints].map(Vec::len);
-        let others = [&other.nodes, &other.elements, &other.constraints].map(Vec::len);
+        let counts = [&self.nodes, &self.elements, &self.constraints, &self.events].map(Vec::len);
+        let others = [&other.nodes, &other.elements, &other.constraints, &other.events].map(Vec::len);
         if let Some(node) = first(&self.nodes, &other.nodes) {
             return Some(format!("the kind of node \"{}\"", model.nodes[node].name));
         }
@@ -63,14 +71,15 @@ impl StructuralSignature {
             .elements
             .iter()
             .map(|own| &own.name)
-            .chain(model.constraints.iter().chain(&model.holds).map(|own| &own.name));
-        let [own, others_laws] = [self, other].map(|laws| [&laws.elements[..], &laws.constraints].concat());
+            .chain(model.constraints.iter().chain(&model.holds).map(|own| &own.name))
+            .chain(model.events.iter().map(|own| &own.condition.name));
+        let [own, others_laws] = [self, other].map(|laws| [&laws.elements[..], &laws.constraints, &laws.events].concat());
         match (first(&own, &others_laws), counts == others && self.parameters == other.parameters) {
             (Some(place), true) => {
                 let name = parts.into_iter().nth(place).map_or("", String::as_str);
                 Some(format!("the law of \"{name}\": its formula, its options, times of its jumps, or its nodes"))
             }
-            (_, false) => Some("the number of nodes, elements, joints or parameters".into()),
+            (_, false) => Some("the number of nodes, elements, joints, events or parameters".into()),
             (None, true) if self.spin != other.spin => Some("what turns steadily at the start".into()),
             (None, true) => None,
         }

@@ -5,7 +5,7 @@ use super::reactions::{AdjointSeeds, add_least_multipliers_transposed, least_mul
 use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleSeeds, Times};
 use crate::assembly::{Clock, ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::{Place, StartRecord, StepRecord, SwitchWatch};
+use crate::integrators::{Place, SetNumber, StartRecord, StepRecord, SwitchWatch};
 use crate::program::{Formula, ProgramWork, SwitchKind};
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -89,6 +89,14 @@ impl<S: RunScalar> Sample<S> {
         if let Some(last) = step.stages.last() {
             last.solve.write_acceleration(&mut self.at.a);
             self.mu.clone_from(&last.solve.unknowns.mu);
+        }
+    }
+
+    /// Goes over to what events set at the end of a step.
+    pub(crate) fn follow_events(&mut self, step: &StepRecord<S>) {
+        for SetNumber { target, value } in &step.set {
+            let (order, dof) = target.place();
+            (if order == 0 { &mut self.at.q } else { &mut self.at.v })[dof] = *value;
         }
     }
 

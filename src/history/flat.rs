@@ -1,9 +1,9 @@
 //! Records as plain bytes, the same in memory, in files and of checkpoints: numbers in order, little-endian, lists after their length.
 
-use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
+use crate::assembly::{Equations, Level, StageCoefficients, Target, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pause, Prediction, Renewal,
-    Scheme, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState,
+    Scheme, SetNumber, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState,
     StepState, Track,
 };
 
@@ -167,6 +167,17 @@ listed! {
     Scheme { Main, Starter }
 }
 
+impl Flat for Target {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        let (order, dof) = self.place();
+        (order == 1, dof).put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let (is_rate, dof) = Flat::take(bytes)?;
+        Some(if is_rate { Target::Rate(dof) } else { Target::Coordinate(dof) })
+    }
+}
+
 /// All fields in order; one that is missing here does not compile.
 macro_rules! flat {
     ($($record:ident $(<$scalar:ty>)? { $($field:ident),* })*) => {$(
@@ -191,6 +202,7 @@ flat! {
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
     SideChange { switch, sides }
+    SetNumber<f64> { target, value }
     StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }

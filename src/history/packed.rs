@@ -12,6 +12,7 @@ impl Flat for StepRecord<f64> {
         self.scheme.put(bytes);
         self.dropped.put(bytes);
         self.switched.put(bytes);
+        self.set.put(bytes);
         self.restart.put(bytes);
         self.carried.put(bytes);
         self.stages.len().put(bytes);
@@ -76,6 +77,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     step.scheme = Flat::take(bytes)?;
     retake(&mut step.dropped, bytes)?;
     retake(&mut step.switched, bytes)?;
+    retake(&mut step.set, bytes)?;
     step.restart = Flat::take(bytes)?;
     step.carried.resize_with(usize::take(bytes)?, Vec::new);
     step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;

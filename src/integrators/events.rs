@@ -1,15 +1,17 @@
-//! Switches of elements at which steps end.
+//! Switches of elements, and conditions of events, at which steps end.
 //!
 //! The residual of an element uses, in a step, the sides of its switches that hold at the start of the step, whatever its numbers tell: the step is
 //! a smooth map of its length. Where the number g(q, v, t, p) of a switch passes the end of its side at the end of a step, that step is made again
 //! with the length h for which g = 0 but for round-off; the next one goes on with the other side. The time of the event is thus a property of the
-//! discrete run, with derivatives by g = 0.
+//! discrete run, with derivatives by g = 0. Where an event happens, what it sets gets its values from the state at the end of the step, from which the
+//! next one then starts.
 //!
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I, II.6; Galan, Feehery, Barton, Appl. Numer. Math. 31 (1999), for the derivatives.
 
 use super::crossings::Place;
-use crate::assembly::Model;
+use crate::assembly::{Attached, Event, Model, Reset, Target};
 use crate::elements::RunScalar;
+use crate::design::shortest;
 use crate::program::{Excess, Formula, ProgramWork, Reads, Switches};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,7 +19,7 @@ use std::sync::Arc;
 /// A side that changes between two steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideChange {
-    /// Number of the switch among all of the model.
+    /// Number of the switch among all of the model; behind these one for each event that happens no second time, 1 where it has.
     pub switch: usize,
     /// The side before, and behind.
     pub sides: [f64; 2],
@@ -32,11 +34,20 @@ pub struct Moment<'s, S> {
     pub t: S,
 }
 
-/// An element with switches.
+/// A number that an event has set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetNumber<S> {
+    pub target: Target,
+    pub value: S,
+}
+
+/// An element or event with switches.
 struct Part {
     name: String,
     switches: Switches,
     places: Vec<Place>,
+    /// Number of the event, if it is one.
+    event: Option<usize>,
     /// Number of its first switch.
     first: usize,
     count: usize,
@@ -46,28 +57,169 @@ struct Part {
 #[derive(Default)]
 pub struct Events {
     parts: Vec<Part>,
+    events: Vec<Happening>,
     /// Where the sides stand in p.
     places: Vec<usize>,
     work: ProgramWork<f64>,
     numbers: Vec<f64>,
 }
 
+/// An event of the model.
+struct Happening {
+    directions: [bool; 2],
+    once: bool,
+    ends_run: bool,
+    resets: Vec<(Reset, Vec<Place>)>,
+}
+
+/// A part before its switches are known.
+type Switching<'m, P> = (&'m Attached<P>, &'m Arc<Formula>, usize);
+
 impl Events {
     pub fn new(model: &Model) -> Self {
         let mut events = Events::default();
-        let mut known: HashMap<*const Formula, Option<Switches>> = HashMap::new();
+        let mut known = HashMap::new();
         for own in model.elements.iter().filter(|own| own.physics.sides() > 0) {
-            let formula = own.physics.residual();
-            let switches = known.entry(Arc::as_ptr(formula)).or_insert_with(|| formula.switches(Reads::Located, false));
-            let Some(switches) = switches.clone() else { continue };
-            let (first, count) = (events.places.len(), own.physics.sides());
-            assert_eq!(switches.count(), count, "each switch of \"{}\" has one side", own.name);
-            events.places.extend(own.parameters.end - count..own.parameters.end);
-            let lists: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
-            let places = super::crossings::places(model, lists, &own.nodes, &own.parameters);
-            events.parts.push(Part { name: own.name.clone(), switches, places, first, count });
+            let of_element: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
+            events.add(model, &mut known, (own, own.physics.residual(), own.physics.sides()), of_element, None);
+        }
+        for (number, Event { condition, directions, once, ends_run, resets }) in model.events.iter().enumerate() {
+            events.add(model, &mut known, (condition, &condition.physics, 1), OF_EVENT, Some(number));
+            let places = |own: &Reset| {
+                super::crossings::places(model, OF_EVENT, &own.values.nodes, &own.values.parameters)
+            };
+            let resets = resets.iter().map(|own| (own.clone(), places(own))).collect();
+            events.events.push(Happening { directions: *directions, once: *once, ends_run: *ends_run, resets });
         }
         events
+    }
+
+    fn add<P>(
+        &mut self,
+        model: &Model,
+        known: &mut HashMap<*const Formula, Option<Switches>>,
+        (own, formula, count): Switching<P>,
+        lists: &[fn(usize) -> Place],
+        event: Option<usize>,
+    ) {
+        let switches = known.entry(Arc::as_ptr(formula)).or_insert_with(|| formula.switches(Reads::Located, false));
+        let Some(switches) = switches.clone() else { return };
+        assert_eq!(switches.count(), count, "each switch of \"{}\" has one side", own.name);
+        let first = self.places.len();
+        self.places.extend(own.parameters.end - count..own.parameters.end);
+        let places = super::crossings::places(model, lists, &own.nodes, &own.parameters);
+        self.parts.push(Part { name: own.name.clone(), switches, places, event, first, count });
+    }
+
+    /// Number of switches.
+    pub fn switches(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Number of sides: of all switches, and whether events that happen once have happened.
+    pub fn sides_in_all(&self) -> usize {
+        self.places.len() + self.events.len()
+    }
+
+    /// Which events happen where sides change so, each once, with the changes that keep in mind that it has; `sides` are those before.
+    pub fn happening(&self, changes: &[SideChange], sides: &[f64]) -> Vec<usize> {
+        let mut all = Vec::new();
+        for SideChange { switch, sides: [before, _] } in changes.iter().filter(|own| own.switch < self.switches()) {
+            let Some(event) = self.part(*switch).event else { continue };
+            let Happening { directions: [rising, falling], once, .. } = self.events[event];
+            let is_wanted = if *before > 0.0 { rising } else { falling };
+            let is_over = once && sides.get(self.switches() + event).is_some_and(|has_been| *has_been > 0.0);
+            if is_wanted && !is_over && !all.contains(&event) {
+                all.push(event);
+            }
+        }
+        all
+    }
+
+    /// The change that keeps in mind that an event has happened which does so once.
+    pub fn has_happened(&self, event: usize) -> Option<SideChange> {
+        let switch = self.switches() + event;
+        self.events[event].once.then_some(SideChange { switch, sides: [0.0, 1.0] })
+    }
+
+    /// Whether an event ends the run.
+    pub fn ends_run(&self, event: usize) -> bool {
+        self.events[event].ends_run
+    }
+
+    /// Writes what an event sets into the rates and coordinates of a state, and appends it to a list.
+    pub fn reset<S: RunScalar>(
+        &self,
+        event: usize,
+        [v, q]: [&mut Vec<S>; 2],
+        t: S,
+        p: &[S],
+        list: &mut Vec<SetNumber<S>>,
+    ) -> Result<(), String> {
+        for (reset, places) in &self.events[event].resets {
+            let inputs = inputs(places, &Moment { a: &[], v, q, t }, p);
+            let formula = &reset.values.physics;
+            let mut outputs = vec![S::zero(); formula.outputs.len()];
+            S::run(formula.values(), &inputs, &mut outputs, &mut ProgramWork::default());
+            for (&target, &value) in reset.targets.iter().zip(&outputs) {
+                if !value.value().is_finite() {
+                    let (name, t) = (&reset.values.name, shortest(t.value()));
+                    return Err(format!("event \"{name}\" at t = {t} s: what it sets is not a number there"));
+                }
+                let (order, dof) = target.place();
+                (if order == 0 { &mut *q } else { &mut *v })[dof] = value;
+                list.push(SetNumber { target, value });
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes back through what an event sets: from the adjoints of rates and coordinates behind it to those before, those of parameters, and the one of
+    /// the time, which is returned.
+    pub fn reset_back(
+        &self,
+        event: usize,
+        [v, q]: [&[f64]; 2],
+        (t, p): (f64, &[f64]),
+        [v_bar, q_bar, p_bar]: [&mut [f64]; 3],
+    ) -> f64 {
+        // the states before each
+        let mut states = vec![[v.to_vec(), q.to_vec()]];
+        for (reset, places) in &self.events[event].resets {
+            let [mut v, mut q] = states[states.len() - 1].clone();
+            let formula = &reset.values.physics;
+            let mut outputs = vec![0.0; formula.outputs.len()];
+            let inputs = inputs(places, &Moment { a: &[], v: &v, q: &q, t }, p);
+            f64::run(formula.values(), &inputs, &mut outputs, &mut ProgramWork::default());
+            for (target, &value) in reset.targets.iter().zip(&outputs) {
+                let (order, dof) = target.place();
+                (if order == 0 { &mut q } else { &mut v })[dof] = value;
+            }
+            states.push([v, q]);
+        }
+        let mut t_bar = 0.0;
+        for ((reset, places), [v, q]) in self.events[event].resets.iter().zip(&states).rev() {
+            let bars: Vec<f64> = reset.targets.iter().map(|target| {
+                let (order, dof) = target.place();
+                std::mem::take(&mut (if order == 0 { &mut *q_bar } else { &mut *v_bar })[dof])
+            }).collect();
+            let inputs = inputs(places, &Moment { a: &[], v, q, t }, p);
+            for (result, bar) in bars.into_iter().enumerate().filter(|(_, bar)| *bar != 0.0) {
+                let program = reset.values.physics.gradient(&[result]);
+                let mut entries = vec![0.0; program.outputs()];
+                program.run(&inputs, &mut entries, &mut ProgramWork::default());
+                for (&label, &entry) in program.labels().iter().zip(&entries) {
+                    match places[label as usize] {
+                        Place::V(dof) => v_bar[dof] += bar * entry,
+                        Place::Q(dof) => q_bar[dof] += bar * entry,
+                        Place::P(index) => p_bar[index] += bar * entry,
+                        Place::Time => t_bar += bar * entry,
+                        Place::A(_) | Place::Mu(_) => {}
+                    }
+                }
+            }
+        }
+        t_bar
     }
 
     pub fn is_empty(&self) -> bool {
@@ -92,6 +244,7 @@ impl Events {
         {
             sides[switch] = own.other;
         }
+        sides.resize(self.sides_in_all(), 0.0);
         sides
     }
 
@@ -131,17 +284,24 @@ impl Events {
     }
 }
 
+/// Lists of the arguments of an event's formulas.
+const OF_EVENT: &[fn(usize) -> Place] = &[Place::V, Place::Q];
+
+fn inputs<S: RunScalar>(places: &[Place], moment: &Moment<S>, p: &[S]) -> Vec<S> {
+    let value = |place: &Place| match *place {
+        Place::A(dof) => moment.a[dof],
+        Place::V(dof) => moment.v[dof],
+        Place::Q(dof) => moment.q[dof],
+        Place::P(index) => p[index],
+        Place::Time => moment.t,
+        Place::Mu(_) => S::zero(),
+    };
+    places.iter().map(value).collect()
+}
+
 impl Part {
     fn inputs<S: RunScalar>(&self, moment: &Moment<S>, p: &[S]) -> Vec<S> {
-        let value = |place: &Place| match *place {
-            Place::A(dof) => moment.a[dof],
-            Place::V(dof) => moment.v[dof],
-            Place::Q(dof) => moment.q[dof],
-            Place::P(index) => p[index],
-            Place::Time => moment.t,
-            Place::Mu(_) => S::zero(),
-        };
-        self.places.iter().map(value).collect()
+        inputs(&self.places, moment, p)
     }
 
     /// Rates of the arguments along the motion.

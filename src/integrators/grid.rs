@@ -35,6 +35,8 @@ pub struct TimeGrid {
     pub events: BTreeMap<usize, Vec<SideChange>>,
     /// How many equal steps were asked for; 0 where steps were chosen.
     pub(super) asked: usize,
+    /// End for which they were, where an event ended the run before it.
+    pub(super) laid_end: Option<f64>,
 }
 
 /// A stretch longer than a whole number of steps by less than this share of one has that number.
@@ -65,7 +67,7 @@ impl TimeGrid {
 
     /// Steps to be laid from a time on, for so many equal ones; 0 for steps to be chosen.
     pub(super) fn begin(t: f64, asked: usize) -> Self {
-        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), events: BTreeMap::new(), asked }
+        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), events: BTreeMap::new(), asked, laid_end: None }
     }
 
     fn boundaries(&self) -> impl Iterator<Item = usize> {
@@ -105,18 +107,26 @@ impl TimeGrid {
         Ok(moved)
     }
 
+    /// The end for which it was laid \[s\].
+    pub(crate) fn end(&self) -> f64 {
+        self.laid_end.unwrap_or(self.times[self.steps()])
+    }
+
     /// The steps as they were laid before a run found events, which each run finds anew; chosen ones without the ends at events.
     fn without_events(&self) -> Self {
         let mut grid = Self::begin(self.times[0], self.asked);
-        let h = (self.times[self.steps()] - self.times[0]) / self.asked as f64;
+        let h = (self.end() - self.times[0]) / self.asked as f64;
         let places: Vec<usize> = self.boundaries().collect();
         for (first, last) in places.iter().copied().zip(places.iter().copied().skip(1)) {
             let has_events = self.events.range(first..last).next().is_some();
             if has_events && self.asked > 0 {
-                grid.add_stretch(self.times[last], h);
+                grid.add_stretch(if last == self.steps() { self.end() } else { self.times[last] }, h);
             } else {
                 let kept = (first + 1..=last).filter(|place| !self.events.contains_key(place));
                 grid.times.extend(kept.map(|place| self.times[place]));
+                if last == self.steps() && let Some(end) = self.laid_end {
+                    grid.times.push(end);
+                }
             }
             self.breakpoints.get(&last).map(|numbers| grid.breakpoints.insert(grid.steps(), numbers.clone()));
         }
@@ -130,7 +140,7 @@ impl TimeGrid {
             return 0.0;
         }
         let [own, next] = [self.times[end] - self.times[end - 1], self.times[end + 1] - self.times[end]];
-        let is_half = self.is_fixed(end + 1) && (own - next).abs() <= SAME_TIME * own;
+        let is_half = self.is_fixed(end + 1) && !self.events.contains_key(&(end + 1)) && (own - next).abs() <= SAME_TIME * own;
         if is_half { 0.5 } else { 1.0 }
     }
 
@@ -153,14 +163,17 @@ impl TimeGrid {
 
     /// Whether another grid was laid for the same run.
     pub(crate) fn is_of_same_run(&self, other: &TimeGrid) -> bool {
-        (self.asked, self.times[self.steps()]) == (other.asked, other.times[other.steps()])
+        (self.asked, self.end()) == (other.asked, other.end())
     }
 
     pub(crate) fn halved(&self) -> Self {
+        if !self.events.is_empty() {
+            return self.without_events().halved();
+        }
         let mut times = vec![self.times[0]];
         times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));
         let breakpoints = self.breakpoints.iter().map(|(index, numbers)| (2 * index, numbers.clone())).collect();
-        TimeGrid { times, breakpoints, events: BTreeMap::new(), asked: 2 * self.asked }
+        TimeGrid { times, breakpoints, events: BTreeMap::new(), asked: 2 * self.asked, laid_end: None }
     }
 
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.

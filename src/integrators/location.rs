@@ -141,8 +141,7 @@ fn unmade<S: RunScalar>(
 fn changes<S: RunScalar>(stepper: &Stepper<S>, switch: usize, ends: &[Excess], t: f64) -> Vec<SideChange> {
     let sides = &stepper.between.sides;
     let change = |switch: usize| SideChange { switch, sides: [sides[switch], ends[switch].other] };
-    let is_there = |own: &Excess| own.by > own.round_off(t) || own.by.abs() <= own.round_off(t) && own.rate > 0.0;
-    let others = (0..ends.len()).filter(|&other| other != switch && is_there(&ends[other]));
+    let others = (0..ends.len()).filter(|&other| other != switch && ends[other].is_passed(t));
     [switch].into_iter().chain(others).map(change).collect()
 }
 

@@ -56,8 +56,8 @@ impl Method {
     }
 
     /// Whether steps end at switches of elements: not in equilibria, nor where elements add impulses of a step.
-    pub(crate) fn ends_at_switches(&self) -> bool {
-        self.locates && !self.table.is_static() && self.table.variational.is_none()
+    pub(crate) fn ends_at_switches(&self, model: &Model) -> bool {
+        (self.locates || !model.events.is_empty()) && !self.table.is_static() && self.table.variational.is_none()
     }
 
     pub(crate) fn unreduced(&self) -> Self {

@@ -66,7 +66,7 @@ pub use crossings::Crossing;
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub use error::{RunError, Stop};
 #[doc(hidden)]
-pub use events::SideChange;
+pub use events::{SetNumber, SideChange};
 pub(crate) use events::{Events, Moment};
 pub(crate) use given::{march, march_along, march_dividing, march_given};
 pub use grid::TimeGrid;

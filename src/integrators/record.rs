@@ -1,4 +1,4 @@
-use super::{Pause, RunError, Scheme, SideChange, StepRule};
+use super::{Pause, RunError, Scheme, SetNumber, SideChange, StepRule};
 use crate::assembly::{Clock, Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::scalar::Scalar;
 
@@ -69,6 +69,8 @@ pub struct StepRecord<S> {
     pub q: Vec<S>,
     /// Velocities at the end.
     pub v: Vec<S>,
+    /// What events set there, from where the next step goes on.
+    pub set: Vec<SetNumber<S>>,
 }
 
 clone_fields!(SolveRecord { t, equations, base, unknowns });
@@ -87,7 +89,8 @@ clone_fields!(StepRecord {
     position_projection,
     velocity_projection,
     q,
-    v
+    v,
+    set
 });
 
 impl<S: Scalar> StepRecord<S> {

@@ -104,6 +104,14 @@ impl<'c> RunInterval<'c> {
         self.grid.events.insert(self.grid.steps(), changes);
     }
 
+    /// Ends at an event, where the last step ended.
+    pub fn stop(&mut self) {
+        if !self.at_end() {
+            self.grid.laid_end = Some(self.stretches.end());
+            self.target = self.stretches.times.len();
+        }
+    }
+
     fn is_made_again(&self) -> bool {
         !self.stretches.events.is_empty()
     }

@@ -137,7 +137,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<Self, RunError> {
         let [acceleration, stage, start] = solvers(method, system)?;
         let dropped = system.options.dropped.clone();
-        let events = method.ends_at_switches().then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
+        let events = method.ends_at_switches(problem.model).then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
         Ok(Stepper {
             problem,
             method,
@@ -419,7 +419,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let scheme = self.method.table.scheme_at(grid, index);
         self.step_over(scheme, grid.span(index), grid.is_interrupted(index), guided)?;
         if let Some(changes) = grid.events.get(&(index + 1)) {
-            self.switch(changes);
+            self.pass(changes.clone(), true)?;
         }
         Ok(&self.record)
     }
@@ -528,18 +528,66 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
     }
 
-    /// Goes over to other sides of switches.
-    pub(super) fn switch(&mut self, changes: &[SideChange]) {
-        changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
-        self.between.switched = changes.to_vec();
+    /// Goes over to other sides of switches at the end of the step made last, and lets events happen: returns all sides that change, and whether the
+    /// run ends there. What events set may change more of them, unless the changes are those of a run that is made again.
+    pub(super) fn pass(
+        &mut self,
+        mut changes: Vec<SideChange>,
+        is_made_again: bool,
+    ) -> Result<(Vec<SideChange>, bool), RunError> {
+        let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
+        let before = self.between.sides.clone();
+        let (mut happened, mut ends_run) = (Vec::new(), false);
+        loop {
+            changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
+            let all = events.happening(&changes, &before);
+            let next: Vec<usize> = all.into_iter().filter(|event| !happened.contains(event)).collect();
+            if next.is_empty() {
+                break;
+            }
+            for &event in &next {
+                ends_run |= events.ends_run(event);
+                if let Err(why) = self.reset(&events, event) {
+                    return Err(RunError::Input(why));
+                }
+            }
+            if !is_made_again {
+                changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
+                let (sides, end) = (&self.between.sides, self.record.end);
+                let passed = self.excesses_of(&mut events, false).into_iter().enumerate();
+                let passed = passed.filter(|(_, own)| own.is_passed(end));
+                changes.extend(passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] }));
+            }
+            happened.extend(next);
+        }
+        self.between.switched.clone_from(&changes);
+        self.events = Some(events);
         self.write_sides();
         // matrices of the other sides are of no use
         [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
+        Ok((changes, ends_run))
+    }
+
+    /// Sets what an event sets at the end of the step made last.
+    fn reset(&mut self, events: &Events, event: usize) -> Result<(), String> {
+        let [q, v, ..] = &mut self.between.carried[..] else { unreachable!("q and v are carried first") };
+        let (end, clock) = (self.record.end, self.clock);
+        clock.iter().for_each(|clock| v.iter_mut().for_each(|v| *v *= clock.pace()));
+        let t = clock.map_or(S::from(end), |clock| clock.time(end));
+        events.reset(event, [v, q], t, &self.p, &mut self.record.set)?;
+        clock.iter().for_each(|clock| v.iter_mut().for_each(|v| *v *= clock.length()));
+        Ok(())
     }
 
     /// How far the switches are beyond the ends of their sides at the start of the step made last, and at its end.
     pub(super) fn excesses(&mut self, at_start: bool) -> Vec<Excess> {
-        let Some(events) = &mut self.events else { return Vec::new() };
+        let Some(mut events) = self.events.take() else { return Vec::new() };
+        let all = self.excesses_of(&mut events, at_start);
+        self.events = Some(events);
+        all
+    }
+
+    fn excesses_of(&self, events: &mut Events, at_start: bool) -> Vec<Excess> {
         let (state, t) = match at_start {
             true => (&self.record.carried, self.record.t),
             false => (&self.between.carried, self.record.end),
@@ -629,6 +677,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.switched = std::mem::take(&mut state.switched);
         record.clock = self.clock;
         record.restart = None;
+        record.set.clear();
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
         } else if solves {

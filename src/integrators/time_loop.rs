@@ -160,8 +160,11 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
         };
         match changes {
             Some(changes) => {
-                stepper.switch(&changes);
+                let (changes, ends_run) = stepper.pass(changes, is_made_again)?;
                 interval.advance_over(reached, changes);
+                if ends_run {
+                    interval.stop();
+                }
             }
             None => interval.advance(reached),
         }

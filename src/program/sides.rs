@@ -44,6 +44,21 @@ impl Formula {
         }))
     }
 
+    /// The formula of one comparison, with its side as an argument behind the parameters, whatever decides it.
+    ///
+    /// # Errors
+    /// As for [`Formula::with_sides`].
+    pub fn with_side_of_result(&self) -> Result<Arc<Formula>, String> {
+        let widened = self.with_sides_unread(1)?;
+        let place = widened.arguments().of_kinds(&[Side]).iter().position(|is_side| *is_side);
+        Ok(widened.derived(|graph, x, outputs| {
+            let side = x[place.unwrap_or_default()];
+            let zero = graph.zero();
+            let holds = graph.binary(Binary::Less, zero, side);
+            vec![graph.select(side, holds, outputs[0])]
+        }))
+    }
+
     /// The formula with so many sides among its arguments that it does not read.
     ///
     /// # Errors

@@ -463,6 +463,11 @@ impl Excess {
     pub fn round_off(&self, t: f64) -> f64 {
         ROUNDINGS * f64::EPSILON * (self.terms + (self.rate * t).abs())
     }
+
+    /// Whether the number is beyond the end, or at it on the way there.
+    pub fn is_passed(&self, t: f64) -> bool {
+        self.by > self.round_off(t) || self.by.abs() <= self.round_off(t) && self.rate > 0.0
+    }
 }
 
 impl Side {

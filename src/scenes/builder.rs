@@ -2,6 +2,7 @@ mod beams;
 mod cables;
 mod carriers;
 mod entries;
+mod events;
 mod forces;
 mod free_mesh;
 mod functionals;

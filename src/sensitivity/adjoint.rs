@@ -4,7 +4,9 @@
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
 use super::solvers::StepSolvers;
-use super::transposed::{Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros};
+use super::transposed::{
+    Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros, shifting_clock,
+};
 use crate::assembly::{Model, System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{
@@ -79,6 +81,7 @@ pub fn adjoint(
         measured: Vec::new(),
         updated: Vec::new(),
         sample: Sample::empty(),
+        ending: Vec::new(),
     };
     sweep.run(rerun, history)
 }
@@ -103,6 +106,8 @@ struct Sweep<'m> {
     measured: Vec<Measured>,
     updated: Vec<Vec<f64>>,
     sample: Sample<f64>,
+    /// What functionals read of the solution of the last stage, where an event ends the run.
+    ending: Vec<(usize, SolutionSeed)>,
 }
 
 impl<'m> Sweep<'m> {
@@ -122,7 +127,7 @@ impl<'m> Sweep<'m> {
             self.sides = history.start_record().map_or_else(Vec::new, |start| start.sides.clone());
             let changes = rerun.grid.events.values().flatten();
             changes.for_each(|change| self.sides[change.switch] = change.sides[1]);
-            self.events.write(&self.sides, &mut self.p);
+            self.change_back(rerun.grid.events.get(&rerun.grid.steps()).map_or(&[][..], Vec::as_slice));
         }
         let mut solvers = StepSolvers::new(&self.system, self.method, self.active)?;
         if solvers.are_apart {
@@ -270,11 +275,16 @@ impl<'m> Sweep<'m> {
 
     /// The place of the step before one, with the sides that it had.
     fn before(&mut self, step: &StepRecord<f64>, place: &StepPlace, grid: &TimeGrid) -> StepPlace {
-        step.switched.iter().for_each(|change| self.sides[change.switch] = change.sides[0]);
         if !step.switched.is_empty() {
-            self.events.write(&self.sides, &mut self.p);
+            self.change_back(&step.switched);
         }
         StepPlace::of(place.index.saturating_sub(1), step.switched.clone(), grid)
+    }
+
+    /// Goes over to the sides before they changed.
+    fn change_back(&mut self, changes: &[SideChange]) {
+        changes.iter().rev().for_each(|change| self.sides[change.switch] = change.sides[0]);
+        self.events.write(&self.sides, &mut self.p);
     }
 
     fn select(
@@ -377,6 +387,9 @@ impl<'m> Sweep<'m> {
                 back.moves[1] = std::mem::take(&mut back.by_event);
             }
         }
+        if ends.is_some() {
+            self.behind_event(step, place, back);
+        }
         if let Some(change) = ends {
             let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
             let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, t: step.end };
@@ -409,6 +422,50 @@ impl<'m> Sweep<'m> {
         }
         back.iter_mut().for_each(|back| back.by_event += of_start * back.moves[0] + of_end * back.moves[1]);
         Ok(())
+    }
+
+    /// Back from behind an event to the end of its step: reads functionals there whose run it ends, and goes back through what events set.
+    fn behind_event(&mut self, step: &StepRecord<f64>, place: &StepPlace, back: &mut [Backward]) {
+        self.ending.clear();
+        if !place.is_before_another {
+            let mut sample = Sample::empty();
+            sample.set_terminal(step);
+            sample.follow_events(step);
+            self.share(&mut sample);
+            let gamma = step.stages.last().map_or(0.0, |last| last.solve.equations.residual.gamma);
+            let clock = shifting_clock([step.t, step.end]);
+            for (k, back) in back.iter_mut().enumerate() {
+                if self.times(k) != Times::End {
+                    continue;
+                }
+                let mut seed = SolutionSeed::zeros(sample.at.a.len(), sample.mu.len());
+                self.read_state(k, &sample, gamma, &mut seed, back);
+                back.moves[1] += self.functionals[k].moves(self.problem.model, &sample, &self.p, (1.0, clock))[1];
+                // an acceleration is carried out of the time of the step, as velocities are
+                let along: f64 = sample.at.a.iter().zip(&seed.x).map(|(a, bar)| a * bar).sum();
+                if along != 0.0 {
+                    let rate = 2.0 * along / (gamma * (step.end - step.t));
+                    back.moves[0] += rate;
+                    back.moves[1] -= rate;
+                }
+                self.ending.push((k, seed));
+            }
+        }
+        let happened = self.events.happening(&place.events_end, &self.sides);
+        let mut states = vec![[step.v.clone(), step.q.clone()]];
+        for &event in &happened {
+            let [mut v, mut q] = states[states.len() - 1].clone();
+            // it was set when the run was made
+            let _ = self.events.reset(event, [&mut v, &mut q], step.end, &self.p, &mut Vec::new());
+            states.push([v, q]);
+        }
+        for (&event, [v, q]) in happened.iter().zip(&states).rev() {
+            for back in &mut back[..self.functionals.len()] {
+                let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
+                let seeds = [&mut v_bar[..], q_bar, &mut back.p];
+                back.moves[1] += self.events.reset_back(event, [v, q], (step.end, &self.p), seeds);
+            }
+        }
     }
 
     /// Velocities and accelerations between two steps are carried into the time of one, or out of it: (1 + s) times as large for each of their
@@ -449,7 +506,12 @@ impl<'m> Sweep<'m> {
             add(&mut stage.mu, 1.0, &back.mu);
             back.mu.fill(0.0);
         }
-        if last_step && (0..back.len()).any(|k| self.times(k) == Times::End) {
+        if !place.events_end.is_empty() {
+            for (k, seed) in self.ending.drain(..) {
+                add(&mut stages[last][k].x, 1.0, &seed.x);
+                add(&mut stages[last][k].mu, 1.0, &seed.mu);
+            }
+        } else if last_step && (0..back.len()).any(|k| self.times(k) == Times::End) {
             let mut sample = Sample::empty();
             sample.set_terminal(step);
             self.share(&mut sample);
@@ -620,7 +682,8 @@ struct StepPlace {
 
 impl StepPlace {
     fn last(grid: &TimeGrid) -> Self {
-        Self::of(grid.steps().saturating_sub(1), Vec::new(), grid)
+        let ends = grid.events.get(&grid.steps()).cloned();
+        Self::of(grid.steps().saturating_sub(1), ends.unwrap_or_default(), grid)
     }
 
     fn of(index: usize, events_end: Vec<SideChange>, grid: &TimeGrid) -> Self {

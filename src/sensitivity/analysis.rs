@@ -133,7 +133,8 @@ impl<'m> Analysis<'m> {
 
     /// Whether steps may end at switches of elements.
     fn ends_at_switches(&self) -> bool {
-        self.method.ends_at_switches() && self.model.elements.iter().any(|element| element.physics.sides() > 0)
+        let has_switches = || self.model.elements.iter().any(|element| element.physics.sides() > 0);
+        self.method.ends_at_switches(self.model) && (!self.model.events.is_empty() || has_switches())
     }
 
     /// Tells runs apart: a file goes on with the same laws, numbers, method and steps alone.
@@ -161,7 +162,7 @@ impl<'m> Analysis<'m> {
         let run = self.fingerprint(&signature.structure, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
-        let mut switches = SwitchWatch::new(self.model, self.method.ends_at_switches());
+        let mut switches = SwitchWatch::new(self.model, self.method.ends_at_switches(self.model));
         self.functionals.iter().for_each(|functional| functional.watch(self.model, &mut switches));
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
         let problem = self.problem(&numbers);

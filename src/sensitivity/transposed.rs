@@ -20,6 +20,10 @@ pub(super) struct SolutionSeed {
 }
 
 impl SolutionSeed {
+    pub fn zeros(unknowns: usize, multipliers: usize) -> Self {
+        SolutionSeed { x: vec![0.0; unknowns], mu: vec![0.0; multipliers] }
+    }
+
     pub fn is_zero(&self) -> bool {
         self.x.iter().chain(&self.mu).all(|&bar| bar == 0.0)
     }
@@ -515,6 +519,13 @@ pub(super) fn moving_clock(span: [f64; 2]) -> Clock<Tangents> {
         part
     });
     Clock::new(span, parts)
+}
+
+/// How time goes where all of it has the second derivative part.
+pub(super) fn shifting_clock(span: [f64; 2]) -> Clock<Tangents> {
+    let mut part = Tangents::from(0.0);
+    part.add_to_part(1, 1.0);
+    Clock::new(span, [part; 2])
 }
 
 /// Unknowns from which each stage of a step may have a solver of its own: below, waking other threads takes longer than a factorization.

@@ -23,6 +23,8 @@ pub(super) enum Built {
     Nothing,
     Node(NodeId),
     Joint(ConstraintId),
+    /// Its number.
+    Event(usize),
     /// Springs and dampers, without multipliers.
     SoftJoint,
     Beam(BeamMember),

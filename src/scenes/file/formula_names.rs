@@ -38,7 +38,8 @@ impl Reader {
     pub(super) fn scope_with_nodes(&mut self, item: usize, raw: &Raw) -> Option<Scope> {
         self.brought = Vec::new();
         let is_state = self.declared[item].section.name == "state";
-        if !is_state && raw.get("nodes").and_then(Raw::table).is_none() {
+        let is_event = self.declared[item].section.name == "event";
+        if !is_state && !is_event && raw.get("nodes").and_then(Raw::table).is_none() {
             return None;
         }
         let before = self.scope.clone();

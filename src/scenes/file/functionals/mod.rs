@@ -2,6 +2,7 @@
 
 mod formula;
 mod of_elements;
+mod of_events;
 mod of_joints;
 mod of_sections;
 mod over;
@@ -11,6 +12,7 @@ use crate::elements::entries::Kind;
 use crate::functionals::Over;
 use crate::functionals::quantities::QUANTITIES;
 use of_elements::OF_ELEMENTS;
+use of_events::EVENT_TIME;
 use of_joints::OF_JOINTS;
 use of_sections::OF_SECTIONS;
 use over::{OVER, over};
@@ -36,8 +38,8 @@ const GROUP: Key = need(
 );
 
 /// What is measured, in the order of the reference page.
-const MEASURANDS: [Measurand; 1 + OF_JOINTS.len() + OF_ELEMENTS.len() + OF_SECTIONS.len()] =
-    joined(&[&[formula::FORMULA], OF_JOINTS, OF_ELEMENTS, OF_SECTIONS]);
+const MEASURANDS: [Measurand; 2 + OF_JOINTS.len() + OF_ELEMENTS.len() + OF_SECTIONS.len()] =
+    joined(&[&[formula::FORMULA, EVENT_TIME], OF_JOINTS, OF_ELEMENTS, OF_SECTIONS]);
 
 const FORMS: [Form; MEASURANDS.len()] = {
     let (mut forms, mut place) = ([MEASURANDS[0].form; MEASURANDS.len()], 0);

@@ -6,6 +6,7 @@ mod cable;
 mod coordinate;
 mod drawing;
 mod element;
+mod event;
 mod group;
 mod hold;
 mod joint;
@@ -49,6 +50,7 @@ const BEFORE_LOADS: &[Section] = &[
     coordinate::SECTION,
     joint_angle::SECTION,
     state::SECTION,
+    event::NUMBER,
     joint::JOINT,
     rigid_interface::SECTION,
     hold::SECTION,
@@ -58,6 +60,7 @@ const BEFORE_LOADS: &[Section] = &[
     springs::SPRING,
     springs::DAMPER,
     element::SECTION,
+    event::EVENT,
 ];
 /// Sections behind them.
 const BEHIND_LOADS: &[Section] = &[drawing::SECTION, functionals::SECTION, mode::SECTION];
