@@ -2,7 +2,7 @@
 
 use super::{Attached, Model, NodeId};
 use crate::elements::split_arguments;
-use crate::program::ArgumentKind::{self, Coordinate, Parameter, Time, Velocity};
+use crate::program::ArgumentKind::{self, Coordinate, Multiplier, Parameter, Time, Velocity};
 use crate::program::{Formula, Recorded};
 use crate::scalar::Scalar;
 use std::sync::Arc;
@@ -14,6 +14,8 @@ pub struct EventArguments<'x> {
     pub v: &'x [Recorded],
     /// Coordinates.
     pub q: &'x [Recorded],
+    /// Multipliers of the joint whose force is looked at.
+    pub mu: &'x [Recorded],
     /// Parameters.
     pub p: &'x [Recorded],
     /// Time \[s\].
@@ -31,8 +33,40 @@ pub struct Event {
     pub once: bool,
     /// Whether the run ends there.
     pub ends_run: bool,
+    /// A joint, and whether it must be there or not for the event to happen.
+    pub while_joint: Option<(usize, bool)>,
     /// What is set, one after the other.
     pub resets: Vec<Reset>,
+    /// Joints that are removed.
+    pub opens: Vec<usize>,
+    /// Joints that are added, by an impact where their equations move.
+    pub closes: Vec<Closing>,
+}
+
+/// A joint of [`Model::constraints`] that an event closes: velocities jump by dv with M dv + A^T L = 0 under all joints, so that what was the rate r
+/// of its equations becomes -e r.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Closing {
+    /// The joint.
+    pub joint: usize,
+    /// How it is hit, where it is a stop; what is locked stays closed.
+    pub stop: Option<Stop>,
+}
+
+/// A stop, g <= 0 or g >= 0.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Stop {
+    /// Places of its restitution e and of the speed below which it is hit with e = 0, in p.
+    pub parameters: [usize; 2],
+    /// Whether g <= 0.
+    pub is_upper: bool,
+}
+
+impl Stop {
+    /// Whether it pushes with a multiplier, of which its force on g is -mu.
+    pub fn pushes(&self, mu: f64) -> bool {
+        if self.is_upper { mu > 0.0 } else { mu < 0.0 }
+    }
 }
 
 /// Coordinates and rates that get other values, all of them from those before.
@@ -63,25 +97,52 @@ impl Target {
     }
 }
 
-fn kinds(n: usize, m: usize) -> [(ArgumentKind, usize); 4] {
-    [(Velocity, n), (Coordinate, n), (Parameter, m), (Time, 1)]
+fn kinds(n: usize, k: usize, m: usize) -> [(ArgumentKind, usize); 5] {
+    [(Velocity, n), (Coordinate, n), (Multiplier, k), (Parameter, m), (Time, 1)]
 }
 
 impl Model {
+    /// Says of a joint that events add or remove it, and whether it is there at the start.
+    pub(crate) fn set_presence(&mut self, joint: usize, is_there: bool) {
+        match self.presence.iter_mut().find(|own| own.0 == joint) {
+            Some(own) => own.1 = is_there,
+            None => self.presence.push((joint, is_there)),
+        }
+    }
+
+    /// Whether events add or remove the joint of an equation.
+    pub(crate) fn comes_and_goes(&self, equation: usize) -> bool {
+        self.presence.iter().any(|(joint, _)| self.constraints[*joint].equations.contains(&equation))
+    }
+
+    /// Whether a joint is there at the start.
+    pub(crate) fn is_there_at_start(&self, joint: usize) -> bool {
+        self.presence.iter().all(|(own, is_there)| *own != joint || *is_there)
+    }
+
+    /// Equations that are not there at the start.
+    pub(crate) fn absent_at_start(&self) -> Vec<usize> {
+        let absent = self.presence.iter().filter(|own| !own.1);
+        let mut rows: Vec<usize> = absent.flat_map(|own| self.constraints[own.0].equations.clone()).collect();
+        rows.sort_unstable();
+        rows
+    }
+
     fn record_instant(
         &self,
         nodes: &[NodeId],
-        parameters: usize,
+        [multipliers, parameters]: [usize; 2],
         formula: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<Arc<Formula>, String> {
-        let (n, m) = (self.dof_count(nodes), parameters);
-        Formula::record(kinds(n, m), |x| {
-            let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
-            formula(EventArguments { v, q, p, t: t[0] })
+        let (n, k, m) = (self.dof_count(nodes), multipliers, parameters);
+        Formula::record(kinds(n, k, m), |x| {
+            let [v, q, mu, p, t] = split_arguments(x, [n, n, k, m, 1]);
+            formula(EventArguments { v, q, mu, p, t: t[0] })
         })
     }
 
-    /// Adds an event whose number is a formula of some nodes and of `parameters` numbers; its own side stands behind these.
+    /// Adds an event whose number is a formula of some nodes, of the multipliers of a joint and of `parameters` numbers; its own side stands behind
+    /// these.
     ///
     /// # Errors
     /// A formula that cannot be recorded.
@@ -89,15 +150,18 @@ impl Model {
         &mut self,
         name: &str,
         nodes: &[NodeId],
+        joint: Option<usize>,
         parameters: usize,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Result<&mut Event, String> {
-        let less = self.record_instant(nodes, parameters, |all| vec![number(all).less(Recorded::default())])?;
+        let equations = joint.map_or(0..0, |joint| self.constraints[joint].equations.clone());
+        let less = self.record_instant(nodes, [equations.len(), parameters], |all| vec![number(all).less(Recorded::default())])?;
         let physics = less.with_side_of_result()?;
         let places = self.add_parameters(parameters + 1);
-        let condition =
-            Attached { name: name.into(), nodes: nodes.into(), parameters: places, equations: 0..0, physics };
-        self.events.push(Event { condition, directions: [true; 2], once: false, ends_run: false, resets: Vec::new() });
+        let condition = Attached { name: name.into(), nodes: nodes.into(), parameters: places, equations, physics };
+        let (directions, resets, opens, closes) = ([true; 2], Vec::new(), Vec::new(), Vec::new());
+        let (once, ends_run, while_joint) = (false, false, None);
+        self.events.push(Event { condition, directions, once, ends_run, while_joint, resets, opens, closes });
         let last = self.events.len() - 1;
         Ok(&mut self.events[last])
     }
@@ -114,7 +178,7 @@ impl Model {
         targets: Vec<Target>,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<(), String> {
-        let physics = self.record_instant(nodes, parameters, values)?;
+        let physics = self.record_instant(nodes, [0, parameters], values)?;
         let parameters = self.add_parameters(parameters);
         let name = self.events[event].condition.name.clone();
         let values = Attached { name, nodes: nodes.into(), parameters, equations: 0..0, physics };

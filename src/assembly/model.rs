@@ -81,6 +81,8 @@ pub struct Model {
     pub holds: Vec<Attached<ConstraintPhysics>>,
     /// What happens at instants of the motion.
     pub(crate) events: Vec<Event>,
+    /// Joints that come and go, and whether they are there at the start.
+    pub(crate) presence: Vec<(usize, bool)>,
     /// What turns steadily where a motion begins.
     pub spin: Option<Spin>,
     /// States of first order stand in q, their rates in v, as at rest.

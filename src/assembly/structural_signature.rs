@@ -12,6 +12,7 @@ pub(crate) struct StructuralSignature {
     elements: Vec<Digest>,
     constraints: Vec<Digest>,
     events: Vec<Digest>,
+    presence: Vec<(usize, bool)>,
     parameters: usize,
 }
 
@@ -21,9 +22,9 @@ fn law<P>(part: &Attached<P>, own: Digest) -> Digest {
 }
 
 fn law_of_event(own: &Event) -> Digest {
-    let Event { condition, directions, once, ends_run, resets } = own;
+    let Event { condition, directions, once, ends_run, while_joint, resets, opens, closes } = own;
     let resets: Vec<_> = resets.iter().map(|own| (law(&own.values, own.values.physics.digest()), &own.targets)).collect();
-    Digest::of(&(law(condition, condition.physics.digest()), directions, once, ends_run, resets))
+    Digest::of(&(law(condition, condition.physics.digest()), directions, (once, ends_run, while_joint), resets, opens, closes))
 }
 
 impl Model {
@@ -53,6 +54,7 @@ impl Model {
                 .map(|own| law(own, of_constraint(&own.physics)))
                 .collect(),
             events: self.events.iter().map(law_of_event).collect(),
+            presence: self.presence.clone(),
             parameters: self.parameters,
         }
     }
@@ -80,6 +82,7 @@ impl StructuralSignature {
                 Some(format!("the law of \"{name}\": its formula, its options, times of its jumps, or its nodes"))
             }
             (_, false) => Some("the number of nodes, elements, joints, events or parameters".into()),
+            (None, true) if self.presence != other.presence => Some("which joints are there at the start".into()),
             (None, true) if self.spin != other.spin => Some("what turns steadily at the start".into()),
             (None, true) => None,
         }

@@ -93,10 +93,14 @@ impl<S: RunScalar> Sample<S> {
     }
 
     /// Goes over to what events set at the end of a step.
-    pub(crate) fn follow_events(&mut self, step: &StepRecord<S>) {
+    pub(crate) fn follow_events(&mut self, step: &StepRecord<S>, p: &[S]) {
         for SetNumber { target, value } in &step.set {
             let (order, dof) = target.place();
             (if order == 0 { &mut self.at.q } else { &mut self.at.v })[dof] = *value;
+        }
+        for own in &step.impacts {
+            let factor = own.factor(p);
+            self.at.v.iter_mut().zip(&own.solve.unknowns.x).for_each(|(v, &x)| *v += x * factor);
         }
     }
 
@@ -123,7 +127,7 @@ impl<S: RunScalar> Sample<S> {
     /// Shares the forces of redundant constraints among all of them, if equations were dropped.
     #[doc(hidden)]
     pub fn share(&mut self, model: &Model, p: &[S]) {
-        if !self.dropped.is_empty() && !self.mu.is_empty() {
+        if self.dropped.iter().any(|row| !model.comes_and_goes(*row)) && !self.mu.is_empty() {
             let shared = least_multipliers(model, &self.dropped, p, &self.at.q, &self.mu, self.t);
             self.solved_mu = std::mem::replace(&mut self.mu, shared);
         }

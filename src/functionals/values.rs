@@ -127,7 +127,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             let last = self.last.get_or_insert_with(Sample::empty);
             last.set_terminal(step);
             last.follow(clock);
-            last.follow_events(step);
+            last.follow_events(step, self.p);
         }
         if self.at(Times::Run).next().is_none() {
             return;

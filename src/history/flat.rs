@@ -2,7 +2,7 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Target, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pause, Prediction, Renewal,
+    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause, Prediction, Renewal,
     Scheme, SetNumber, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState,
     StepState, Track,
 };
@@ -203,6 +203,7 @@ flat! {
     Prediction<f64> { tracks }
     SideChange { switch, sides }
     SetNumber<f64> { target, value }
+    ImpactRecord<f64> { event, solve, dropped, restitution }
     StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }

@@ -13,6 +13,7 @@ impl Flat for StepRecord<f64> {
         self.dropped.put(bytes);
         self.switched.put(bytes);
         self.set.put(bytes);
+        self.impacts.put(bytes);
         self.restart.put(bytes);
         self.carried.put(bytes);
         self.stages.len().put(bytes);
@@ -78,6 +79,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     retake(&mut step.dropped, bytes)?;
     retake(&mut step.switched, bytes)?;
     retake(&mut step.set, bytes)?;
+    retake(&mut step.impacts, bytes)?;
     step.restart = Flat::take(bytes)?;
     step.carried.resize_with(usize::take(bytes)?, Vec::new);
     step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;

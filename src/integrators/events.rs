@@ -9,17 +9,19 @@
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I, II.6; Galan, Feehery, Barton, Appl. Numer. Math. 31 (1999), for the derivatives.
 
 use super::crossings::Place;
-use crate::assembly::{Attached, Event, Model, Reset, Target};
+use crate::assembly::{Attached, Closing, Event, Model, Reset, Stop, Target};
 use crate::elements::RunScalar;
 use crate::design::shortest;
 use crate::program::{Excess, Formula, ProgramWork, Reads, Switches};
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A side that changes between two steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideChange {
-    /// Number of the switch among all of the model; behind these one for each event that happens no second time, 1 where it has.
+    /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, and one for
+    /// each joint that comes and goes, 1 where it is there.
     pub switch: usize,
     /// The side before, and behind.
     pub sides: [f64; 2],
@@ -31,6 +33,8 @@ pub struct Moment<'s, S> {
     pub a: &'s [S],
     pub v: &'s [S],
     pub q: &'s [S],
+    /// Multipliers, and their changes by time.
+    pub mu: [&'s [S]; 2],
     pub t: S,
 }
 
@@ -58,6 +62,8 @@ struct Part {
 pub struct Events {
     parts: Vec<Part>,
     events: Vec<Happening>,
+    /// Joints that come and go, their equations, and whether they are there at the start.
+    joints: Vec<(usize, Range<usize>, bool)>,
     /// Where the sides stand in p.
     places: Vec<usize>,
     work: ProgramWork<f64>,
@@ -69,7 +75,11 @@ struct Happening {
     directions: [bool; 2],
     once: bool,
     ends_run: bool,
+    /// Which side of a joint's presence must hold.
+    condition: Option<(usize, f64)>,
     resets: Vec<(Reset, Vec<Place>)>,
+    opens: Vec<usize>,
+    closes: Vec<Closing>,
 }
 
 /// A part before its switches are known.
@@ -83,13 +93,19 @@ impl Events {
             let of_element: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
             events.add(model, &mut known, (own, own.physics.residual(), own.physics.sides()), of_element, None);
         }
-        for (number, Event { condition, directions, once, ends_run, resets }) in model.events.iter().enumerate() {
+        let equations = |joint: usize| model.constraints[joint].equations.clone();
+        events.joints = model.presence.iter().map(|&(joint, is_there)| (joint, equations(joint), is_there)).collect();
+        for (number, own) in model.events.iter().enumerate() {
+            let Event { condition, directions, once, ends_run, while_joint, resets, opens, closes } = own.clone();
+            let condition = &condition;
             events.add(model, &mut known, (condition, &condition.physics, 1), OF_EVENT, Some(number));
+            let place = |joint: usize| model.presence.iter().position(|own| own.0 == joint);
             let places = |own: &Reset| {
                 super::crossings::places(model, OF_EVENT, &own.values.nodes, &own.values.parameters)
             };
-            let resets = resets.iter().map(|own| (own.clone(), places(own))).collect();
-            events.events.push(Happening { directions: *directions, once: *once, ends_run: *ends_run, resets });
+            let resets = resets.into_iter().map(|own| { let places = places(&own); (own, places) }).collect();
+            let condition = while_joint.and_then(|(joint, is_there)| Some((place(joint)?, f64::from(u8::from(is_there)))));
+            events.events.push(Happening { directions, once, ends_run, condition, resets, opens, closes });
         }
         events
     }
@@ -107,7 +123,9 @@ impl Events {
         assert_eq!(switches.count(), count, "each switch of \"{}\" has one side", own.name);
         let first = self.places.len();
         self.places.extend(own.parameters.end - count..own.parameters.end);
-        let places = super::crossings::places(model, lists, &own.nodes, &own.parameters);
+        let mut places = super::crossings::places(model, lists, &own.nodes, &own.parameters);
+        let state = places.len() - own.parameters.len() - 1;
+        places.splice(state..state, own.equations.clone().map(Place::Mu));
         self.parts.push(Part { name: own.name.clone(), switches, places, event, first, count });
     }
 
@@ -116,9 +134,54 @@ impl Events {
         self.places.len()
     }
 
-    /// Number of sides: of all switches, and whether events that happen once have happened.
-    pub fn sides_in_all(&self) -> usize {
-        self.places.len() + self.events.len()
+    /// Place of the side of a joint that comes and goes.
+    fn presence(&self, joint: usize) -> usize {
+        let place = self.joints.iter().position(|own| own.0 == joint);
+        self.switches() + self.events.len() + place.unwrap_or_else(|| unreachable!("a joint of an event comes and goes"))
+    }
+
+    /// The change of a joint that comes or goes; `None` where it is there or gone already.
+    pub fn presence_change(&self, joint: usize, is_there: bool, sides: &[f64]) -> Option<SideChange> {
+        let switch = self.presence(joint);
+        let change = SideChange { switch, sides: [sides[switch], f64::from(u8::from(is_there))] };
+        (change.sides[0] != change.sides[1]).then_some(change)
+    }
+
+    /// That of a stop which is hit without restitution, and to which the motion stays or not.
+    pub fn stays(&self, joint: usize, sides: &[f64], is_held: bool) -> SideChange {
+        let switch = self.presence(joint);
+        SideChange { switch, sides: [sides[switch], f64::from(u8::from(is_held))] }
+    }
+
+    /// Whether a list of changes says of a stop that it is hit without restitution.
+    pub fn is_plastic(&self, joint: usize, changes: &[SideChange]) -> bool {
+        let switch = self.presence(joint);
+        changes.iter().any(|change| change.switch == switch)
+    }
+
+    /// Equations of joints that are not there.
+    pub fn absent(&self, sides: &[f64]) -> Vec<usize> {
+        let first = self.switches() + self.events.len();
+        let gone = self.joints.iter().zip(&sides[first..]).filter(|(_, side)| **side == 0.0);
+        let mut rows: Vec<usize> = gone.flat_map(|(own, _)| own.1.clone()).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// Joints that an event removes, and that it adds.
+    pub fn joints_of(&self, event: usize) -> (&[usize], &[Closing]) {
+        let Happening { opens, closes, .. } = &self.events[event];
+        (opens, closes)
+    }
+
+    /// The change to the side on which a stop pushes, of the switch at which it lets go.
+    pub fn pushing(&self, joint: usize, Stop { is_upper, .. }: &Stop, sides: &[f64]) -> Option<SideChange> {
+        let lets_go = |part: &&Part| part.event.is_some_and(|event| self.events[event].opens.contains(&joint))
+            && part.places.iter().any(|place| matches!(place, Place::Mu(_)));
+        let switch = self.parts.iter().find(lets_go)?.first;
+        // 1: below zero
+        let side = if *is_upper { -1.0 } else { 1.0 };
+        (sides[switch] != side).then_some(SideChange { switch, sides: [sides[switch], side] })
     }
 
     /// Which events happen where sides change so, each once, with the changes that keep in mind that it has; `sides` are those before.
@@ -157,7 +220,7 @@ impl Events {
         list: &mut Vec<SetNumber<S>>,
     ) -> Result<(), String> {
         for (reset, places) in &self.events[event].resets {
-            let inputs = inputs(places, &Moment { a: &[], v, q, t }, p);
+            let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
             let formula = &reset.values.physics;
             let mut outputs = vec![S::zero(); formula.outputs.len()];
             S::run(formula.values(), &inputs, &mut outputs, &mut ProgramWork::default());
@@ -189,7 +252,7 @@ impl Events {
             let [mut v, mut q] = states[states.len() - 1].clone();
             let formula = &reset.values.physics;
             let mut outputs = vec![0.0; formula.outputs.len()];
-            let inputs = inputs(places, &Moment { a: &[], v: &v, q: &q, t }, p);
+            let inputs = inputs(places, &Moment { a: &[], v: &v, q: &q, mu: [&[]; 2], t }, p);
             f64::run(formula.values(), &inputs, &mut outputs, &mut ProgramWork::default());
             for (target, &value) in reset.targets.iter().zip(&outputs) {
                 let (order, dof) = target.place();
@@ -203,7 +266,7 @@ impl Events {
                 let (order, dof) = target.place();
                 std::mem::take(&mut (if order == 0 { &mut *q_bar } else { &mut *v_bar })[dof])
             }).collect();
-            let inputs = inputs(places, &Moment { a: &[], v, q, t }, p);
+            let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
             for (result, bar) in bars.into_iter().enumerate().filter(|(_, bar)| *bar != 0.0) {
                 let program = reset.values.physics.gradient(&[result]);
                 let mut entries = vec![0.0; program.outputs()];
@@ -244,19 +307,28 @@ impl Events {
         {
             sides[switch] = own.other;
         }
-        sides.resize(self.sides_in_all(), 0.0);
+        sides.extend(self.events.iter().map(|_| 0.0));
+        sides.extend(self.joints.iter().map(|own| f64::from(u8::from(own.2))));
         sides
     }
 
     /// How far all switches are beyond the ends of their sides.
     pub fn excesses(&mut self, moment: Moment<f64>, p: &[f64], sides: &[f64]) -> Vec<Excess> {
-        let Events { parts, numbers, work, .. } = self;
+        let first = self.switches() + self.events.len();
+        let Events { parts, events, numbers, work, .. } = self;
         let mut all = Vec::with_capacity(sides.len());
         for part in parts {
             let inputs = part.inputs(&moment, p);
             part.switches.evaluate(&inputs, numbers, work);
             let rates = part.switches.rates(&inputs, &part.direction(&moment), work);
             all.extend(part.switches.excesses(&sides[part.first..part.first + part.count], numbers, &rates));
+            if let Some(last) = all.last_mut()
+                && let Some((joint, side)) = part.event.and_then(|event| events[event].condition)
+                && sides.get(first + joint).is_some_and(|own| *own != side)
+            {
+                // it stays on its side
+                (last.by, last.rate, last.terms) = (-1.0, 0.0, 1.0);
+            }
         }
         all
     }
@@ -294,7 +366,7 @@ fn inputs<S: RunScalar>(places: &[Place], moment: &Moment<S>, p: &[S]) -> Vec<S>
         Place::Q(dof) => moment.q[dof],
         Place::P(index) => p[index],
         Place::Time => moment.t,
-        Place::Mu(_) => S::zero(),
+        Place::Mu(row) => moment.mu[0].get(row).copied().unwrap_or_else(S::zero),
     };
     places.iter().map(value).collect()
 }
@@ -310,7 +382,8 @@ impl Part {
             Place::V(dof) => moment.a[dof],
             Place::Q(dof) => moment.v[dof],
             Place::Time => 1.0,
-            Place::A(_) | Place::P(_) | Place::Mu(_) => 0.0,
+            Place::Mu(row) => moment.mu[1].get(row).copied().unwrap_or(0.0),
+            Place::A(_) | Place::P(_) => 0.0,
         };
         self.places.iter().map(rate).collect()
     }

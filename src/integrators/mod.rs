@@ -82,6 +82,8 @@ pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 pub(crate) use record::{Observer, Replay, Steps};
+#[doc(hidden)]
+pub use record::ImpactRecord;
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;

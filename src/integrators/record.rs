@@ -71,9 +71,25 @@ pub struct StepRecord<S> {
     pub v: Vec<S>,
     /// What events set there, from where the next step goes on.
     pub set: Vec<SetNumber<S>>,
+    /// Impacts there.
+    pub impacts: Vec<ImpactRecord<S>>,
+}
+
+/// An impact at the end of a step.
+#[derive(Debug, PartialEq)]
+pub struct ImpactRecord<S> {
+    /// Number of the event whose it is.
+    pub event: usize,
+    /// The change of velocities x under which the equations of the joints that are hit stand still, and impulses mu.
+    pub solve: SolveRecord<S>,
+    /// Equations that are left out in it.
+    pub dropped: Vec<usize>,
+    /// Place in p of the restitution e: velocities change by (1 + e) x; without one by x.
+    pub restitution: Option<usize>,
 }
 
 clone_fields!(SolveRecord { t, equations, base, unknowns });
+clone_fields!(ImpactRecord { event, solve, dropped, restitution });
 clone_fields!(StageRecord { solve, known });
 clone_fields!(StepRecord {
     t,
@@ -90,8 +106,16 @@ clone_fields!(StepRecord {
     velocity_projection,
     q,
     v,
-    set
+    set,
+    impacts
 });
+
+impl<S: Scalar> ImpactRecord<S> {
+    /// How much of x velocities change by.
+    pub fn factor(&self, p: &[S]) -> S {
+        self.restitution.map_or(S::one(), |place| p[place] + S::one())
+    }
+}
 
 impl<S: Scalar> StepRecord<S> {
     /// Whether the acceleration at its start does not come from a step before, for the number `index` of steps before.

@@ -37,16 +37,17 @@ fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<SparseRow> {
 }
 
 /// The equations to leave out at a state (q, v), so that an independent subset is kept; with `count` exactly so many: those that
-/// depend most on the kept ones.
+/// depend most on the kept ones. Those that are not there now are among them.
 pub(super) fn dependent_equations<S: RunScalar>(
     problem: &Problem<S>,
+    absent: &[usize],
     (q, v): (&[S], &[S]),
     t: f64,
     count: Option<usize>,
 ) -> Vec<usize> {
     let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
     let (model, p) = (problem.model, real(&problem.p));
-    let system = System::new(model, SystemOptions::default());
+    let system = System::new(model, SystemOptions { dropped: absent.to_vec(), ..SystemOptions::default() });
     let (mut residual, mut jacobian) = (Residual::<f64>::default(), Jacobian::default());
     let mut unknowns = Residual::unknowns(&system);
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: real(v), q: real(q) };
@@ -66,9 +67,16 @@ pub(super) struct Watch<S> {
 crate::assembly::empty_fields!(Watch { q, work });
 
 impl<S: RunScalar> Watch<S> {
-    /// The dropped equation that is violated most at a state, if it is violated more than round-off and the kept equations explain, and
+    /// The dropped equation that is there and violated most at a state, if it is violated more than round-off and the kept equations explain, and
     /// by how much.
-    pub fn worst(&mut self, model: &Model, p: &[S], dropped: &[usize], q: &[S], t: f64) -> Option<(usize, f64)> {
+    pub fn worst(
+        &mut self,
+        model: &Model,
+        p: &[S],
+        [dropped, absent]: [&[usize]; 2],
+        q: &[S],
+        t: f64,
+    ) -> Option<(usize, f64)> {
         let (mut worst, mut kept) = ((0, 0.0), 0.0_f64);
         for joint in &model.constraints {
             self.q.clear();
@@ -78,7 +86,7 @@ impl<S: RunScalar> Watch<S> {
                 let g = g.value().abs();
                 if dropped.binary_search(&row).is_err() {
                     kept = kept.max(g);
-                } else if !(g <= worst.1) {
+                } else if !(g <= worst.1) && absent.binary_search(&row).is_err() {
                     worst = (row, g);
                 }
             }

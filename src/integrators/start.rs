@@ -63,7 +63,7 @@ impl StartPlan {
             let resting = problem.model.at_rest(&stays);
             let (model, p) = (&resting.model, resting.parameters(&problem.p));
             let (q, v) = (resting.coordinates(&start.q, &start.v), resting.velocities(&start.v));
-            RestingPlan { dropped: dependent_equations(&Problem { model, p, start }, (&q, &v), 0.0, None), stays }
+            RestingPlan { dropped: dependent_equations(&Problem { model, p, start }, &model.absent_at_start(), (&q, &v), 0.0, None), stays }
         });
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start, equilibrium })
     }
@@ -291,7 +291,7 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
     let size = |x: &[f64]| x.iter().fold(1.0, |s: f64, x| s.max(x.abs()));
     let (length, speed) = (size(&problem.start.q), size(&problem.start.v));
     let mut messages = Vec::new();
-    for joint in &model.constraints {
+    for joint in model.constraints.iter().enumerate().filter(|(own, _)| model.is_there_at_start(*own)).map(|(_, own)| own) {
         let gather =
             |x: &[f64]| joint.nodes.iter().flat_map(|n| x[model.nodes[n.0].dofs.clone()].to_vec()).collect::<Vec<_>>();
         let (q, v) = (gather(&problem.start.q), gather(&problem.start.v));
@@ -319,16 +319,18 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
 fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
     let model = problem.model;
     let place = "start (t = 0 s)";
-    let dependent_at_start = || dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None);
+    let absent = model.absent_at_start();
+    let dependent_at_start = || dependent_equations(problem, &absent, (&problem.start.q, &problem.start.v), 0.0, None);
+    let is_told = |dependent: &[usize]| dependent.len() > absent.len();
     if policy.drop_redundant {
         return Ok(dependent_at_start());
     }
     if table.is_static() {
         // accelerations may not exist: freedoms of an equilibrium need no inertia
         let dependent = dependent_at_start();
-        return if dependent.is_empty() { Ok(dependent) } else { Err(redundant(model, &dependent)) };
+        return if is_told(&dependent) { Err(redundant(model, &dependent)) } else { Ok(dependent) };
     }
-    let system = Arc::new(System::new(model, SystemOptions::default()));
+    let system = Arc::new(System::new(model, SystemOptions { dropped: absent.clone(), ..SystemOptions::default() }));
     let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic).map_err(|_| {
         let hint = "it has no inertia, or nothing holds it: give it a mass or a constraint";
         RunError::singular(place, "an unknown", hint)
@@ -338,19 +340,21 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
     let stage = StageSystem { equations: &Equations::acceleration(), base: &base, p: &problem.p, t: 0.0 };
     let Err(failure) = newton.solve(stage, &mut unknowns) else {
-        return Ok(Vec::new());
+        return Ok(absent);
     };
     // what is no number came before a matrix
     let has_matrix = !newton.jacobian.values.is_empty();
     let dependent = if has_matrix { dependent_at_start() } else { Vec::new() };
-    if dependent.is_empty() {
+    if !is_told(&dependent) {
         return Err(newton.describe(&failure, &Equations::acceleration(), place));
     }
     Err(redundant(model, &dependent))
 }
 
-fn redundant(model: &Model, dependent: &[usize]) -> RunError {
-    let kept: Vec<usize> = (0..model.equations).filter(|row| dependent.binary_search(row).is_err()).collect();
+fn redundant(model: &Model, left_out: &[usize]) -> RunError {
+    let absent = model.absent_at_start();
+    let dependent: Vec<usize> = left_out.iter().copied().filter(|row| absent.binary_search(row).is_err()).collect();
+    let kept: Vec<usize> = (0..model.equations).filter(|row| left_out.binary_search(row).is_err()).collect();
     // of a loop of beams these are hundreds
     const SHOWN: usize = 6;
     let names = |list: &[usize]| {
@@ -363,6 +367,6 @@ fn redundant(model: &Model, dependent: &[usize]) -> RunError {
          let redundant ones be left out (`drop_redundant = true` in [settings] of a scene file, `Settings::dropping_redundant` in a program)",
         dependent.len(),
         model.equations,
-        names(dependent),
+        names(&dependent),
     ))
 }

@@ -7,7 +7,7 @@ use super::grid::{Clocks, clock_at};
 use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
-use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
+use super::record::{ImpactRecord, SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
@@ -18,9 +18,9 @@ use super::{
     Carried, ConstraintLevel, InitialState, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse, StartPlan,
     StepSizeState, Table, TimeGrid, Verdict, unit_part,
 };
-use crate::assembly::{Clock, ConstraintRows, Equations, Residual, System, Unknowns, VectorsAvq};
+use crate::assembly::{Clock, Closing, ConstraintRows, Equations, Residual, Stop, System, Unknowns, VectorsAvq};
 use crate::design::shortest;
-use crate::elements::RunScalar;
+use crate::elements::{RunScalar, State};
 use crate::linalg::sign_of_determinant;
 use crate::program::Excess;
 use std::sync::Arc;
@@ -34,6 +34,8 @@ pub struct Stepper<'m, S> {
     /// Switches at which steps end, if there are any.
     pub(super) events: Option<Box<Events>>,
     constrained: bool,
+    /// Solvers that were not used, without some equations each.
+    analyses: Vec<(Vec<usize>, Newton<'m, S>)>,
     acceleration: Newton<'m, S>,
     stage: Newton<'m, S>,
     start: Newton<'m, S>,
@@ -110,6 +112,10 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
     newton.release().map_err(|singular| RunError::of_pattern("start", singular))
 }
 
+fn add_times<S: RunScalar>(target: &mut [S], values: &[S], factor: S) {
+    target.iter_mut().zip(values).for_each(|(target, &value)| *target += value * factor);
+}
+
 fn real<S: RunScalar>(values: &[S]) -> Vec<f64> {
     values.iter().map(|value| value.value()).collect()
 }
@@ -144,6 +150,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             p: problem.p.clone(),
             events: events.map(Box::new),
             constrained: system.is_constrained(),
+            analyses: Vec::new(),
             acceleration,
             stage,
             start,
@@ -256,7 +263,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             (Some(_), Some(guide)) => guide.sides.clone(),
             (Some(events), None) => {
                 let [q, v, p] = [&q, &v, &self.p].map(|values| real(values));
-                events.sides(Moment { a: &vec![0.0; q.len()], v: &v, q: &q, t }, &p)
+                events.sides(Moment { a: &vec![0.0; q.len()], v: &v, q: &q, mu: [&[]; 2], t }, &p)
             }
             (None, _) => Vec::new(),
         };
@@ -449,7 +456,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.select(&dropped)?;
             self.earlier.choices += 1;
         }
-        if guided.is_some() || !self.chooses || self.between.dropped.is_empty() {
+        if guided.is_some() || !self.chooses || self.between.dropped == self.absent() {
             return self.try_step(scheme, span, start, guided);
         }
         let mut before = std::mem::take(&mut self.before);
@@ -457,7 +464,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut result = self.try_step(scheme, span, start, None).and_then(|()| self.check_dropped(span.1));
         if result.is_err() {
             let (q, v, count) = (&before.carried[0], &before.carried[1], before.dropped.len());
-            let dropped = dependent_equations(self.problem, (q, v), span.0, Some(count));
+            let absent = self.absent();
+            let dropped = dependent_equations(self.problem, &absent, (q, v), span.0, Some(count));
             if dropped != before.dropped {
                 self.select(&dropped)?;
                 self.earlier.choices += 1;
@@ -475,6 +483,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Leaves out another equation where a dropped one follows from the kept ones with a coefficient above [`WEAK`]: these are then
     /// nearly dependent, and errors of the stages grow by it. Exchanging the two makes them more independent by this factor.
     fn exchange(&mut self, t: f64) -> Result<(), RunError> {
+        let absent = self.absent();
         let StepState { step, dropped, carried, chosen_anew, .. } = &mut self.between;
         if !step.is_multiple_of(WATCHED_EVERY) {
             return Ok(());
@@ -485,12 +494,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let (q, v) = (&carried[0], &carried[1]);
         let p = &self.p;
         if self.start.factor_accelerations((q, v), p, t).is_err() {
-            let others = dependent_equations(self.problem, (q, v), t, Some(dropped.len()));
+            let others = dependent_equations(self.problem, &absent, (q, v), t, Some(dropped.len()));
             (*chosen_anew, *dropped) = (others != *dropped, others);
             return Ok(());
         }
         let start = &mut self.start;
-        let weakest = dropped.iter().enumerate().filter_map(|(place, &equation)| {
+        let are_there = dropped.iter().enumerate().filter(|(_, row)| absent.binary_search(row).is_err());
+        let weakest = are_there.filter_map(|(place, &equation)| {
             let (kept, coefficient) = start.largest_coefficient(equation, q, p, t)?;
             Some((place, kept, coefficient.abs()))
         });
@@ -505,8 +515,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
+        let absent = self.absent();
         let StepState { step, dropped, carried, .. } = &self.between;
-        let worst = self.watch.worst(self.problem.model, &self.p, dropped, &carried[0], t);
+        let worst = self.watch.worst(self.problem.model, &self.p, [dropped, &absent], &carried[0], t);
         worst
             .map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {} s)", shortest(t)), worst)))
     }
@@ -518,8 +529,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn renew(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         self.earlier = self.counters();
         [self.acceleration, self.stage, self.start] =
-            solvers(self.method, &self.method.system(self.problem.model, dropped))?;
+            [self.analysis(dropped)?, self.analysis(dropped)?, self.analysis(dropped)?];
         Ok(())
+    }
+
+    /// Equations of joints that are not there.
+    fn absent(&self) -> Vec<usize> {
+        self.events.as_ref().map_or_else(Vec::new, |events| events.absent(&self.between.sides))
     }
 
     fn write_sides(&mut self) {
@@ -547,9 +563,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             for &event in &next {
                 ends_run |= events.ends_run(event);
-                if let Err(why) = self.reset(&events, event) {
-                    return Err(RunError::Input(why));
-                }
+                self.reset(&events, event).map_err(RunError::Input)?;
+                self.change_joints(&events, event, &mut changes, is_made_again)?;
             }
             if !is_made_again {
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
@@ -561,11 +576,142 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             happened.extend(next);
         }
         self.between.switched.clone_from(&changes);
+        let [gone, now] = [&before, &self.between.sides].map(|sides| events.absent(sides));
+        if gone != now {
+            let dropped = &mut self.between.dropped;
+            dropped.retain(|row| gone.binary_search(row).is_err());
+            dropped.extend(now);
+            dropped.sort_unstable();
+            self.between.chosen_anew = true;
+        }
         self.events = Some(events);
         self.write_sides();
         // matrices of the other sides are of no use
         [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
         Ok((changes, ends_run))
+    }
+
+    /// Removes and adds the joints of an event at the end of the step made last.
+    fn change_joints(
+        &mut self,
+        events: &Events,
+        event: usize,
+        changes: &mut Vec<SideChange>,
+        is_made_again: bool,
+    ) -> Result<(), RunError> {
+        let (opens, closes) = events.joints_of(event);
+        if !is_made_again {
+            let sides = &self.between.sides;
+            changes.extend(opens.iter().filter_map(|&joint| events.presence_change(joint, false, sides)));
+        }
+        for Closing { joint, stop } in closes {
+            let sides = &self.between.sides;
+            let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
+            let solve = self.impact(events, *joint)?;
+            let place = self.problem.model.constraints[*joint].equations.start;
+            let (mut restitution, mut is_held) = (None, true);
+            if let Some(Stop { parameters: [e, least], .. }) = stop {
+                // the speed of approach, by what the impact takes away
+                let is_plastic = match is_made_again {
+                    true => events.is_plastic(*joint, changes),
+                    false => self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value(),
+                };
+                (restitution, is_held) = ((!is_plastic).then_some(*e), is_plastic);
+            }
+            let impact = ImpactRecord { event, solve, dropped: self.impact_dropped(events, *joint), restitution };
+            let factor = impact.factor(&self.p) * self.clock.map_or(S::one(), |clock| clock.length());
+            add_times(&mut self.between.carried[1], &impact.solve.unknowns.x, factor);
+            self.record.impacts.push(impact);
+            if is_made_again || !is_held {
+                continue;
+            }
+            match stop {
+                None => changes.push(closing),
+                Some(stop) => {
+                    let mu = self.force_behind(&self.record.impacts[self.record.impacts.len() - 1].dropped.clone(), place)?;
+                    let is_held = stop.pushes(mu);
+                    changes.push(events.stays(*joint, &self.between.sides, is_held));
+                    changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Equations that are left out where a joint is hit.
+    fn impact_dropped(&self, events: &Events, joint: usize) -> Vec<usize> {
+        let hit = &self.problem.model.constraints[joint].equations;
+        let mut dropped = self.between.dropped.clone();
+        // joints that other events at this time have changed
+        let absent = events.absent(&self.between.sides);
+        dropped.retain(|row| !self.problem.model.comes_and_goes(*row));
+        dropped.extend(absent);
+        dropped.sort_unstable();
+        dropped.retain(|row| !hit.contains(row));
+        dropped
+    }
+
+    /// The impact by which the equations of a joint come to rest: M x + A^T mu = 0, A (v + x) + g_t = 0.
+    fn impact(&mut self, events: &Events, joint: usize) -> Result<SolveRecord<S>, RunError> {
+        let (end, t) = (self.record.end, self.record.t);
+        let mut newton = self.analysis(&self.impact_dropped(events, joint))?;
+        newton.residual.clock = self.clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
+        let pace = self.clock.map_or(S::one(), |clock| clock.pace());
+        let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
+        let v = v.iter().map(|&v| v * pace).collect();
+        let mut own = SolveRecord { t: end, equations: Equations::initial_velocity_projection(), ..SolveRecord::default() };
+        own.base = VectorsAvq { a: vec![S::zero(); q.len()], v, q: q.clone() };
+        let name = &self.problem.model.constraints[joint].name;
+        let place = || format!("impact of \"{name}\" (t = {} s)", shortest(end));
+        solve(&mut newton, &mut own, InitialGuess::Zero, &self.p, &place)?;
+        if S::PARTS > 0 {
+            // the search ends with the values, and their derivatives follow in a step of its own
+            let Unknowns { x, mu, local_mu } = &own.unknowns;
+            let known = Unknowns { x: real(x), mu: real(mu), local_mu: real(local_mu) };
+            solve(&mut newton, &mut own, InitialGuess::Solved(&known), &self.p, &place)?;
+        }
+        self.earlier += newton.counters;
+        Ok(own)
+    }
+
+    /// The multiplier of an equation in the motion that goes on from an impact.
+    fn force_behind(&mut self, dropped: &[usize], equation: usize) -> Result<f64, RunError> {
+        let mut newton = self.analysis(dropped)?;
+        let (q, v, end) = (&self.between.carried[0], &self.between.carried[1], self.record.end);
+        let mut own = SolveRecord { t: end, equations: Equations::acceleration(), ..SolveRecord::default() };
+        own.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.clone(), q: q.clone() };
+        let place = || format!("forces behind the impact (t = {} s)", shortest(end));
+        solve(&mut newton, &mut own, InitialGuess::Zero, &self.p, &place)?;
+        self.earlier += newton.counters;
+        Ok(own.unknowns.mu[equation].value())
+    }
+
+    /// Rate of the equation of a stop.
+    fn approach(&self, joint: usize) -> f64 {
+        let own = &self.problem.model.constraints[joint];
+        let gather = |values: &[S]| -> Vec<f64> {
+            let dofs = own.nodes.iter().flat_map(|node| self.problem.model.nodes[node.0].dofs.clone());
+            dofs.map(|dof| values[dof].value()).collect()
+        };
+        let [q, v] = [0, 1].map(|order| gather(&self.between.carried[order]));
+        let p: Vec<f64> = self.p[own.parameters.clone()].iter().map(|p| p.value()).collect();
+        own.physics.motion(State { a: &vec![0.0; q.len()], v: &v, q: &q }, &p, self.record.end)[0][1]
+    }
+
+    /// A solver without those equations, whose pattern was analysed once.
+    fn analysis(&mut self, dropped: &[usize]) -> Result<Newton<'m, S>, RunError> {
+        let known = self.analyses.iter().position(|own| own.0 == dropped);
+        let place = match known {
+            Some(place) => place,
+            None => {
+                let made = newton(self.method, &self.method.system(self.problem.model, dropped))?;
+                self.analyses.push((dropped.to_vec(), made));
+                self.analyses.len() - 1
+            }
+        };
+        let mut own = self.analyses[place].1.clone_analysis().map_err(|singular| RunError::of_pattern("event", singular))?;
+        own.counters = Counters::measuring(self.method.measures_phases);
+        Ok(own)
     }
 
     /// Sets what an event sets at the end of the step made last.
@@ -595,7 +741,18 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let a = self.method.table.carried.iter().position(|kind| *kind == Carried::A);
         let a = a.map_or_else(|| real(&self.between.last.x), |place| real(&state[place]));
         let [q, v, p] = [&state[0], &state[1], &self.p].map(|values| real(values));
-        events.excesses(Moment { a: &a, v: &v, q: &q, t }, &p, &self.between.sides)
+        let [mu, rates] = self.multipliers(at_start);
+        events.excesses(Moment { a: &a, v: &v, q: &q, mu: [&mu, &rates], t }, &p, &self.between.sides)
+    }
+
+    /// Multipliers in the step made last, at its start or end, and their changes by time.
+    fn multipliers(&self, at_start: bool) -> [Vec<f64>; 2] {
+        let stages = &self.record.stages;
+        let (Some(first), Some(last)) = (stages.first(), stages.last()) else { return [Vec::new(), Vec::new()] };
+        let [first, last] = [first, last].map(|stage| (stage.solve.t, real(&stage.solve.unknowns.mu)));
+        let rate = |(end, start): (&f64, &f64)| if last.0 > first.0 { (end - start) / (last.0 - first.0) } else { 0.0 };
+        let rates = last.1.iter().zip(&first.1).map(rate).collect();
+        [if at_start { first.1 } else { last.1 }, rates]
     }
 
     /// Derivative part of a laid time.
@@ -636,7 +793,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut at = VectorsAvq { a: vec![S::zero(); carried[0].len()], v: carried[1].clone(), q: carried[0].clone() };
         let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));
         self.clock.iter().for_each(|clock| clock.set_pace(&mut at));
-        events.number(switch, Moment { a: &at.a, v: &at.v, q: &at.q, t }, &self.p)
+        let mu = [&self.between.last.mu[..], &[]];
+        events.number(switch, Moment { a: &at.a, v: &at.v, q: &at.q, mu, t }, &self.p)
     }
 
     /// Whether steps take over an acceleration: others begin with coordinates and velocities alone.
@@ -678,6 +836,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.clock = self.clock;
         record.restart = None;
         record.set.clear();
+        record.impacts.clear();
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
         } else if solves {

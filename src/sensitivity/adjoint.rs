@@ -14,7 +14,7 @@ use crate::functionals::{
 };
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Events, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord,
+    Carried, Combination, Counters, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord,
     StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
 use crate::program::Formula;
@@ -388,18 +388,23 @@ impl<'m> Sweep<'m> {
             }
         }
         if ends.is_some() {
-            self.behind_event(step, place, back);
+            self.behind_event(step, place, back)?;
         }
         if let Some(change) = ends {
             let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
-            let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, t: step.end };
+            let mu = step.stages.last().map_or(&[][..], |last| &last.solve.unknowns.mu);
+            let moment =
+                Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, mu: [mu, &[]], t: step.end };
+            let mut of_multipliers = SolutionSeed::zeros(step.q.len(), mu.len());
             self.events.number_by_arguments(change.switch, moment, &self.p, |place, rate| match place {
                 Place::V(dof) => own.carried[1][dof] += rate,
                 Place::Q(dof) => own.carried[0][dof] += rate,
                 Place::P(index) => own.p[index] += rate,
                 Place::Time => own.moves[1] += rate,
-                Place::A(_) | Place::Mu(_) => {}
+                Place::Mu(row) => of_multipliers.mu[row] += rate,
+                Place::A(_) => {}
             });
+            self.ending.push((self.functionals.len(), of_multipliers));
         }
         let rule = StepRule { method: self.method, constrained: self.system.is_constrained() };
         self.pace(&step.carried_behind(rule), -1.0, back);
@@ -425,12 +430,17 @@ impl<'m> Sweep<'m> {
     }
 
     /// Back from behind an event to the end of its step: reads functionals there whose run it ends, and goes back through what events set.
-    fn behind_event(&mut self, step: &StepRecord<f64>, place: &StepPlace, back: &mut [Backward]) {
+    fn behind_event(
+        &mut self,
+        step: &StepRecord<f64>,
+        place: &StepPlace,
+        back: &mut [Backward],
+    ) -> Result<(), RunError> {
         self.ending.clear();
         if !place.is_before_another {
             let mut sample = Sample::empty();
             sample.set_terminal(step);
-            sample.follow_events(step);
+            sample.follow_events(step, &self.p);
             self.share(&mut sample);
             let gamma = step.stages.last().map_or(0.0, |last| last.solve.equations.residual.gamma);
             let clock = shifting_clock([step.t, step.end]);
@@ -457,15 +467,43 @@ impl<'m> Sweep<'m> {
             let [mut v, mut q] = states[states.len() - 1].clone();
             // it was set when the run was made
             let _ = self.events.reset(event, [&mut v, &mut q], step.end, &self.p, &mut Vec::new());
+            for own in step.impacts.iter().filter(|own| own.event == event) {
+                add(&mut v, own.factor(&self.p), &own.solve.unknowns.x);
+            }
             states.push([v, q]);
         }
         for (&event, [v, q]) in happened.iter().zip(&states).rev() {
+            for own in step.impacts.iter().rev().filter(|own| own.event == event) {
+                self.impact_back(own, back)?;
+            }
             for back in &mut back[..self.functionals.len()] {
                 let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
                 let seeds = [&mut v_bar[..], q_bar, &mut back.p];
                 back.moves[1] += self.events.reset_back(event, [v, q], (step.end, &self.p), seeds);
             }
         }
+        Ok(())
+    }
+
+    /// Back through an impact, by which velocities change by (1 + e) x.
+    fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
+        let system = self.method.system(self.problem.model, &impact.dropped);
+        let multipliers = system.multipliers();
+        let mut solver = TransposedSolver::new(system, self.method, self.active)?;
+        solver.clock = shifting_clock;
+        let (factor, x) = (impact.factor(&self.p), &impact.solve.unknowns.x);
+        let mut seeds = Vec::new();
+        for back in &mut *back {
+            let mut seed = SolutionSeed::zeros(x.len(), multipliers);
+            add(&mut seed.x, factor, &back.carried[1]);
+            if let Some(place) = impact.restitution {
+                back.p[place] += x.iter().zip(&back.carried[1]).map(|(x, bar)| x * bar).sum::<f64>();
+            }
+            seeds.push(seed);
+        }
+        let bases = solver.through(&impact.solve, &self.p, &seeds, back, &mut self.counters)?;
+        carry(bases, back);
+        Ok(())
     }
 
     /// Velocities and accelerations between two steps are carried into the time of one, or out of it: (1 + s) times as large for each of their

@@ -119,6 +119,8 @@ pub(super) struct TransposedSolver<'m> {
     reduced: Vec<f64>,
     sweep: Sweep,
     bases: Vec<VectorsAvq<f64>>,
+    /// How time goes where the ends of a step have derivatives.
+    pub clock: fn([f64; 2]) -> Clock<Tangents>,
     /// Of derivatives by the ends of a step.
     moved: Residual<Tangents>,
 }
@@ -195,6 +197,7 @@ impl<'m> TransposedSolver<'m> {
             reduced: Vec::new(),
             sweep: Sweep::default(),
             bases: Vec::new(),
+            clock: moving_clock,
             moved: Residual::default(),
         }
     }
@@ -429,7 +432,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// What the ends of the step do to F and G while its state stays, times the adjoint variables.
     fn add_moves(&mut self, record: &SolveRecord<f64>, p: &[f64], asked: &[usize], back: &mut [Backward]) {
-        let Some(clock) = back.first().and_then(|back| back.span).map(moving_clock) else { return };
+        let Some(clock) = back.first().and_then(|back| back.span).map(self.clock) else { return };
         let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect::<Vec<_>>();
         let SolveRecord { t, equations, base: VectorsAvq { a, v, q }, .. } = record;
         let Unknowns { x, mu, local_mu } = &self.unknowns;

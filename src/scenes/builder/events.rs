@@ -1,8 +1,8 @@
 //! Events, and numbers that they alone change.
 
 use super::MechanismBuilder;
-use crate::assembly::{Event, EventArguments, NodeId, Target};
-use crate::elements::{Element, NodeKind, Parameter, State};
+use crate::assembly::{Closing, ConstraintId, Event, EventArguments, NodeId, Stop, Target};
+use crate::elements::{Constraint, Element, NodeKind, Parameter, State};
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
@@ -17,6 +17,26 @@ impl Element for Kept {
     fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
         r.iter_mut().zip(s.a).for_each(|(r, &a)| *r += a);
     }
+}
+
+/// What becomes of a number g that reaches zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StopLaw<S> {
+    /// It stays at zero or below, or above: behind a hit its rate is -e times what it was before. Without restitution it stays at zero as long as it is
+    /// pushed there.
+    Stop {
+        /// Whether it stays at zero or below.
+        is_upper: bool,
+        /// e, from 0 to 1.
+        restitution: S,
+        /// Hits with less than this have no restitution [1/s of g].
+        rest_speed: S,
+    },
+    /// It stays zero for good, or until its multiplier is larger than this.
+    Latch {
+        /// Size of the multiplier beyond which it opens for good.
+        strength: Option<S>,
+    },
 }
 
 /// Time at which an event happened for the k-th time, of how often it has and of that time; not a number before.
@@ -59,13 +79,24 @@ impl<S: Scalar> MechanismBuilder<S> {
         p: &[S],
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
+        self.add_event(name, nodes, None, p, number)
+    }
+
+    fn add_event(
+        &mut self,
+        name: &str,
+        nodes: &[NodeId],
+        joint: Option<usize>,
+        p: &[S],
+        number: impl FnOnce(EventArguments) -> Recorded,
+    ) -> Option<&mut Event> {
         if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
             return None;
         }
         // its side is that which the numbers tell
         self.numbers.p.extend_from_slice(p);
         self.numbers.p.push(S::zero());
-        match self.model.add_event(name, nodes, p.len(), number) {
+        match self.model.add_event(name, nodes, joint, p.len(), number) {
             Ok(event) => Some(event),
             Err(why) => {
                 self.mistakes.push(format!("event \"{name}\": {why}"));
@@ -84,6 +115,78 @@ impl<S: Scalar> MechanismBuilder<S> {
     ) {
         let Some(last) = self.model.events.len().checked_sub(1) else { return };
         self.add_reset(last, nodes, p, targets, values);
+    }
+
+    /// A stop or latch of what a constraint with one equation would hold at zero, g(q, p, t): the constraint is there while it pushes, or is latched.
+    /// Returns it with the number of the event that hits it.
+    pub fn stop(
+        &mut self,
+        name: &str,
+        nodes: &[NodeId],
+        constraint: impl Constraint + Clone,
+        p: &[S],
+        law: StopLaw<S>,
+    ) -> Option<(ConstraintId, usize)> {
+        let (value, count) = (constraint.clone(), p.len());
+        let joint = self.constraint(name, nodes, constraint, p);
+        self.model.find_constraint(joint)?;
+        self.model.set_presence(joint.0, false);
+        let hit = self.model.events.len();
+        let [of_hit, of_release] = match law {
+            StopLaw::Stop { restitution, rest_speed, .. } => [vec![restitution, rest_speed], Vec::new()],
+            StopLaw::Latch { strength } => [Vec::new(), strength.into_iter().collect()],
+        };
+        let event = self.event(name, nodes, &[p, &of_hit].concat(), |EventArguments { q, p, t, .. }| {
+            let mut g = [Recorded::default()];
+            value.g(q, &p[..count], t, &mut g);
+            g[0]
+        })?;
+        let places = event.condition.parameters.start + count;
+        event.while_joint = Some((joint.0, false));
+        let stop = match law {
+            StopLaw::Stop { is_upper, .. } => {
+                event.directions = [is_upper, !is_upper];
+                Some(Stop { parameters: [places, places + 1], is_upper })
+            }
+            StopLaw::Latch { .. } => {
+                event.once = true;
+                None
+            }
+        };
+        event.closes = vec![Closing { joint: joint.0, stop }];
+        let directions = match law {
+            StopLaw::Stop { is_upper, .. } => [!is_upper, is_upper],
+            StopLaw::Latch { strength: Some(_) } => [true, false],
+            StopLaw::Latch { strength: None } => return Some((joint, hit)),
+        };
+        let release = self.add_event(&format!("release of {name}"), &[], Some(joint.0), &of_release, |own| {
+            own.p.first().map_or(own.mu[0], |&strength| own.mu[0].abs() - strength)
+        })?;
+        (release.directions, release.opens) = (directions, vec![joint.0]);
+        release.while_joint = Some((joint.0, true));
+        Some((joint, hit))
+    }
+
+    /// A joint that is not there at the start, or that events remove.
+    #[doc(hidden)]
+    pub fn comes_and_goes(&mut self, joint: ConstraintId, is_there: bool) {
+        if self.has_joint("an event", joint) {
+            self.model.set_presence(joint.0, is_there);
+        }
+    }
+
+    /// Joints that the event made last removes, and that it adds with an impact.
+    pub fn event_changes(&mut self, removed: &[ConstraintId], added: &[ConstraintId]) {
+        for (joints, is_there) in [(removed, true), (added, false)] {
+            for &joint in joints {
+                if self.model.presence.iter().all(|own| own.0 != joint.0) {
+                    self.comes_and_goes(joint, is_there);
+                }
+            }
+        }
+        let Some(event) = self.model.events.last_mut() else { return };
+        event.opens.extend(removed.iter().map(|joint| joint.0));
+        event.closes.extend(added.iter().map(|joint| Closing { joint: joint.0, stop: None }));
     }
 
     fn add_reset(

@@ -25,6 +25,8 @@ pub(super) enum Built {
     Joint(ConstraintId),
     /// Its number.
     Event(usize),
+    /// Stops or a latch, each with the number of the event that hits it.
+    Stops(Vec<(ConstraintId, usize)>),
     /// Springs and dampers, without multipliers.
     SoftJoint,
     Beam(BeamMember),
@@ -357,6 +359,11 @@ impl<'k> Entry<'k> {
     pub fn joint(&self) -> Result<ConstraintId> {
         match self.built("joint")? {
             Built::Joint(joint) => Ok(*joint),
+            Built::Stops(own) if own.len() == 1 => Ok(own[0].0),
+            Built::Stops(_) => {
+                let text = "this stop has two limits, each with a reaction of its own: write one stop for each to measure it";
+                self.wrong_key("joint", text)
+            }
             Built::SoftJoint => {
                 let text = "this joint is soft: springs have no multipliers; leave out its stiffness to measure them";
                 self.wrong_key("joint", text)

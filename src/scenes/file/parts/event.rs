@@ -36,6 +36,12 @@ pub(super) const EVENT: Section = Section {
             "new values by names of what formulas know: the value of a number, coordinate or state, the rate of a coordinate, position and velocity of \
              a point or body, angular_velocity of a body, as in { \"ball.velocity\" = \"-e * ball.velocity\" }; all from the values before; none"
         ),
+        may("remove", OneOrMore(&Type::Item(WITH_MULTIPLIERS)), "joints that are removed, as one that breaks; none"),
+        may(
+            "lock",
+            OneOrMore(&Type::Item(WITH_MULTIPLIERS)),
+            "joints that are not there at the start (`present = false`) or were removed, and come with an impact without restitution; none"
+        ),
         may("end", Flag, "the run ends there; false"),
     ],
     space: "event",
@@ -85,7 +91,7 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     }
     let Reading { nodes, formulas, p, .. } = reading;
     let p = [p, at.into_iter().collect()].concat();
-    let number = |EventArguments { v, q, p, t }: EventArguments| match at {
+    let number = |EventArguments { v, q, p, t, .. }: EventArguments| match at {
         Some(_) => t - p[p.len() - 1],
         None => formulas.number(own, &formulas.arguments([v, q], t, p), p),
     };
@@ -97,9 +103,21 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
         _ => [true; 2],
     };
     (event.once, event.ends_run) = (e.flag("once"), e.flag("end"));
+    let [removed, added] = ["remove", "lock"].map(|key| {
+        let joints = e.list(key).filter_map(|(_, value)| match value {
+            Value::Item(item, _) => Some(&e.context.built[*item]),
+            _ => None,
+        });
+        joints.flat_map(|built| match built {
+            Built::Joint(joint) => vec![*joint],
+            Built::Stops(own) => own.iter().map(|own| own.0).collect(),
+            _ => Vec::new(),
+        }).collect::<Vec<_>>()
+    });
+    m.event_changes(&removed, &added);
     if !resets.is_empty() {
         let targets = resets.iter().flat_map(|own| own.0.clone()).collect();
-        m.event_sets(&nodes, &p, targets, |EventArguments { v, q, p, t }| {
+        m.event_sets(&nodes, &p, targets, |EventArguments { v, q, p, t, .. }| {
             let known = formulas.arguments([v, q], t, p);
             let values = resets.iter().flat_map(|(_, made, which)| match (*made, formulas.value(*which, &known, p)) {
                 (Made::Turning(place), omega) => {

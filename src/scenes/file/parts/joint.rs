@@ -30,14 +30,25 @@ const SOFT: [Key; 2] = [
     may("damping", at_least(1, &Number("N s/m, N m s/rad", Any)), "of a soft joint, of each of its equations; 0"),
 ];
 
+const PRESENT: Key = may("present", Flag, "whether it is there at the start: an event may lock it later; true");
+
 pub(super) const JOINT: Section = Section {
-    forms: Forms { common: &[NAME, SOFT[0], SOFT[1]], forms: &FORMS, own: Some(Kind::Joint) },
+    forms: Forms { common: &[NAME, SOFT[0], SOFT[1], PRESENT], forms: &FORMS, own: Some(Kind::Joint) },
     space: "joint",
     has_columns: true,
-    build: |e, m| match e.context.own.joint_named(e.form) {
-        Some(part) => by_entry(part, e, m),
-        None if e.form == BY_FORMULA.name => by_formula(e, m),
-        None => rolling(e, m),
+    build: |e, m| {
+        let built = match e.context.own.joint_named(e.form) {
+            Some(part) => by_entry(part, e, m),
+            None if e.form == BY_FORMULA.name => by_formula(e, m),
+            None => rolling(e, m),
+        }?;
+        let is_absent = e.has("present") && !e.flag("present");
+        match built {
+            Built::Joint(joint) if is_absent => m.comes_and_goes(joint, false),
+            _ if is_absent => return e.wrong_key("present", "only a rigid joint comes and goes: leave this out"),
+            _ => {}
+        }
+        Ok(built)
     },
     ..Section::listed("joint", "What holds nodes together. Geometry is given in the world at the start.")
 };

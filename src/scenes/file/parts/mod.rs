@@ -24,6 +24,7 @@ mod sphere;
 mod spin;
 mod springs;
 mod state;
+mod stop;
 mod thin_walls;
 mod tie;
 mod variable;
@@ -60,6 +61,8 @@ const BEFORE_LOADS: &[Section] = &[
     springs::SPRING,
     springs::DAMPER,
     element::SECTION,
+    stop::STOP,
+    stop::LATCH,
     event::EVENT,
 ];
 /// Sections behind them.
