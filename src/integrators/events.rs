@@ -153,10 +153,11 @@ impl Events {
         SideChange { switch, sides: [sides[switch], f64::from(u8::from(is_held))] }
     }
 
-    /// Whether a list of changes says of a stop that it is hit without restitution.
-    pub fn is_plastic(&self, joint: usize, changes: &[SideChange]) -> bool {
+    /// What a list of changes says of a stop: whether it is hit without restitution, and whether the motion stays there.
+    pub fn is_plastic(&self, joint: usize, changes: &[SideChange]) -> (bool, bool) {
         let switch = self.presence(joint);
-        changes.iter().any(|change| change.switch == switch)
+        let change = changes.iter().find(|change| change.switch == switch);
+        (change.is_some(), change.is_some_and(|change| change.sides[1] > 0.0))
     }
 
     /// Equations of joints that are not there.
@@ -172,6 +173,13 @@ impl Events {
     pub fn joints_of(&self, event: usize) -> (&[usize], &[Closing]) {
         let Happening { opens, closes, .. } = &self.events[event];
         (opens, closes)
+    }
+
+    /// The change back to the side of the motion that is free of a stop, of the switch at which an event hits it.
+    pub fn free(&self, event: usize, Stop { is_upper, .. }: &Stop, sides: &[f64]) -> Option<SideChange> {
+        let switch = self.parts.iter().find(|part| part.event == Some(event))?.first;
+        let side = if *is_upper { 1.0 } else { -1.0 };
+        (sides[switch] != side).then_some(SideChange { switch, sides: [sides[switch], side] })
     }
 
     /// The change to the side on which a stop pushes, of the switch at which it lets go.

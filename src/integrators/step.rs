@@ -528,8 +528,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     fn renew(&mut self, dropped: &[usize]) -> Result<(), RunError> {
         self.earlier = self.counters();
+        let sizes = std::mem::take(&mut self.stage.run_sizes);
         [self.acceleration, self.stage, self.start] =
             [self.analysis(dropped)?, self.analysis(dropped)?, self.analysis(dropped)?];
+        if S::PARTS > 0 {
+            // what a derivative has come to be round-off of
+            self.stage.run_sizes = sizes;
+        }
         Ok(())
     }
 
@@ -553,6 +558,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
         let before = self.between.sides.clone();
+        let mut present = before.clone();
         let (mut happened, mut ends_run) = (Vec::new(), false);
         loop {
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
@@ -564,7 +570,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             for &event in &next {
                 ends_run |= events.ends_run(event);
                 self.reset(&events, event).map_err(RunError::Input)?;
-                self.change_joints(&events, event, &mut changes, is_made_again)?;
+                self.change_joints(&events, event, (&mut present, &mut changes), is_made_again)?;
             }
             if !is_made_again {
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
@@ -576,12 +582,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             happened.extend(next);
         }
         self.between.switched.clone_from(&changes);
-        let [gone, now] = [&before, &self.between.sides].map(|sides| events.absent(sides));
-        if gone != now {
-            let dropped = &mut self.between.dropped;
-            dropped.retain(|row| gone.binary_search(row).is_err());
-            dropped.extend(now);
-            dropped.sort_unstable();
+        let now = events.absent(&self.between.sides);
+        if events.absent(&before) != now {
+            self.between.dropped = self.dropped_with(&now);
             self.between.chosen_anew = true;
         }
         self.events = Some(events);
@@ -591,70 +594,77 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok((changes, ends_run))
     }
 
-    /// Removes and adds the joints of an event at the end of the step made last.
+    /// Removes and adds the joints of an event at the end of the step made last, by the sides that hold as far as it has come.
     fn change_joints(
         &mut self,
         events: &Events,
         event: usize,
-        changes: &mut Vec<SideChange>,
+        (sides, changes): (&mut [f64], &mut Vec<SideChange>),
         is_made_again: bool,
     ) -> Result<(), RunError> {
         let (opens, closes) = events.joints_of(event);
-        if !is_made_again {
-            let sides = &self.between.sides;
-            changes.extend(opens.iter().filter_map(|&joint| events.presence_change(joint, false, sides)));
+        let mut change = |own: SideChange, sides: &mut [f64]| {
+            sides[own.switch] = own.sides[1];
+            if !is_made_again {
+                changes.push(own);
+            }
+        };
+        for &joint in opens {
+            if let Some(own) = events.presence_change(joint, false, sides) {
+                change(own, sides);
+            }
         }
         for Closing { joint, stop } in closes {
-            let sides = &self.between.sides;
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
-            let solve = self.impact(events, *joint)?;
-            let place = self.problem.model.constraints[*joint].equations.start;
+            let equations = self.problem.model.constraints[*joint].equations.clone();
+            let mut dropped = self.dropped_with(&events.absent(sides));
+            dropped.retain(|row| !equations.contains(row));
+            let solve = self.impact(*joint, &dropped)?;
             let (mut restitution, mut is_held) = (None, true);
             if let Some(Stop { parameters: [e, least], .. }) = stop {
-                // the speed of approach, by what the impact takes away
                 let is_plastic = match is_made_again {
-                    true => events.is_plastic(*joint, changes),
+                    true => {
+                        let (is_plastic, holds) = events.is_plastic(*joint, changes);
+                        is_held = holds;
+                        is_plastic
+                    }
                     false => self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value(),
                 };
-                (restitution, is_held) = ((!is_plastic).then_some(*e), is_plastic);
+                is_held &= is_plastic;
+                restitution = (!is_plastic).then_some(*e);
             }
-            let impact = ImpactRecord { event, solve, dropped: self.impact_dropped(events, *joint), restitution };
+            let impact = ImpactRecord { event, solve, dropped, restitution };
             let factor = impact.factor(&self.p) * self.clock.map_or(S::one(), |clock| clock.length());
             add_times(&mut self.between.carried[1], &impact.solve.unknowns.x, factor);
-            self.record.impacts.push(impact);
-            if is_made_again || !is_held {
-                continue;
-            }
-            match stop {
-                None => changes.push(closing),
-                Some(stop) => {
-                    let mu = self.force_behind(&self.record.impacts[self.record.impacts.len() - 1].dropped.clone(), place)?;
-                    let is_held = stop.pushes(mu);
-                    changes.push(events.stays(*joint, &self.between.sides, is_held));
-                    changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
+            if let (Some(stop), false) = (stop, is_made_again) {
+                if is_held {
+                    is_held = stop.pushes(self.force_behind(&impact.dropped, equations.start)?);
+                    changes.push(events.stays(*joint, sides, is_held));
                 }
+                changes.extend(events.free(event, stop, &self.between.sides));
+                changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
+            } else if !is_made_again {
+                changes.push(closing);
             }
+            sides[closing.switch] = f64::from(u8::from(is_held));
+            self.record.impacts.push(impact);
         }
         Ok(())
     }
 
-    /// Equations that are left out where a joint is hit.
-    fn impact_dropped(&self, events: &Events, joint: usize) -> Vec<usize> {
-        let hit = &self.problem.model.constraints[joint].equations;
+    /// Equations that are left out where these are not there.
+    fn dropped_with(&self, absent: &[usize]) -> Vec<usize> {
         let mut dropped = self.between.dropped.clone();
-        // joints that other events at this time have changed
-        let absent = events.absent(&self.between.sides);
         dropped.retain(|row| !self.problem.model.comes_and_goes(*row));
         dropped.extend(absent);
         dropped.sort_unstable();
-        dropped.retain(|row| !hit.contains(row));
         dropped
     }
 
     /// The impact by which the equations of a joint come to rest: M x + A^T mu = 0, A (v + x) + g_t = 0.
-    fn impact(&mut self, events: &Events, joint: usize) -> Result<SolveRecord<S>, RunError> {
+    fn impact(&mut self, joint: usize, dropped: &[usize]) -> Result<SolveRecord<S>, RunError> {
         let (end, t) = (self.record.end, self.record.t);
-        let mut newton = self.analysis(&self.impact_dropped(events, joint))?;
+        let mut newton = self.analysis(dropped)?;
         newton.residual.clock = self.clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
         let pace = self.clock.map_or(S::one(), |clock| clock.pace());
         let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
