@@ -99,11 +99,11 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether its energy is constant in every exact motion: no loss, no force beside energies, no drive, no rolling contact (which may be
-    /// conservative, but does not tell).
+    /// Whether its energy is constant in every exact motion: no loss, no force beside energies, no drive, no event, no rolling contact (which may
+    /// be conservative, but does not tell).
     pub fn is_conservative(&self) -> bool {
         let elements = self.elements.iter().all(|element| element.physics.is_conservative());
-        elements && self.constraints.iter().all(|joint| joint.physics.is_scleronomic())
+        self.events.is_empty() && elements && self.constraints.iter().all(|joint| joint.physics.is_scleronomic())
     }
 
     /// Adds a node behind the others.

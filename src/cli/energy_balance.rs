@@ -24,6 +24,8 @@ pub struct EnergyBalance {
     pub forces: f64,
     /// Work of drivers \[J\].
     pub drivers: f64,
+    /// What events change, impacts among them \[J\].
+    pub events: f64,
     /// What energy there was to lose: the largest kinetic energy, the range of the potential one, and all that works put in and took out \[J\].
     size: f64,
     /// What rounding may leave \[J\].
@@ -33,7 +35,7 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// What the balance leaves \[J\].
     pub fn left(&self) -> f64 {
-        self.change - self.forces - self.drivers
+        self.change - self.forces - self.drivers - self.events
     }
 
     /// As a share of the energy that moved: kinetic, potential and exchanged; `None` where nothing but rounding is left.
@@ -43,14 +45,18 @@ impl EnergyBalance {
 
     pub fn json(&self) -> Value {
         let [change, forces, drivers, left] = [self.change, self.forces, self.drivers, self.left()];
-        json!({"change": change, "forces": forces, "drivers": drivers, "left": left})
+        json!({"change": change, "forces": forces, "drivers": drivers, "events": self.events, "left": left})
     }
 
     pub fn in_words(&self) -> String {
-        let drivers = if self.drivers == 0.0 { String::new() } else { format!(", drivers {} J", number(self.drivers)) };
+        let beside = |words: &str, work: f64| match work {
+            0.0 => String::new(),
+            work => format!(", {words} {} J", number(work)),
+        };
+        let beside = beside("drivers", self.drivers) + &beside("events and impacts change it by", self.events);
         let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of all energy that moved"));
         let [change, forces, apart] = [self.change, self.forces, self.left()].map(number);
-        format!("energy changes by {change} J, loads and losses work {forces} J{drivers}: {apart} J apart{left}")
+        format!("energy changes by {change} J, loads and losses work {forces} J{beside}: {apart} J apart{left}")
     }
 }
 
@@ -85,6 +91,7 @@ impl BalanceFunctionals {
             values,
             works: vec![0.0; self.functionals.len()],
             exchanged: 0.0,
+            events: 0.0,
             held: 0.0,
             model: prepared.model(),
             p: &self.p,
@@ -100,8 +107,9 @@ pub struct RunningBalance<'l> {
     values: Values<'l, f64>,
     /// Each work so far.
     works: Vec<f64>,
-    /// All that they have put in and taken out.
+    /// All that they have put in and taken out, and what events have changed.
     exchanged: f64,
+    events: f64,
     /// Largest reaction times largest coordinate: energies of this size are differences of what joints hold.
     held: f64,
     model: &'l Model,
@@ -169,7 +177,15 @@ impl RunningBalance<'_> {
         }
         let mut end = Sample::empty();
         end.set_terminal(step);
-        self.note(end, step.h);
+        self.note(end.clone(), step.h);
+        if !step.set.is_empty() || !step.impacts.is_empty() {
+            let before = self.range.map_or(0.0, |range| range.end);
+            end.follow_events(step, self.p);
+            self.note(end, step.h);
+            let own = self.range.map_or(0.0, |range| range.end) - before;
+            self.events += own;
+            self.exchanged += own.abs();
+        }
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let reactions = step.stages.last().map_or(0.0, |stage| largest(&stage.solve.unknowns.mu));
         self.held = self.held.max(reactions * largest(&step.q));
@@ -178,10 +194,11 @@ impl RunningBalance<'_> {
     /// At the end of the last step; `None` of a run without steps.
     pub fn finish(self) -> Option<EnergyBalance> {
         let EnergyRange { start, end, kinetic, potential: [lowest, highest] } = self.range?;
-        let round_off = self.round_off().max(LONG_SUM * self.held.max(start.abs()).max(end.abs()));
+        let (round_off, events) = (self.round_off(), self.events);
+        let round_off = round_off.max(LONG_SUM * self.held.max(start.abs()).max(end.abs()));
         let (works, ..) = self.values.finish();
         let (change, drivers) = (end - start, works[1..].iter().sum());
         let size = kinetic + (highest - lowest) + self.exchanged;
-        change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, size, round_off })
+        change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, events, size, round_off })
     }
 }

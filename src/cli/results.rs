@@ -47,6 +47,8 @@ pub struct Results<'p> {
     rows: Rows,
     /// Ends of steps that become known.
     ends: StepEnds<'p, f64>,
+    /// The next step starts behind an event that has changed the state.
+    is_behind_event: bool,
     steps: usize,
     /// Why rows and meshes end before the run.
     unwritten: Option<Failure>,
@@ -90,6 +92,7 @@ impl<'p> Results<'p> {
             dropped: Vec::new(),
             rows: output.step.map_or(Rows::AtSteps, |dt| Rows::AtMultiples { dt, next: 0, dense: None }),
             ends: StepEnds::new(&prepared.method.table),
+            is_behind_event: false,
             steps: 0,
             unwritten: None,
         })
@@ -123,6 +126,17 @@ impl<'p> Results<'p> {
             });
         }
         Ok(())
+    }
+
+    /// A second row at the time of an event, behind it.
+    fn add_start(&mut self, step: &StepRecord<f64>) -> Result<(), RunError> {
+        let last = self.ends.end();
+        self.add_sample(last)?;
+        self.dropped.clone_from(&step.dropped);
+        let solved = step.restart.as_ref().or(step.stages.first().map(|stage| &stage.solve));
+        let Some(solved) = solved else { return Ok(()) };
+        let [v, q] = step.start();
+        self.add(step.t, [&solved.unknowns.x, v, q], &solved.unknowns.mu)
     }
 
     /// Rows at the multiples within the latest step; those at its end belong to the next one.
@@ -194,8 +208,12 @@ impl Observer for Results<'_> {
             self.add_multiples()?;
             return Ok(true);
         }
+        if std::mem::take(&mut self.is_behind_event) {
+            self.add_start(step)?;
+        }
         let known = self.ends.add(step);
         self.add_sample(known)?;
+        self.is_behind_event = !step.set.is_empty() || !step.impacts.is_empty();
         Ok(true)
     }
 }

@@ -222,6 +222,22 @@ pub fn functionals(prepared: &Prepared, forward: &Forward) -> Table {
     table
 }
 
+/// Events that happened, each with how often and when; `None` where none did.
+pub fn events(prepared: &Prepared, forward: &Forward) -> Option<Table> {
+    let all = prepared.analysis().events(forward);
+    let mut table = Table::new(&["event", "times", "first [s]", "last [s]"]).keyed(&["name", "count", "first_s", "last_s"]);
+    let mut told: Vec<&str> = Vec::new();
+    for own in &all {
+        if told.contains(&own.name.as_str()) {
+            continue;
+        }
+        told.push(&own.name);
+        let times: Vec<f64> = all.iter().filter(|other| other.name == own.name).map(|other| other.t).collect();
+        table.row(cells![&own.name, times.len(), Cell::long(times[0]), Cell::long(times[times.len() - 1])]);
+    }
+    (!all.is_empty()).then_some(table)
+}
+
 impl Simulation {
     pub fn work(&self, prepared: &Prepared) -> Work {
         let Counters { systems, iterations, residuals, factorizations, solves, choices, .. } = self.forward.counters;
@@ -277,6 +293,9 @@ impl Simulation {
             warnings.push(format!("{}: take smaller steps, or a smaller tolerance", balance.in_words()));
         }
         warnings.extend(self.forward.crossings.iter().map(ToString::to_string));
+        if self.stopped.is_none() && prepared.analysis().runs_beyond_its_end(&self.forward) {
+            warnings.push("no event has ended the run: it goes to the end of [settings]".into());
+        }
         warnings
     }
 
@@ -333,6 +352,7 @@ impl Simulation {
             "end_s": grid.times[grid.steps()],
             "design": by_name(&prepared.variables, prepared.x.iter().copied()),
             "functionals": functionals(prepared, &self.forward).json(),
+            "events": events(prepared, &self.forward).map(|table| table.json()),
             "modes": self.modes.json(prepared),
             "not_determined": (!joints.is_empty()).then(|| json!({"joints": joints, "functionals": of_functionals})),
             "projected_start": self.start.as_ref().map(ProjectedStart::json),

@@ -93,7 +93,8 @@ impl<S: RunScalar> Sample<S> {
     }
 
     /// Goes over to what events set at the end of a step.
-    pub(crate) fn follow_events(&mut self, step: &StepRecord<S>, p: &[S]) {
+    #[doc(hidden)]
+    pub fn follow_events(&mut self, step: &StepRecord<S>, p: &[S]) {
         for SetNumber { target, value } in &step.set {
             let (order, dof) = target.place();
             (if order == 0 { &mut self.at.q } else { &mut self.at.v })[dof] = *value;

@@ -66,8 +66,8 @@ impl<'t, S: RunScalar> StepEnds<'t, S> {
         let mean = Mean::of(self.table, step);
         let (mut sample, own) = self.latest.replace((end, mean))?;
         let (next, mean) = self.latest.as_ref()?;
-        // other equations left out: other multipliers
-        if next.dropped == sample.dropped {
+        // other equations left out, or other forces behind an event: other multipliers
+        if next.dropped == sample.dropped && step.switched.is_empty() {
             Mean::write_between(&own, mean, &mut sample);
             let known = Mean { t: sample.t.value(), a: sample.at.a.clone(), mu: sample.mu.clone() };
             self.handed = [Some(known), self.handed[0].take()];
@@ -81,7 +81,7 @@ impl<'t, S: RunScalar> StepEnds<'t, S> {
     /// has its mean.
     pub fn end(&mut self) -> Option<Sample<S>> {
         let (mut sample, own) = self.latest.take()?;
-        match &self.handed {
+        match &std::mem::take(&mut self.handed) {
             [Some(known), Some(before)] => Mean::write_between(before, known, &mut sample),
             [Some(known), None] if own.t > known.t => Mean::write_between(known, &own, &mut sample),
             _ => {}

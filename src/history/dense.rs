@@ -64,6 +64,12 @@ impl Dense {
 
     pub fn step(&mut self, step: &StepRecord<f64>) {
         self.start = std::mem::replace(&mut self.end, End::of(step));
+        // behind an event the step starts elsewhere, or under other forces
+        self.start.state.q.clone_from(&step.carried[0]);
+        self.start.state.v.clone_from(&step.carried[1]);
+        if !step.switched.is_empty() {
+            self.start.state.a.clear();
+        }
         if let Some(restart) = &step.restart {
             self.start.state.a.clone_from(&restart.unknowns.x);
             self.start.state.mu.clone_from(&restart.unknowns.mu);

@@ -135,7 +135,7 @@ impl Events {
     }
 
     /// Place of the side of a joint that comes and goes.
-    fn presence(&self, joint: usize) -> usize {
+    pub fn presence(&self, joint: usize) -> usize {
         let place = self.joints.iter().position(|own| own.0 == joint);
         self.switches() + self.events.len() + place.unwrap_or_else(|| unreachable!("a joint of an event comes and goes"))
     }
@@ -167,6 +167,40 @@ impl Events {
         let mut rows: Vec<usize> = gone.flat_map(|(own, _)| own.1.clone()).collect();
         rows.sort_unstable();
         rows
+    }
+
+    /// A stop at which the motion is held and that an impact of another joint would tear off, by its impulses.
+    pub fn torn(&self, sides: &[f64], (joint, mu): (usize, &[f64])) -> Option<SideChange> {
+        let held = self.stops().filter(|(_, own, _)| *own != joint && sides[self.presence(*own)] > 0.0);
+        held.into_iter().find_map(|(_, own, stop)| {
+            let (_, rows, _) = self.joints.iter().find(|known| known.0 == own)?;
+            let impulse = mu[rows.start];
+            let is_torn = impulse != 0.0 && !stop.pushes(impulse) && impulse.abs() > NOTHING * largest(mu);
+            is_torn.then(|| self.presence_change(own, false, sides)).flatten()
+        })
+    }
+
+    /// Changes of a list by which joints go.
+    pub fn removed<'c>(&'c self, changes: &'c [SideChange], sides: &'c [f64]) -> impl Iterator<Item = SideChange> + 'c {
+        let first = self.switches() + self.events.len();
+        let goes = move |own: &&SideChange| own.switch >= first && own.sides == [1.0, 0.0] && sides[own.switch] > 0.0;
+        changes.iter().filter(goes).copied()
+    }
+
+    /// Stops, with the event that hits each and its joint.
+    pub fn stops(&self) -> impl Iterator<Item = (usize, usize, &Stop)> {
+        let all = self.events.iter().enumerate();
+        all.flat_map(|(event, own)| own.closes.iter().filter_map(move |own| Some((event, own.joint, own.stop.as_ref()?))))
+    }
+
+    /// Whether the side of the switch at which an event hits a stop is not the free one.
+    pub fn is_beyond(&self, event: usize, stop: &Stop, sides: &[f64]) -> bool {
+        self.free(event, stop, sides).is_some()
+    }
+
+    /// Name of an event.
+    pub fn name(&self, event: usize) -> &str {
+        self.parts.iter().find(|part| part.event == Some(event)).map_or("", |part| &part.name)
     }
 
     /// Joints that an event removes, and that it adds.
@@ -362,6 +396,13 @@ impl Events {
         let gradient = part.switches.number_by_arguments(switch - part.first, &part.inputs(&moment, p));
         part.places.iter().zip(gradient).for_each(|(&place, own)| add(place, own));
     }
+}
+
+/// Share of the largest impulse that is none.
+const NOTHING: f64 = 1e-12;
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
 }
 
 /// Lists of the arguments of an event's formulas.

@@ -118,6 +118,12 @@ impl<S: Scalar> ImpactRecord<S> {
 }
 
 impl<S: Scalar> StepRecord<S> {
+    /// Velocities and coordinates from which it starts.
+    #[doc(hidden)]
+    pub fn start(&self) -> [&[S]; 2] {
+        [&self.carried[1], &self.carried[0]]
+    }
+
     /// Whether the acceleration at its start does not come from a step before, for the number `index` of steps before.
     pub(super) fn begins_anew(&self, index: usize) -> bool {
         index == 0 || self.restart.is_some()

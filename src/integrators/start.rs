@@ -91,6 +91,12 @@ fn examine(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> R
     if table.is_static() {
         check_stillness(problem)?;
     }
+    if let Some(event) = model.events.first().filter(|_| table.is_static() || table.variational.is_some()) {
+        let (name, table) = (&event.condition.name, &table.name);
+        return Err(RunError::Input(format!(
+            "method {table} does not know events and stops, as \"{name}\" is one: take another method, or leave them out"
+        )));
+    }
     if policy.from_equilibrium {
         check_equilibrium(model, &problem.start, table)?;
     }

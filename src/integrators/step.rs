@@ -22,6 +22,7 @@ use crate::assembly::{Clock, Closing, ConstraintRows, Equations, Residual, Stop,
 use crate::design::shortest;
 use crate::elements::{RunScalar, State};
 use crate::linalg::sign_of_determinant;
+use crate::tolerances::CONSISTENT;
 use crate::program::Excess;
 use std::sync::Arc;
 
@@ -259,7 +260,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if let Some(clock) = self.clock {
             v.iter_mut().for_each(|v| *v *= clock.length());
         }
-        let sides = match (&mut self.events, guide) {
+        let mut sides = match (&mut self.events, guide) {
             (Some(_), Some(guide)) => guide.sides.clone(),
             (Some(events), None) => {
                 let [q, v, p] = [&q, &v, &self.p].map(|values| real(values));
@@ -267,6 +268,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             (None, _) => Vec::new(),
         };
+        let dropped = match guide {
+            Some(guide) => guide.dropped.clone(),
+            None => self.held_at_start((&q, &v), t, plan, &mut sides)?,
+        };
+        self.select(&dropped)?;
         self.between.sides.clone_from(&sides);
         self.write_sides();
         let mut first = SolveRecord::default();
@@ -291,7 +297,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut last = Unknowns::default();
         Residual::shape(&self.stage.system, &mut last, true);
         self.between =
-            StepState { dropped: plan.dropped.clone(), sides: sides.clone(), carried, last, ..StepState::default() };
+            StepState { dropped: dropped.clone(), sides: sides.clone(), carried, last, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;
@@ -306,9 +312,57 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.between.last.mu = guessed;
         }
         let [position_projection, velocity_projection] = projections;
-        let dropped = plan.dropped.clone();
         let clock = self.clock;
         Ok(StartRecord { dropped, sides, clock, equilibrium, position_projection, velocity_projection, acceleration: first })
+    }
+
+    /// Closes the stops at which the motion begins at rest and that push there; returns the equations that are left out then.
+    fn held_at_start(
+        &mut self,
+        (q, v): (&[S], &[S]),
+        t: f64,
+        plan: &StartPlan,
+        sides: &mut [f64],
+    ) -> Result<Vec<usize>, RunError> {
+        let Some(events) = self.events.take() else { return Ok(plan.dropped.clone()) };
+        let size = |values: &[S]| values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
+        let mut closed = Vec::new();
+        for (event, joint, stop) in events.stops() {
+            let [g, rate, _] = self.equations_of(joint, (q, v), t)[0];
+            let is_there = g.abs() <= CONSISTENT * size(q);
+            if is_there {
+                events.free(event, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
+            } else if events.is_beyond(event, stop, sides) {
+                let name = events.name(event);
+                return Err(RunError::Input(format!(
+                    "the start lies beyond the limit of the stop \"{name}\", by {:.3e}: start on the side that it leaves free",
+                    g.abs()
+                )));
+            }
+            if is_there && rate.abs() <= CONSISTENT * size(v) && sides[events.presence(joint)] == 0.0 {
+                closed.push((joint, stop));
+            }
+        }
+        self.between.dropped.clone_from(&plan.dropped);
+        let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
+        let dropped = loop {
+            let mut dropped = plan.dropped.clone();
+            dropped.retain(|row| closed.iter().all(|own| !rows(own.0).contains(row)));
+            if closed.is_empty() {
+                break dropped;
+            }
+            let mu = self.forces_at((q, v), t, &dropped)?;
+            match closed.iter().position(|(joint, stop)| !stop.pushes(mu[rows(*joint).start])) {
+                Some(place) => closed.remove(place),
+                None => break dropped,
+            };
+        };
+        for (joint, stop) in closed {
+            sides[events.presence(joint)] = 1.0;
+            events.pushing(joint, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
+        }
+        self.events = Some(events);
+        Ok(dropped)
     }
 
     /// Moves coordinates and velocities to where the constraints hold; the joints of an equilibrium are closed.
@@ -558,7 +612,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
         let before = self.between.sides.clone();
-        let mut present = before.clone();
+        // joints as far as it has come, and the one that was hit last with the rate of its equation
+        let (mut present, mut hit) = (before.clone(), None);
         let (mut happened, mut ends_run) = (Vec::new(), false);
         loop {
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
@@ -570,7 +625,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             for &event in &next {
                 ends_run |= events.ends_run(event);
                 self.reset(&events, event).map_err(RunError::Input)?;
-                self.change_joints(&events, event, (&mut present, &mut changes), is_made_again)?;
+                if !is_made_again && !self.record.set.is_empty() {
+                    self.check_joints(&events.absent(&present), events.name(event))?;
+                }
+                self.change_joints(&events, event, (&mut present, &mut changes), &mut hit, is_made_again)?;
             }
             if !is_made_again {
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
@@ -600,26 +658,38 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         events: &Events,
         event: usize,
         (sides, changes): (&mut [f64], &mut Vec<SideChange>),
+        hit: &mut Option<(usize, f64)>,
         is_made_again: bool,
     ) -> Result<(), RunError> {
         let (opens, closes) = events.joints_of(event);
-        let mut change = |own: SideChange, sides: &mut [f64]| {
-            sides[own.switch] = own.sides[1];
-            if !is_made_again {
-                changes.push(own);
-            }
-        };
         for &joint in opens {
             if let Some(own) = events.presence_change(joint, false, sides) {
-                change(own, sides);
+                sides[own.switch] = own.sides[1];
+                changes.extend(Some(own).filter(|_| !is_made_again));
             }
+        }
+        if is_made_again {
+            // those that were torn off then
+            let torn: Vec<SideChange> = events.removed(changes, sides).collect();
+            torn.into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
         }
         for Closing { joint, stop } in closes {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
             let equations = self.problem.model.constraints[*joint].equations.clone();
             let mut dropped = self.dropped_with(&events.absent(sides));
             dropped.retain(|row| !equations.contains(row));
-            let solve = self.impact(*joint, &dropped)?;
+            let mut solve = self.impact(*joint, &dropped)?;
+            // what is held at a stop may be torn off by the impact
+            while !is_made_again && let Some(torn) = events.torn(sides, (*joint, &real(&solve.unknowns.mu))) {
+                sides[torn.switch] = torn.sides[1];
+                changes.push(torn);
+                dropped = self.dropped_with(&events.absent(sides));
+                dropped.retain(|row| !equations.contains(row));
+                solve = self.impact(*joint, &dropped)?;
+            }
+            if stop.is_none() && !is_made_again {
+                self.check_closing(*joint)?;
+            }
             let (mut restitution, mut is_held) = (None, true);
             if let Some(Stop { parameters: [e, least], .. }) = stop {
                 let is_plastic = match is_made_again {
@@ -638,7 +708,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             add_times(&mut self.between.carried[1], &impact.solve.unknowns.x, factor);
             if let (Some(stop), false) = (stop, is_made_again) {
                 if is_held {
-                    is_held = stop.pushes(self.force_behind(&impact.dropped, equations.start)?);
+                    let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+                    is_held = stop.pushes(self.forces_at((&q, &v), self.record.end, &impact.dropped)?[equations.start]);
                     changes.push(events.stays(*joint, sides, is_held));
                 }
                 changes.extend(events.free(event, stop, &self.between.sides));
@@ -648,8 +719,51 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             sides[closing.switch] = f64::from(u8::from(is_held));
             self.record.impacts.push(impact);
+            if !is_made_again && let Some(before) = hit.replace((*joint, self.approach(*joint))) {
+                let (other, rate) = before;
+                let moved = (self.approach(other) - rate).abs();
+                if moved > CONSISTENT * self.between.carried[1].iter().fold(1.0, |size: f64, own| size.max(own.value().abs())) {
+                    let [other, own] = [other, *joint].map(|joint| &self.problem.model.constraints[joint].name);
+                    let t = shortest(self.record.end);
+                    return Err(RunError::Input(format!(
+                        "\"{other}\" and \"{own}\" are hit at once at t = {t} s and act on each other: what follows depends on which comes first; set \
+                         them apart, or say by an [[event]] what becomes of the velocities"
+                    )));
+                }
+            }
         }
         Ok(())
+    }
+
+    /// Whether equations of joints that are there hold behind what an event has set.
+    fn check_joints(&self, absent: &[usize], event: &str) -> Result<(), RunError> {
+        let size = |values: &[S]| values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
+        let sizes = [0, 1].map(|order| CONSISTENT * size(&self.between.carried[order]));
+        for (joint, own) in self.problem.model.constraints.iter().enumerate() {
+            for (row, [g, rate, _]) in own.equations.clone().zip(self.equations_behind(joint)) {
+                if absent.binary_search(&row).is_err() && !(g.abs() <= sizes[0] && rate.abs() <= sizes[1]) {
+                    let (t, name) = (shortest(self.record.end), &own.name);
+                    return Err(RunError::Input(format!(
+                        "what event \"{event}\" sets at t = {t} s violates joint \"{name}\", by {g:.3e} and {rate:.3e} 1/s: set coordinates and rates \
+                         that its joints allow"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether what is to be held by a joint is where it holds it.
+    fn check_closing(&self, joint: usize) -> Result<(), RunError> {
+        let size = self.between.carried[0].iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
+        let off = self.equations_behind(joint).iter().fold(0.0, |most: f64, [g, ..]| most.max(g.abs()));
+        if off <= CONSISTENT * size {
+            return Ok(());
+        }
+        let (t, name) = (shortest(self.record.end), &self.problem.model.constraints[joint].name);
+        Err(RunError::Input(format!(
+            "\"{name}\" cannot be locked at t = {t} s: its equations are off by {off:.3e} there; lock it where they hold, by an event whose formula they are"
+        )))
     }
 
     /// Equations that are left out where these are not there.
@@ -684,28 +798,37 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(own)
     }
 
-    /// The multiplier of an equation in the motion that goes on from an impact.
-    fn force_behind(&mut self, dropped: &[usize], equation: usize) -> Result<f64, RunError> {
+    /// Multipliers of the accelerations of a state, without some equations.
+    fn forces_at(&mut self, (q, v): (&[S], &[S]), t: f64, dropped: &[usize]) -> Result<Vec<f64>, RunError> {
         let mut newton = self.analysis(dropped)?;
-        let (q, v, end) = (&self.between.carried[0], &self.between.carried[1], self.record.end);
-        let mut own = SolveRecord { t: end, equations: Equations::acceleration(), ..SolveRecord::default() };
-        own.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.clone(), q: q.clone() };
-        let place = || format!("forces behind the impact (t = {} s)", shortest(end));
+        let mut own = SolveRecord { t, equations: Equations::acceleration(), ..SolveRecord::default() };
+        own.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
+        let place = || format!("forces at stops (t = {} s)", shortest(t));
         solve(&mut newton, &mut own, InitialGuess::Zero, &self.p, &place)?;
         self.earlier += newton.counters;
-        Ok(own.unknowns.mu[equation].value())
+        Ok(real(&own.unknowns.mu))
     }
 
     /// Rate of the equation of a stop.
     fn approach(&self, joint: usize) -> f64 {
+        self.equations_behind(joint)[0][1]
+    }
+
+    /// Values and rates of the equations of a joint behind the step made last.
+    fn equations_behind(&self, joint: usize) -> Vec<[f64; 3]> {
+        let carried = &self.between.carried;
+        self.equations_of(joint, (&carried[0], &carried[1]), self.record.end)
+    }
+
+    fn equations_of(&self, joint: usize, (q, v): (&[S], &[S]), t: f64) -> Vec<[f64; 3]> {
         let own = &self.problem.model.constraints[joint];
         let gather = |values: &[S]| -> Vec<f64> {
             let dofs = own.nodes.iter().flat_map(|node| self.problem.model.nodes[node.0].dofs.clone());
             dofs.map(|dof| values[dof].value()).collect()
         };
-        let [q, v] = [0, 1].map(|order| gather(&self.between.carried[order]));
+        let [q, v] = [q, v].map(gather);
         let p: Vec<f64> = self.p[own.parameters.clone()].iter().map(|p| p.value()).collect();
-        own.physics.motion(State { a: &vec![0.0; q.len()], v: &v, q: &q }, &p, self.record.end)[0][1]
+        own.physics.motion(State { a: &vec![0.0; q.len()], v: &v, q: &q }, &p, t)
     }
 
     /// A solver without those equations, whose pattern was analysed once.

@@ -8,7 +8,7 @@ use super::transposed::{
     Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros, shifting_clock,
 };
 use crate::assembly::{Model, System, VectorsAvq};
-use crate::design::ModelNumbers;
+use crate::design::{ModelNumbers, shortest};
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
 };
@@ -372,6 +372,8 @@ impl<'m> Sweep<'m> {
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let (ends, [of_start, of_end]) = (place.events_end.first(), place.shares);
+        // terms of which the rate of the number of an event is the sum
+        let mut speed = 0.0;
         let is_moved_alone = ends.is_none() && of_start == of_end;
         if is_moved_alone && (of_start == 0.0 || !self.reads_time) {
             back.iter_mut().for_each(|back| {
@@ -396,11 +398,22 @@ impl<'m> Sweep<'m> {
             let moment =
                 Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, mu: [mu, &[]], t: step.end };
             let mut of_multipliers = SolutionSeed::zeros(step.q.len(), mu.len());
+            let mut accelerations = Vec::new();
+            step.stages.iter().last().into_iter().for_each(|last| last.solve.write_acceleration(&mut accelerations));
             self.events.number_by_arguments(change.switch, moment, &self.p, |place, rate| match place {
-                Place::V(dof) => own.carried[1][dof] += rate,
-                Place::Q(dof) => own.carried[0][dof] += rate,
+                Place::V(dof) => {
+                    own.carried[1][dof] += rate;
+                    speed += (rate * accelerations.get(dof).copied().unwrap_or(0.0)).abs();
+                }
+                Place::Q(dof) => {
+                    own.carried[0][dof] += rate;
+                    speed += (rate * step.v[dof]).abs();
+                }
                 Place::P(index) => own.p[index] += rate,
-                Place::Time => own.moves[1] += rate,
+                Place::Time => {
+                    own.moves[1] += rate;
+                    speed += rate.abs();
+                }
                 Place::Mu(row) => of_multipliers.mu[row] += rate,
                 Place::A(_) => {}
             });
@@ -413,6 +426,14 @@ impl<'m> Sweep<'m> {
         if ends.is_some()
             && let Some((event, back)) = back.split_last_mut()
         {
+            if event.moves[1].abs() <= GRAZING * speed {
+                let (part, t) = (ends.map_or("", |change| self.events.part_of(change.switch)), shortest(step.end));
+                return Err(RunError::Input(format!(
+                    "\"{part}\" is touched at t = {t} s without being passed: its number has a rate of {:.1e} of the terms of which this is the sum, so \
+                     that the time of the event has no derivative; take another design",
+                    event.moves[1].abs() / speed
+                )));
+            }
             for back in back {
                 let moved = -back.moves[1] / event.moves[1];
                 back.moves[0] += moved * event.moves[0];
@@ -678,6 +699,9 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 }
+
+/// Share of its terms below which the rate of a number that passes zero is none.
+const GRAZING: f64 = 1e-6;
 
 /// Longest time that a thread waits awake for another one: waking it up takes about as long as the factors of a small step.
 const AWAKE: Duration = Duration::from_micros(200);

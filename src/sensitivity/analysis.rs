@@ -270,7 +270,13 @@ impl<'m> Analysis<'m> {
         self.check_signature(forward)?;
         let Some(k) = forward.values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
         let (name, value) = (&self.functionals[k].name, forward.values[k]);
-        let why = "what it measures is no number at a state of the run: look at its formula and parameters";
+        let why = match self.model.events.is_empty() {
+            true => "what it measures is no number at a state of the run: look at its formula and parameters",
+            false => {
+                "what it measures is no number at a state of the run: an event whose time it is did not happen so often, or look at its formula and \
+                 parameters"
+            }
+        };
         Err(RunError::Input(format!("functional \"{name}\" is {value}: {why}")))
     }
 

@@ -6,7 +6,7 @@ use crate::io::{Table, cells, number};
 use crate::measured_moments::MeasuredRun;
 use crate::motions::view;
 use crate::projected_start::ProjectedStart;
-use crate::simulation::{error_in_words, functionals};
+use crate::simulation::{error_in_words, events, functionals};
 use crate::snapshot::Snapshot;
 use crate::stability::{Statement, statement};
 use crate::summary::Summary;
@@ -38,6 +38,9 @@ impl Shown<'_> {
             if prepared.functionals().is_empty() {
                 summary.words("the scene has no functional\n");
             }
+        }
+        if let Some(table) = events(prepared, self.forward) {
+            summary.table("Events", table);
         }
         if let Some((error, _)) = error_in_words(prepared, self.forward) {
             summary.fact("largest estimated error of a step", error);
