@@ -417,7 +417,7 @@ impl<'m> System<'m> {
 
     /// True if there is any constraint, inside a node or between nodes.
     pub fn is_constrained(&self) -> bool {
-        self.local_equations > 0 || self.multiplier_columns.iter().any(Option::is_some)
+        self.local_equations > 0 || self.multiplier_columns.iter().any(Option::is_some) || !self.model.presence.is_empty()
     }
 
     /// Name of an unknown of the matrix.

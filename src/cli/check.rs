@@ -51,7 +51,7 @@ fn check(options: &CheckOptions, name: &str, scene: &dyn AnyScene) -> Result<(),
     let words = parts.map(|(number, word)| count(number, word)).join(", ");
     let scenario = if name.is_empty() { String::new() } else { format!(", scenario \"{name}\"") };
     print(format_args!("{}{scenario}: in order; {words}", options.scene));
-    let dropped = prepared.plan.dropped.len();
+    let dropped = prepared.redundant().len();
     if dropped > 0 {
         print(format_args!("{} left out", count(dropped, "redundant constraint equation")));
     }

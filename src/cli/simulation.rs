@@ -121,7 +121,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
 
 /// Says what will be simulated.
 fn announce(prepared: &Prepared) -> Result<(), RunError> {
-    let Prepared { scene, method, grid, plan, .. } = prepared;
+    let Prepared { scene, method, grid, .. } = prepared;
     print(format_args!("{}: {}", scene.name(), scene.summary()));
     let end = grid.times[grid.steps()];
     let is_static = method.table.is_static();
@@ -144,8 +144,9 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
     } else {
         print(format_args!("{}, constraints at {level} level, {steps} over {} s{newton}", method.table.name, shortest(end)));
     }
-    if !plan.dropped.is_empty() {
-        let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
+    let redundant = prepared.redundant();
+    if !redundant.is_empty() {
+        let names: Vec<_> = redundant.iter().map(|&row| prepared.model().equation_name(row)).collect();
         print(format_args!("redundant and left out: {}", names.join("; ")));
         let [joints, _] = prepared.undetermined();
         if !joints.is_empty() {

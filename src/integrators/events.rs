@@ -147,17 +147,10 @@ impl Events {
         (change.sides[0] != change.sides[1]).then_some(change)
     }
 
-    /// That of a stop which is hit without restitution, and to which the motion stays or not.
-    pub fn stays(&self, joint: usize, sides: &[f64], is_held: bool) -> SideChange {
+    /// Whether by a list of changes the motion stays at a stop.
+    pub fn is_held(&self, joint: usize, changes: &[SideChange]) -> bool {
         let switch = self.presence(joint);
-        SideChange { switch, sides: [sides[switch], f64::from(u8::from(is_held))] }
-    }
-
-    /// What a list of changes says of a stop: whether it is hit without restitution, and whether the motion stays there.
-    pub fn is_plastic(&self, joint: usize, changes: &[SideChange]) -> (bool, bool) {
-        let switch = self.presence(joint);
-        let change = changes.iter().find(|change| change.switch == switch);
-        (change.is_some(), change.is_some_and(|change| change.sides[1] > 0.0))
+        changes.iter().any(|change| change.switch == switch && change.sides[1] > 0.0)
     }
 
     /// Equations of joints that are not there.
@@ -198,6 +191,11 @@ impl Events {
         self.free(event, stop, sides).is_some()
     }
 
+    /// Whether a switch is the condition of an event.
+    pub fn is_event(&self, switch: usize) -> bool {
+        self.part(switch).event.is_some()
+    }
+
     /// Name of an event.
     pub fn name(&self, event: usize) -> &str {
         self.parts.iter().find(|part| part.event == Some(event)).map_or("", |part| &part.name)
@@ -226,15 +224,17 @@ impl Events {
         (sides[switch] != side).then_some(SideChange { switch, sides: [sides[switch], side] })
     }
 
-    /// Which events happen where sides change so, each once, with the changes that keep in mind that it has; `sides` are those before.
+    /// Which events happen where sides change so, one after the other; `sides` are those before. One that happens in both directions does so once, as
+    /// what it sets may turn its number back.
     pub fn happening(&self, changes: &[SideChange], sides: &[f64]) -> Vec<usize> {
         let mut all = Vec::new();
         for SideChange { switch, sides: [before, _] } in changes.iter().filter(|own| own.switch < self.switches()) {
             let Some(event) = self.part(*switch).event else { continue };
             let Happening { directions: [rising, falling], once, .. } = self.events[event];
             let is_wanted = if *before > 0.0 { rising } else { falling };
-            let is_over = once && sides.get(self.switches() + event).is_some_and(|has_been| *has_been > 0.0);
-            if is_wanted && !is_over && !all.contains(&event) {
+            let has_been = sides.get(self.switches() + event).is_some_and(|has_been| *has_been > 0.0);
+            let is_over = once && (has_been || all.contains(&event)) || rising && falling && all.contains(&event);
+            if is_wanted && !is_over {
                 all.push(event);
             }
         }
@@ -370,6 +370,12 @@ impl Events {
             {
                 // it stays on its side
                 (last.by, last.rate, last.terms) = (-1.0, 0.0, 1.0);
+            } else if let Some(last) = all.last_mut().filter(|_| part.event.is_some()) {
+                let largest = inputs.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+                if last.by.abs() <= CLOSE * largest {
+                    let gradient = part.switches.number_by_arguments(0, &inputs);
+                    last.size = gradient.iter().zip(&inputs).map(|(own, input)| (own * input).abs()).sum();
+                }
             }
         }
         all
@@ -398,6 +404,8 @@ impl Events {
     }
 }
 
+/// Share of the largest argument below which the terms of a number are looked at.
+const CLOSE: f64 = 1e-6;
 /// Share of the largest impulse that is none.
 const NOTHING: f64 = 1e-12;
 

@@ -11,7 +11,14 @@ use crate::program::Excess;
 /// Share of a step by which one is prolonged to an event, so that none is left over that is much shorter.
 const PROLONGED: f64 = 0.1;
 /// Most steps that are made to locate one event.
-const MOST_TRIALS: usize = 60;
+const MOST_TRIALS: usize = 200;
+/// Trials behind which what joints leave of a number is taken for zero, and those behind which only halves of the bracket are tried.
+const FEW: usize = 8;
+const MANY: usize = 20;
+/// Most doubles by which a step is made longer so that it ends beyond the end of a side.
+const BEYOND: usize = 4;
+/// Share of what a number moves in a step that it does not move within a rounding of the time.
+const JUMPS: f64 = 1e-6;
 /// Share of a step within which a switch that has just changed its side cannot change back: the motion goes along it.
 const AT_ONCE: f64 = 1e-9;
 
@@ -80,9 +87,11 @@ pub(super) fn locate<S: RunScalar>(
         let is_beyond = by > 0.0;
         let [low, high] = if is_beyond { [low, made] } else { [made, high] };
         let newton = made - by / rate;
-        let is_last = by.abs() <= near || t + newton == t + made || (t + low).next_up() >= t + high;
+        let is_closed = (t + low).next_up() >= t + high;
+        let is_zero = by.abs() <= if trials > FEW { ends[switch].noise(t + made) } else { near };
+        let is_last = is_zero || t + newton == t + made || is_closed;
         if !is_last {
-            let is_within = newton > low && newton < high && rate > 0.0;
+            let is_within = newton > low && newton < high && rate > 0.0 && (trials < MANY || high.is_infinite());
             if !is_within && !own.is_sure && !is_beyond {
                 passed.push(switch);
                 match first(&whole, h, &passed) {
@@ -107,6 +116,34 @@ pub(super) fn locate<S: RunScalar>(
         if made <= AT_ONCE * h && stepper.record().switched.iter().any(|change| change.switch == switch) {
             return Err(goes_along(stepper, switch, t + made));
         }
+        if stepper.events.as_ref().is_some_and(|events| events.is_event(switch)) {
+            let moved = starts[switch].by.abs().max(whole[switch].by.abs());
+            if is_closed && by.abs() > JUMPS * moved {
+                return Err(RunError::Input(format!(
+                    "the formula of {} jumps instead of passing zero: write it so that it passes zero",
+                    place(stepper, switch, t + made)
+                )));
+            }
+        } else if by < 0.0 {
+            // formulas of the other side need not be defined on this one
+            let (mut end, before_it) = (t + made, made);
+            let mut is_made = false;
+            for _ in 0..BEYOND {
+                end = end.next_up();
+                stepper.resume(before)?;
+                is_made = stepper.step_over(scheme, (t, end), interval.at_breakpoint(), None).is_ok();
+                if !is_made || stepper.excesses(false)[switch].by >= 0.0 {
+                    break;
+                }
+            }
+            made = end - t;
+            if !is_made || t + made != end {
+                stepper.resume(before)?;
+                stepper.step_over(scheme, (t, t + before_it), interval.at_breakpoint(), None)?;
+                made = before_it;
+            }
+            ends = stepper.excesses(false);
+        }
         return Ok(Some((t + made, changes(stepper, switch, &ends, t + made))));
     }
 }
@@ -117,6 +154,13 @@ fn place<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> String {
 }
 
 fn goes_along<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> RunError {
+    if stepper.events.as_ref().is_some_and(|events| events.is_event(switch)) {
+        return RunError::Input(format!(
+            "{} happens again at once: it follows itself ever faster, as the hits of what bounces do; give a stop a rest_speed, below which hits have no \
+             restitution, and let what an event sets lead away from it",
+            place(stepper, switch, t)
+        ));
+    }
     RunError::Input(format!(
         "{} changes back at once: the motion goes along the switch of its formula instead of passing it, as a body that sticks goes along the \
          change of sign of its velocity; make the formula smooth there, by a slope over a small width",
@@ -145,36 +189,65 @@ fn changes<S: RunScalar>(stepper: &Stepper<S>, switch: usize, ends: &[Excess], t
     [switch].into_iter().chain(others).map(change).collect()
 }
 
-/// Whether a switch changes its side in a step from `t` that takes `h`, or shortly behind it, but within the `most` that it may take.
-fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64), most: f64) -> Option<Candidate> {
-    let is_at_end = start.by.abs() <= start.round_off(t);
-    let by = if is_at_end { 0.0 } else { start.by };
-    // of the cubic through both ends
-    let cubic = |share: f64| {
-        let rest = 1.0 - share;
-        rest * rest * ((1.0 + 2.0 * share) * by + share * h * start.rate)
-            + share * share * ((3.0 - 2.0 * share) * end.by - rest * h * end.rate)
-    };
-    let root = |mut low: f64, mut high: f64| {
+/// The course of a number in a step, by its values and rates at both ends: a polynomial of degree 3 in the share of the step.
+struct Course([f64; 4]);
+
+impl Course {
+    fn new(h: f64, start: [f64; 2], end: [f64; 2]) -> Self {
+        let ([first, end], [slope, end_slope]) = ([start[0], end[0]], [h * start[1], h * end[1]]);
+        Course([first, slope, 3.0 * (end - first) - 2.0 * slope - end_slope, 2.0 * (first - end) + slope + end_slope])
+    }
+
+    fn at(&self, share: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        a + share * (b + share * (c + share * d))
+    }
+
+    /// Where its slope vanishes within the step, in their order.
+    fn turns(&self) -> impl Iterator<Item = f64> + Clone + use<> {
+        let [_, b, c, d] = self.0;
+        // b + 2 c s + 3 d s^2
+        let q = -(c + c.signum() * (c * c - 3.0 * b * d).max(0.0).sqrt());
+        let both = if c * c >= 3.0 * b * d { [q / (3.0 * d), b / q] } else { [f64::NAN; 2] };
+        let both = if both[0] > both[1] { [both[1], both[0]] } else { both };
+        both.into_iter().filter(|share| *share > 0.0 && *share < 1.0)
+    }
+
+    /// Where it passes zero upwards between two shares, below zero at the first.
+    fn root(&self, mut low: f64, mut high: f64) -> f64 {
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            *(if cubic(middle) > 0.0 { &mut high } else { &mut low }) = middle;
+            *(if self.at(middle) > 0.0 { &mut high } else { &mut low }) = middle;
         }
         0.5 * (low + high)
-    };
-    let is_beyond = end.by > end.round_off(t + h);
-    let mut shares = (1..16).map(|k| f64::from(k) / 16.0);
-    if is_beyond {
+    }
+
+    /// A share at which it is below zero, where it starts at zero and falls.
+    fn below(&self) -> Option<f64> {
+        (0..50).map(|k| 0.5f64.powi(k)).find(|&share| self.at(share) < 0.0)
+    }
+}
+
+/// Share of what a number moves in a step by which its course may be off where it turns back.
+const OFF: f64 = 0.01;
+
+/// Whether a switch changes its side in a step from `t` that takes `h`, or shortly behind it, but within the `most` that it may take.
+fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64), most: f64) -> Option<Candidate> {
+    let is_at_end = start.by.abs() <= start.noise(t);
+    let by = if is_at_end { 0.0 } else { start.by };
+    let course = Course::new(h, [by, start.rate], [end.by, end.rate]);
+    if end.by > end.noise(t + h) {
         // it leaves the end of its side before it comes back
-        let low = if by < 0.0 { 0.0 } else { shares.clone().find(|&share| cubic(share) < 0.0).unwrap_or(0.0) };
-        let high = shares.into_iter().find(|&share| share > low && cubic(share) > 0.0).unwrap_or(1.0);
-        let after = if by < 0.0 || low > 0.0 { h * root(low, high) } else { 0.0 };
-        let bracket = [if by < 0.0 { 0.0 } else { h * low }, h];
-        return Some(Candidate { switch, after, bracket, is_sure: true });
+        let turn = course.turns().find(|&share| course.at(share) < 0.0);
+        let low = if by < 0.0 { 0.0 } else { turn.or(if start.rate < 0.0 { course.below() } else { None }).unwrap_or(0.0) };
+        let high = course.turns().find(|&share| share > low && course.at(share) > 0.0).unwrap_or(1.0);
+        let after = if by < 0.0 || low > 0.0 { h * course.root(low, high) } else { 0.0 };
+        return Some(Candidate { switch, after, bracket: [h * low, h], is_sure: true });
     }
     if (by < 0.0 || is_at_end && start.rate < 0.0) && end.rate < 0.0 {
         // in between it may have been beyond
-        let beyond = shares.find(|&share| cubic(share) > 0.0)?;
+        let near = OFF * h * (start.rate.abs() + end.rate.abs());
+        let beyond = course.turns().find(|&share| course.at(share) > -near && (by < 0.0 || course.at(share) > 0.0))?;
         return Some(Candidate { switch, after: h * beyond, bracket: [0.0, f64::INFINITY], is_sure: false });
     }
     let prolonged = (1.0 + PROLONGED) * h;

@@ -78,7 +78,7 @@ pub struct StepRecord<S> {
 /// An impact at the end of a step.
 #[derive(Debug, PartialEq)]
 pub struct ImpactRecord<S> {
-    /// Number of the event whose it is.
+    /// Number of the event whose it is, among those that happen there.
     pub event: usize,
     /// The change of velocities x under which the equations of the joints that are hit stand still, and impulses mu.
     pub solve: SolveRecord<S>,

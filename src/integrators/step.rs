@@ -80,6 +80,10 @@ impl RealDrives {
 
 /// Steps from one look at the choice of redundant equations to the next.
 const WATCHED_EVERY: usize = 5;
+/// Most events that follow each other at one time.
+const MOST_AT_ONCE: usize = 100;
+/// Share of the force that makes an impact within a step, below which what is hit is not pushed away from.
+const NO_FORCE: f64 = 1e-9;
 /// Share of the estimated error of a step that its systems may leave, where round-off is not asked for.
 const LEFT: f64 = 1e-2;
 /// Largest coefficient with which dropped equations may follow from the kept ones.
@@ -288,6 +292,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         } else {
             let from = InitialGuess::guided(guide.map(|start| &start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
+            if guide.is_none() && self.passes_at_start((&first, &q, &v), t, &mut sides) {
+                self.between.sides.clone_from(&sides);
+                self.write_sides();
+                self.solve_acceleration((&q, &v), t, 0, InitialGuess::Zero, &mut first)?;
+            }
         }
         release(&mut self.acceleration)?;
         let kinds = &self.method.table.carried;
@@ -314,6 +323,18 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let [position_projection, velocity_projection] = projections;
         let clock = self.clock;
         Ok(StartRecord { dropped, sides, clock, equilibrium, position_projection, velocity_projection, acceleration: first })
+    }
+
+    /// Changes sides whose numbers are zero at the start and leave it by the first accelerations; whether there are any.
+    fn passes_at_start(&mut self, (first, q, v): (&SolveRecord<S>, &[S], &[S]), t: f64, sides: &mut [f64]) -> bool {
+        let Some(events) = &mut self.events else { return false };
+        let [a, mu] = [&first.unknowns.x, &first.unknowns.mu].map(|values| real(values));
+        let [q, v, p] = [q, v, &self.p].map(real);
+        let excesses = events.excesses(Moment { a: &a, v: &v, q: &q, mu: [&mu, &[]], t }, &p, sides);
+        let passed = excesses.into_iter().enumerate().filter(|(_, own)| own.by.abs() <= own.noise(t) && own.rate > 0.0);
+        let passed: Vec<(usize, f64)> = passed.map(|(switch, own)| (switch, own.other)).collect();
+        passed.iter().for_each(|(switch, other)| sides[*switch] = *other);
+        !passed.is_empty()
     }
 
     /// Closes the stops at which the motion begins at rest and that push there; returns the equations that are left out then.
@@ -358,6 +379,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             };
         };
         for (joint, stop) in closed {
+            self.check_method(joint)?;
             sides[events.presence(joint)] = 1.0;
             events.pushing(joint, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
         }
@@ -612,32 +634,49 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
         let before = self.between.sides.clone();
-        // joints as far as it has come, and the one that was hit last with the rate of its equation
-        let (mut present, mut hit) = (before.clone(), None);
+        // joints as far as it has come
+        let mut present = before.clone();
+        let (switch, located) = self.located_number(&mut events, &changes);
         let (mut happened, mut ends_run) = (Vec::new(), false);
         loop {
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
             let all = events.happening(&changes, &before);
-            let next: Vec<usize> = all.into_iter().filter(|event| !happened.contains(event)).collect();
+            let next = all.get(happened.len()..).unwrap_or_default().to_vec();
             if next.is_empty() {
                 break;
             }
+            if happened.len() > MOST_AT_ONCE {
+                let mut names: Vec<&str> = next.iter().map(|&event| events.name(event)).collect();
+                names.dedup();
+                return Err(RunError::Input(format!(
+                    "at t = {} s events follow each other at once without end: \"{}\"; let what they set lead away from their conditions",
+                    shortest(self.record.end),
+                    names.join("\", \"")
+                )));
+            }
+            let stops = next.iter().flat_map(|event| events.joints_of(*event).1).filter(|own| own.stop.is_some());
+            let hit: Vec<(usize, f64)> = stops.map(|own| (own.joint, self.approach(own.joint))).collect();
             for &event in &next {
+                happened.push(event);
                 ends_run |= events.ends_run(event);
                 self.reset(&events, event).map_err(RunError::Input)?;
                 if !is_made_again && !self.record.set.is_empty() {
                     self.check_joints(&events.absent(&present), events.name(event))?;
                 }
-                self.change_joints(&events, event, (&mut present, &mut changes), &mut hit, is_made_again)?;
+                self.change_joints(&events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
             }
             if !is_made_again {
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
                 let (sides, end) = (&self.between.sides, self.record.end);
                 let passed = self.excesses_of(&mut events, false).into_iter().enumerate();
-                let passed = passed.filter(|(_, own)| own.is_passed(end));
+                // the number that ended the step is zero, whatever location has left of it
+                let is_zero = |own: &Excess| (own.by - located).abs() <= own.round_off(end);
+                let passed = passed.filter(|(place, own)| match *place == switch && is_zero(own) {
+                    true => own.rate > 0.0,
+                    false => own.is_passed(end),
+                });
                 changes.extend(passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] }));
             }
-            happened.extend(next);
         }
         self.between.switched.clone_from(&changes);
         let now = events.absent(&self.between.sides);
@@ -656,9 +695,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn change_joints(
         &mut self,
         events: &Events,
-        event: usize,
+        (event, number): (usize, usize),
         (sides, changes): (&mut [f64], &mut Vec<SideChange>),
-        hit: &mut Option<(usize, f64)>,
+        hit: &[(usize, f64)],
         is_made_again: bool,
     ) -> Result<(), RunError> {
         let (opens, closes) = events.joints_of(event);
@@ -675,6 +714,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         for Closing { joint, stop } in closes {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
+            self.check_hit(*joint, hit)?;
             let equations = self.problem.model.constraints[*joint].equations.clone();
             let mut dropped = self.dropped_with(&events.absent(sides));
             dropped.retain(|row| !equations.contains(row));
@@ -692,25 +732,21 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             let (mut restitution, mut is_held) = (None, true);
             if let Some(Stop { parameters: [e, least], .. }) = stop {
-                let is_plastic = match is_made_again {
-                    true => {
-                        let (is_plastic, holds) = events.is_plastic(*joint, changes);
-                        is_held = holds;
-                        is_plastic
-                    }
-                    false => self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value(),
-                };
-                is_held &= is_plastic;
+                let is_plastic = self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value();
+                is_held = is_plastic && (!is_made_again || events.is_held(*joint, changes));
                 restitution = (!is_plastic).then_some(*e);
             }
-            let impact = ImpactRecord { event, solve, dropped, restitution };
+            let impact = ImpactRecord { event: number, solve, dropped, restitution };
             let factor = impact.factor(&self.p) * self.clock.map_or(S::one(), |clock| clock.length());
             add_times(&mut self.between.carried[1], &impact.solve.unknowns.x, factor);
             if let (Some(stop), false) = (stop, is_made_again) {
                 if is_held {
+                    self.check_method(*joint)?;
                     let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
-                    is_held = stop.pushes(self.forces_at((&q, &v), self.record.end, &impact.dropped)?[equations.start]);
-                    changes.push(events.stays(*joint, sides, is_held));
+                    let mu = self.forces_at((&q, &v), self.record.end, &impact.dropped)?[equations.start];
+                    let of_impact = impact.solve.unknowns.mu[equations.start].value().abs() / self.record.h;
+                    is_held = stop.pushes(mu) || mu.abs() <= NO_FORCE * of_impact;
+                    changes.extend(Some(closing).filter(|_| is_held));
                 }
                 changes.extend(events.free(event, stop, &self.between.sides));
                 changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
@@ -719,20 +755,30 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             sides[closing.switch] = f64::from(u8::from(is_held));
             self.record.impacts.push(impact);
-            if !is_made_again && let Some(before) = hit.replace((*joint, self.approach(*joint))) {
-                let (other, rate) = before;
-                let moved = (self.approach(other) - rate).abs();
-                if moved > CONSISTENT * self.between.carried[1].iter().fold(1.0, |size: f64, own| size.max(own.value().abs())) {
-                    let [other, own] = [other, *joint].map(|joint| &self.problem.model.constraints[joint].name);
-                    let t = shortest(self.record.end);
-                    return Err(RunError::Input(format!(
-                        "\"{other}\" and \"{own}\" are hit at once at t = {t} s and act on each other: what follows depends on which comes first; set \
-                         them apart, or say by an [[event]] what becomes of the velocities"
-                    )));
-                }
-            }
         }
         Ok(())
+    }
+
+    /// Number of the switch that ended the step made last, and what is left of its number there, beyond the side to which it changes.
+    fn located_number(&self, events: &mut Events, changes: &[SideChange]) -> (usize, f64) {
+        let Some(SideChange { switch, .. }) = changes.first() else { return (usize::MAX, 0.0) };
+        (*switch, self.excesses_of(events, false).get(*switch).map_or(0.0, |own| -own.by))
+    }
+
+    /// Whether a stop moves as it did before others were hit at the same time.
+    fn check_hit(&self, joint: usize, hit: &[(usize, f64)]) -> Result<(), RunError> {
+        let Some((_, before)) = hit.iter().find(|own| own.0 == joint).filter(|_| hit.len() > 1) else { return Ok(()) };
+        let speed = self.between.carried[1].iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
+        if (self.approach(joint) - before).abs() <= CONSISTENT * speed {
+            return Ok(());
+        }
+        let others = hit.iter().filter(|own| own.0 != joint).map(|own| &*self.problem.model.constraints[own.0].name);
+        let (name, others) = (&self.problem.model.constraints[joint].name, others.collect::<Vec<_>>().join("\", \""));
+        let t = shortest(self.record.end);
+        Err(RunError::Input(format!(
+            "\"{others}\" and \"{name}\" are hit at once at t = {t} s and act on each other: what follows depends on which comes first; set them apart, \
+             or say by an [[event]] what becomes of the velocities"
+        )))
     }
 
     /// Whether equations of joints that are there hold behind what an event has set.
@@ -796,6 +842,19 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         self.earlier += newton.counters;
         Ok(own)
+    }
+
+    /// Whether the method has the force by which a stop lets go at the end of a step.
+    fn check_method(&self, joint: usize) -> Result<(), RunError> {
+        let (name, table) = (&self.problem.model.constraints[joint].name, &self.method.table);
+        if table.stiffly_accurate {
+            return Ok(());
+        }
+        Err(RunError::Input(format!(
+            "the motion stays at the stop \"{name}\", and method {} has no forces at the ends of steps, by which it would let go: take another method, as \
+             esdirk4",
+            table.name
+        )))
     }
 
     /// Multipliers of the accelerations of a state, without some equations.

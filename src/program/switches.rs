@@ -94,8 +94,11 @@ impl Formula {
     /// Its switches of some kind, lengths of vectors among them if they are asked for; `None` where it has none.
     pub fn switches(&self, reads: Reads, lengths: bool) -> Option<Switches> {
         let (of_state, of_time) = (self.arguments().of_state(), self.arguments().of_time());
+        let any = vec![true; self.inputs];
         let [moved_by, excluded] = match reads {
             Reads::TimeAlone => [&of_time[..], &of_state],
+            // the condition of an event may be one of the time
+            Reads::Located => [&any[..], &[]],
             _ => [&of_state[..], &[]],
         };
         let of_sides = self.arguments().of_kinds(&[ArgumentKind::Side]);
@@ -451,9 +454,14 @@ pub struct Excess {
     pub rate: f64,
     /// Size of the terms whose difference it is.
     pub terms: f64,
+    /// Of a number that is close to zero, the size of the terms of which a formula made it.
+    pub size: f64,
     /// The side beyond the end.
     pub other: f64,
 }
+
+/// Share of coordinates by which joints are kept.
+const HELD: f64 = 1e-13;
 
 /// Round-off of a sum, in units of that of its terms.
 const ROUNDINGS: f64 = 4.0;
@@ -464,9 +472,15 @@ impl Excess {
         ROUNDINGS * f64::EPSILON * (self.terms + (self.rate * t).abs())
     }
 
+    /// What joints and Newton's method leave of a number that they hold at zero, too.
+    pub fn noise(&self, t: f64) -> f64 {
+        self.round_off(t) + HELD * self.size
+    }
+
     /// Whether the number is beyond the end, or at it on the way there.
     pub fn is_passed(&self, t: f64) -> bool {
-        self.by > self.round_off(t) || self.by.abs() <= self.round_off(t) && self.rate > 0.0
+        let noise = self.noise(t);
+        self.by > noise || self.by.abs() <= noise && self.rate > 0.0
     }
 }
 
@@ -487,13 +501,14 @@ impl Side {
                 let whole = if told > 0.0 { told - 1.0 } else { told };
                 let terms = number.abs() + 1.0;
                 match number > whole + 0.5 {
-                    true => Excess { by: number - (whole + 1.0), rate, terms, other: coded(whole + 1.0) },
-                    false => Excess { by: whole - number, rate: -rate, terms, other: coded(whole - 1.0) },
+                    true => Excess { by: number - (whole + 1.0), rate, terms, size: 0.0, other: coded(whole + 1.0) },
+                    false => Excess { by: whole - number, rate: -rate, terms, size: 0.0, other: coded(whole - 1.0) },
                 }
             }
             _ => {
                 let sign = told.signum();
-                Excess { by: sign * number, rate: sign * rate, terms: own[0].abs() + own[1].abs(), other: -told }
+                let terms = own[0].abs() + own[1].abs();
+                Excess { by: sign * number, rate: sign * rate, terms, size: 0.0, other: -told }
             }
         }
     }

@@ -156,11 +156,17 @@ impl<'s> Prepared<'s> {
         Problem { model: &self.mechanism.model, p, start: InitialState { q, v } }
     }
 
+    /// Constraint equations that are left out as redundant at the start.
+    #[doc(hidden)]
+    pub fn redundant(&self) -> Vec<usize> {
+        self.plan.dropped.iter().copied().filter(|row| !self.model().comes_and_goes(*row)).collect()
+    }
+
     /// Names of the joints, and of the functionals, whose reactions the model does not determine at its start: where redundant equations are
     /// left out, many reactions have the same forces, and those of least norm are given.
     pub fn undetermined(&self) -> [Vec<&str>; 2] {
         let (model, Problem { p, start, .. }) = (self.model(), self.problem());
-        let dropped = self.plan.dropped.clone();
+        let dropped = self.redundant();
         if dropped.is_empty() {
             return [Vec::new(), Vec::new()];
         }

@@ -484,17 +484,17 @@ impl<'m> Sweep<'m> {
         }
         let happened = self.events.happening(&place.events_end, &self.sides);
         let mut states = vec![[step.v.clone(), step.q.clone()]];
-        for &event in &happened {
+        for (number, &event) in happened.iter().enumerate() {
             let [mut v, mut q] = states[states.len() - 1].clone();
             // it was set when the run was made
             let _ = self.events.reset(event, [&mut v, &mut q], step.end, &self.p, &mut Vec::new());
-            for own in step.impacts.iter().filter(|own| own.event == event) {
+            for own in step.impacts.iter().filter(|own| own.event == number) {
                 add(&mut v, own.factor(&self.p), &own.solve.unknowns.x);
             }
             states.push([v, q]);
         }
-        for (&event, [v, q]) in happened.iter().zip(&states).rev() {
-            for own in step.impacts.iter().rev().filter(|own| own.event == event) {
+        for ((number, &event), [v, q]) in happened.iter().enumerate().zip(&states).rev() {
+            for own in step.impacts.iter().rev().filter(|own| own.event == number) {
                 self.impact_back(own, back)?;
             }
             for back in &mut back[..self.functionals.len()] {

@@ -6,6 +6,7 @@ mod dead_points;
 mod elimination;
 mod foreign_parts;
 mod frequencies;
+mod events;
 mod located;
 mod massless;
 mod natural;

@@ -1,0 +1,241 @@
+//! Events, stops, latches and joints that come and go, against closed forms, quotients of whole runs, and each other.
+
+use super::parsed;
+use costate::history::Keep;
+use costate::integrators::{Table, tables};
+use costate::prelude::*;
+use costate::scenes::{AnyScene, FileScene};
+use costate::sensitivity::{Analysis, Forward};
+
+const SCENES: [(&str, &str); 8] = [
+    ("ball", include_str!("events/ball.toml")),
+    ("table", include_str!("events/table.toml")),
+    ("leaves", include_str!("events/leaves.toml")),
+    ("latch", include_str!("events/latch.toml")),
+    ("release", include_str!("events/release.toml")),
+    ("clegg", include_str!("events/clegg.toml")),
+    ("rest", include_str!("events/rest.toml")),
+    ("knee", include_str!("events/knee.toml")),
+];
+
+fn scene(name: &str) -> FileScene {
+    parsed(SCENES.iter().find(|own| own.0 == name).expect("listed").1)
+}
+
+fn x_of(scene: &FileScene) -> Vec<f64> {
+    AnyScene::variables(scene).iter().map(|variable| variable.initial).collect()
+}
+
+fn assert_near(own: f64, exact: f64, limit: f64, what: &str) {
+    assert!((own - exact).abs() <= limit, "{what}: {own} for {exact}, {limit:e}");
+}
+
+/// Values and rows of all functionals.
+fn ran(scene: &FileScene, table: &Table, steps: usize) -> (Forward, Vec<Vec<f64>>) {
+    let mut settings = AnyScene::settings(scene).without_method();
+    settings.steps = steps;
+    let x = x_of(scene);
+    let method = Method::new(table.clone(), settings.level);
+    let prepared = Prepared::with(scene, &x, method, settings).expect("it is sound");
+    let forward = prepared.analysis().forward(&x).unwrap_or_else(|why| panic!("{}: {why}", table.name));
+    let rows = prepared.analysis().adjoint(&x, &forward).unwrap_or_else(|why| panic!("{}: {why}", table.name)).rows;
+    (forward, rows)
+}
+
+fn table(name: &str) -> Table {
+    tables().into_iter().find(|table| table.name == name).expect("listed")
+}
+
+fn moving_tables() -> impl Iterator<Item = Table> {
+    tables().into_iter().filter(|own| !own.is_static() && own.variational.is_none())
+}
+
+/// Closed forms: z(T), time of bounce 4, of bounce 1, integral of z, with derivatives by h0, vx, e, g.
+#[test]
+fn a_bouncing_ball_is_exact() {
+    let exact = [
+        (0.11795005964214797, [1.353813629821074, 0.0, 6.627596568900959, -0.12597997657277533]),
+        (2.2142719353940244, [1.1071359676970122, 0.0, 4.081773714511007, -0.11285789680907362]),
+        (0.4515236409857309, [0.22576182049286545, 0.0, 0.0, -0.023013437359109628]),
+        (0.8837987889165236, [1.1782606088221004, 0.0, 3.1374356771566578, -0.03001649540321884]),
+    ];
+    for steps in [7, 100] {
+        let (forward, rows) = ran(&scene("ball"), &table("esdirk4"), steps);
+        for ((value, gradient), (own, row)) in exact.iter().zip(forward.values.iter().zip(&rows)) {
+            assert_near(*own, *value, 1e-13, "value");
+            row.iter().zip(gradient).for_each(|(own, exact)| assert_near(*own, *exact, 2e-12, "derivative"));
+        }
+    }
+}
+
+#[test]
+fn adjoint_tangent_complex_step_and_quotients_agree() {
+    let everywhere = moving_tables().flat_map(|own| ["ball", "leaves", "release"].map(|name| (name, own.clone())));
+    let everywhere = everywhere.filter(|(name, own)| *name != "leaves" || own.stiffly_accurate);
+    let others = ["table", "latch", "clegg", "rest", "knee"].map(|name| (name, table("esdirk4")));
+    for (name, table) in everywhere.chain(others) {
+        let place = format!("{name} by {}", table.name);
+        let scene = scene(name);
+        let settings = AnyScene::settings(&scene).without_method();
+        let x = x_of(&scene);
+        let method = Method::new(table, settings.level);
+        let prepared = Prepared::with(&scene, &x, method, settings).expect("it is sound");
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&x).unwrap_or_else(|why| panic!("{place}: {why}"));
+        assert!(!analysis.events(&forward).is_empty(), "{place}");
+        let [adjoint, tangent, complex] = [Analysis::adjoint, Analysis::tangent, Analysis::complex_step]
+            .map(|by| by(&analysis, &x, &forward).unwrap_or_else(|why| panic!("{place}: {why}")).rows);
+        let on_steps = analysis.on_steps_of(&forward);
+        for (k, row) in adjoint.iter().enumerate() {
+            let size = row.iter().fold(0.0, |size: f64, own| size.max(own.abs())).max(1e-3);
+            for i in 0..x.len() {
+                let mut along = vec![0.0; x.len()];
+                along[i] = 1.0;
+                let by = 1e-4 * x[i].abs().max(0.1);
+                let quotient = on_steps.central_difference(&x, &along, by).unwrap_or_else(|why| panic!("{place}: {why}"))[k];
+                assert_near(row[i], complex[k][i], 1e-11 * size, &place);
+                assert_near(row[i], tangent[k][i], 1e-11 * size, &place);
+                assert_near(row[i], quotient, 3e-8 * size, &place);
+            }
+        }
+    }
+}
+
+/// A moving table that is hit, and a mass that is held at a stop until its force would pull: values and derivatives with the order of the method.
+#[test]
+fn stops_keep_the_order_of_every_method() {
+    // of x(T) by m, k, x0, xs, F0, rate; and x(T)
+    let [m, k, xs, force, rate, end] = [1.5, 200.0, -0.03, 40.0, 10.0, 4.0];
+    let x = |m: f64, k: f64, xs: f64, force: f64, rate: f64| {
+        let (s, w) = (end - (force + k * xs) / rate, (k / m).sqrt());
+        xs + rate / k * (s - (w * s).sin() / w)
+    };
+    let central = |of: &dyn Fn(f64) -> f64, at: f64| {
+        let h = 1e-3 * at.abs();
+        (8.0 * (of(at + h) - of(at - h)) - of(at + 2.0 * h) + of(at - 2.0 * h)) / (12.0 * h)
+    };
+    let exact = [
+        x(m, k, xs, force, rate),
+        central(&|m| x(m, k, xs, force, rate), m),
+        central(&|k| x(m, k, xs, force, rate), k),
+        0.0,
+        central(&|xs| x(m, k, xs, force, rate), xs),
+        central(&|force| x(m, k, xs, force, rate), force),
+        central(&|rate| x(m, k, xs, force, rate), rate),
+    ];
+    let sizes = [0.01, 0.01, 1e-3, 1.0, 1.0, 1e-3, 1e-2];
+    for own in moving_tables().filter(|own| own.stiffly_accurate) {
+        let errors = [400, 800].map(|steps| {
+            let (forward, rows) = ran(&scene("leaves"), &own, steps);
+            let all = [&forward.values[..1], &rows[0]].concat();
+            let errors = all.iter().zip(exact).zip(sizes).map(|((own, exact), size)| (own - exact).abs() / size);
+            errors.fold(0.0, f64::max)
+        });
+        println!("{} of order {}: {errors:?}, {}", own.name, own.order, errors[0] / errors[1]);
+        assert!(errors[1] < 1.6 * errors[0] / 2f64.powi(own.order as i32), "{}: {errors:?}", own.name);
+    }
+}
+
+#[test]
+fn steps_kept_elsewhere_give_the_same_bits() {
+    let folder = std::env::temp_dir().join(format!("costate-events-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for (name, text) in SCENES {
+        let scene = parsed(text);
+        let prepared = Prepared::new(&scene).expect("it is sound");
+        let x = x_of(&scene);
+        let keeps = [Keep::Memory, Keep::File(folder.join(name)), Keep::Checkpoints(100_000), Keep::Nothing];
+        let rows = keeps.map(|keep| {
+            let analysis = Analysis { keep: &keep, ..prepared.analysis() };
+            let forward = analysis.forward(&x).unwrap_or_else(|why| panic!("{name}, {keep:?}: {why}"));
+            if keep == Keep::Nothing {
+                return (forward.values, Vec::new());
+            }
+            let rows = analysis.adjoint(&x, &forward).unwrap_or_else(|why| panic!("{name}, {keep:?}: {why}")).rows;
+            (forward.values, rows)
+        });
+        for other in &rows[1..] {
+            assert_eq!(rows[0].0, other.0, "{name}");
+            assert!(other.1.is_empty() || rows[0].1 == other.1, "{name}");
+        }
+    }
+    std::fs::remove_dir_all(&folder).expect("it is there");
+}
+
+/// A file of one ball, with more lines.
+fn ball_with(more: &str) -> String {
+    format!(
+        "version = 1\ngravity = [0, 0, -10]\nsettings = {{ end = 1, steps = 50 }}\n\
+         point = [{{ name = \"ball\", position = [0, 0, 1], mass = 1 }}]\n\
+         functional = [{{ name = \"z\", type = \"position\", on = \"ball\", direction = [0, 0, 1], over = \"terminal\" }}]\n{more}"
+    )
+}
+
+#[test]
+fn what_cannot_be_is_told() {
+    let node = "nodes = { ball = \"ball\" }";
+    for (more, words) in [
+        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 1.5 }}]"), "beyond the limit of the stop \"s\", by 5.000e-1"),
+        (
+            format!(
+                "stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0.5 }}, {{ name = \"t\", {node}, value = \"ball.position.z + \
+                 ball.position.x\", least = 0.5, restitution = 0.5 }}]"
+            ),
+            "are hit at once",
+        ),
+        (
+            format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0.9, restitution = 0.1 }}]"),
+            "\"s\" at t = 0.",
+        ),
+        (
+            format!(
+                "joint = [{{ name = \"j\", type = \"formula\", {node}, equations = [\"ball.position.x - 0.1\"], present = false }}]\n\
+                 event = [{{ name = \"e\", at = 0.5, lock = \"j\" }}]"
+            ),
+            "\"j\" cannot be locked at t = 0.5 s",
+        ),
+        (
+            format!(
+                "joint = [{{ name = \"j\", type = \"formula\", {node}, equations = [\"ball.position.x\"] }}]\n\
+                 event = [{{ name = \"e\", {node}, at = 0.5, set = {{ \"ball.velocity\" = [1, 0, 0] }} }}]"
+            ),
+            "violates joint \"j\"",
+        ),
+        (format!("event = [{{ name = \"e\", {node}, at = 0.5, set = {{ \"ball.velocity\" = \"[0, 0, log(-ball.position.z)]\" }} }}]"), "is not a number there"),
+    ] {
+        let scene = FileScene::parse("ball", &ball_with(&more)).unwrap_or_else(|why| panic!("{more}: {why}"));
+        let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{more}: {why}"));
+        let error = prepared.analysis().forward(&[]).expect_err(&more).to_string();
+        assert!(error.contains(words), "{more}: {error}");
+    }
+    for (more, words) in [
+        ("stop = [{ name = \"s\", on = \"ball\", least = 0 }]".to_string(), "has no value: give nodes and value"),
+        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\" }}]"), "needs least, most, or both"),
+        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 2, most = 1 }}]"), "least must be below most"),
+        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0, restitution = 1.5 }}]"), "from 0 to 1"),
+        ("event = [{ name = \"e\", set = {} }]".to_string(), "needs one of when and at"),
+        (format!("event = [{{ name = \"e\", {node}, when = 3 }}]"), "passes zero never"),
+        (format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"ball.place\" = 3 }} }}]"), "position and velocity can be set"),
+        (format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"other.velocity\" = [1, 2, 3] }} }}]"), "there is no \"other\" among the nodes"),
+        (format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"ball.velocity\" = 3 }} }}]"), "takes a vector"),
+    ] {
+        let text = ball_with(&more);
+        let error = match FileScene::parse("ball", &text) {
+            Err(why) => why.to_string(),
+            Ok(scene) => Prepared::new(&scene).err().unwrap_or_else(|| panic!("{more}: no error")).to_string(),
+        };
+        assert!(error.contains(words), "{more}: {error}");
+    }
+}
+
+/// The time of an event that does not happen is no number.
+#[test]
+fn an_event_that_does_not_happen_has_no_time() {
+    let event = "event = [{ name = \"e\", nodes = { ball = \"ball\" }, when = \"ball.position.z + 100\" }]";
+    let time = "functional = [{ name = \"time\", type = \"event_time\", event = \"e\", over = \"terminal\" }, { name";
+    let scene = parsed(&ball_with(event).replace("functional = [{ name", time));
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let forward = prepared.analysis().forward(&[]).expect("it runs");
+    let error = prepared.analysis().check_values(&forward).expect_err("it is no number").to_string();
+    assert!(error.contains("did not happen so often"), "{error}");
+}
