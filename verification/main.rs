@@ -12,6 +12,8 @@ mod clock;
 mod complex_step;
 #[path = "element-cost/study.rs"]
 mod element_cost;
+#[path = "events/study.rs"]
+mod events;
 mod falling;
 #[path = "flexible-pendulum/study.rs"]
 mod flexible_pendulum;
@@ -105,6 +107,7 @@ fn all() -> Vec<Box<dyn Study>> {
         Box::new(full_hub::FullHub),
         Box::new(functionals::Functionals),
         Box::new(signals::Signals),
+        Box::new(events::Events),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(linear_solvers::LinearSolvers),

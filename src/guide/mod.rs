@@ -14,14 +14,14 @@ macro_rules! pages {
     };
 }
 
-pages!("": getting_started programs python own_parts joints beams cables shells meshes functionals time statics gradients
+pages!("": getting_started programs python own_parts joints beams cables shells meshes functionals time events statics gradients
     optimization ranks files commands limits measured glossary changelog);
 
 pub mod theory {
     #![doc = include_str!("links.txt")]
     #![doc = include_str!("theory/index.md")]
 
-    pages!("theory/": descriptor_form coordinates constraint_levels integrators programs discrete_adjoint beams shells
+    pages!("theory/": descriptor_form coordinates constraint_levels integrators programs discrete_adjoint events beams shells
         aggregates linear_systems);
 }
 

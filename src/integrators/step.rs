@@ -35,6 +35,8 @@ pub struct Stepper<'m, S> {
     /// Switches at which steps end, if there are any.
     pub(super) events: Option<Box<Events>>,
     constrained: bool,
+    /// Multipliers at the start of the step made last.
+    mu_before: Vec<f64>,
     /// Solvers that were not used, without some equations each.
     analyses: Vec<(Vec<usize>, Newton<'m, S>)>,
     acceleration: Newton<'m, S>,
@@ -155,6 +157,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             p: problem.p.clone(),
             events: events.map(Box::new),
             constrained: system.is_constrained(),
+            mu_before: Vec::new(),
             analyses: Vec::new(),
             acceleration,
             stage,
@@ -939,12 +942,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Multipliers in the step made last, at its start or end, and their changes by time.
     fn multipliers(&self, at_start: bool) -> [Vec<f64>; 2] {
-        let stages = &self.record.stages;
-        let (Some(first), Some(last)) = (stages.first(), stages.last()) else { return [Vec::new(), Vec::new()] };
-        let [first, last] = [first, last].map(|stage| (stage.solve.t, real(&stage.solve.unknowns.mu)));
-        let rate = |(end, start): (&f64, &f64)| if last.0 > first.0 { (end - start) / (last.0 - first.0) } else { 0.0 };
-        let rates = last.1.iter().zip(&first.1).map(rate).collect();
-        [if at_start { first.1 } else { last.1 }, rates]
+        let (start, end) = (&self.mu_before, real(&self.between.last.mu));
+        let rates = end.iter().zip(start).map(|(end, start)| (end - start) / self.record.h).collect();
+        [if at_start { start.clone() } else { end }, rates]
     }
 
     /// Derivative part of a laid time.
@@ -1039,6 +1039,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             record.restart = Some(solved);
         } else if breakpoint {
             state.forget_course();
+        }
+        if self.events.is_some() {
+            self.mu_before = real(&state.last.mu);
         }
         state.prepare_guesses(scheme, table.stages.len());
         // from one step no change is known

@@ -551,6 +551,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         for (gravity, weighed) in std::mem::take(&mut self.gravities) {
             self.add_weights(gravity, weighed);
         }
+        self.check_locks();
         if self.functionals.iter().any(|f| matches!(f.measured, Measured::Energy(_))) {
             for element in self.model.elements.iter().filter(|element| !element.physics.has_energies()) {
                 let name = &element.name;

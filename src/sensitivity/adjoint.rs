@@ -81,6 +81,8 @@ pub fn adjoint(
         measured: Vec::new(),
         updated: Vec::new(),
         sample: Sample::empty(),
+        analyses: Vec::new(),
+        impacts: Vec::new(),
         ending: Vec::new(),
     };
     sweep.run(rerun, history)
@@ -106,6 +108,9 @@ struct Sweep<'m> {
     measured: Vec<Measured>,
     updated: Vec<Vec<f64>>,
     sample: Sample<f64>,
+    /// Solvers that were not used, without some equations each: of steps, and of impacts.
+    analyses: Vec<(Arc<System<'m>>, StepSolvers<'m>)>,
+    impacts: Vec<TransposedSolver<'m>>,
     /// What functionals read of the solution of the last stage, where an event ends the run.
     ending: Vec<(usize, SolutionSeed)>,
 }
@@ -294,9 +299,20 @@ impl<'m> Sweep<'m> {
         ahead: Option<&mut StepSolvers<'m>>,
     ) -> Result<(), RunError> {
         if self.system.options.dropped != dropped {
-            self.system = self.method.system(self.problem.model, dropped);
             solvers.forget(&mut self.counters);
-            *solvers = StepSolvers::new(&self.system, self.method, self.active)?;
+            *solvers = match self.analyses.iter().find(|own| own.0.options.dropped == dropped) {
+                Some((system, analysis)) => {
+                    self.system = system.clone();
+                    analysis.clone_analysis()?
+                }
+                None => {
+                    self.system = self.method.system(self.problem.model, dropped);
+                    let analysis = StepSolvers::new(&self.system, self.method, self.active)?;
+                    let own = analysis.clone_analysis()?;
+                    self.analyses.push((self.system.clone(), analysis));
+                    own
+                }
+            };
             if let Some(ahead) = ahead {
                 ahead.forget(&mut self.counters);
                 *ahead = solvers.clone_analysis()?;
@@ -508,10 +524,18 @@ impl<'m> Sweep<'m> {
 
     /// Back through an impact, by which velocities change by (1 + e) x.
     fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
-        let system = self.method.system(self.problem.model, &impact.dropped);
-        let multipliers = system.multipliers();
-        let mut solver = TransposedSolver::new(system, self.method, self.active)?;
+        let place = match self.impacts.iter().position(|own| own.system.options.dropped == impact.dropped) {
+            Some(place) => place,
+            None => {
+                let system = self.method.system(self.problem.model, &impact.dropped);
+                self.impacts.push(TransposedSolver::new(system, self.method, self.active)?);
+                self.impacts.len() - 1
+            }
+        };
+        // its numbers do not depend on the impacts before
+        let mut solver = self.impacts[place].clone_analysis()?;
         solver.clock = shifting_clock;
+        let multipliers = solver.system.multipliers();
         let (factor, x) = (impact.factor(&self.p), &impact.solve.unknowns.x);
         let mut seeds = Vec::new();
         for back in &mut *back {

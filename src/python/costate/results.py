@@ -154,6 +154,11 @@ class Run:
         return self._of_steps("this").joints()
 
     @cached_property
+    def events(self) -> list[tuple[str, float]]:
+        """Events, stops and latches by their names with the times at which they happened [s]."""
+        return self._of_steps("this").events()
+
+    @cached_property
     def work(self) -> dict[str, int]:
         """Steps, systems solved, iterations of Newton's method, factorizations."""
         return self._of_steps("this").work()

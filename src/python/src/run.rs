@@ -118,6 +118,12 @@ impl Run {
         self.read(py, |run| Ok(stopped.into_iter().chain(doubts(run.prepared, &run.forward)).collect()))
     }
 
+    /// Names of events, stops and latches with the times \[s\] at which they happened.
+    fn events(&self) -> Vec<(String, f64)> {
+        let run = self.run();
+        run.prepared.analysis().events(&run.forward).into_iter().map(|own| (own.name, own.t)).collect()
+    }
+
     /// Steps taken, steps given up, systems solved, Newton iterations, factorizations.
     fn work<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let forward = &self.run().forward;

@@ -2,7 +2,7 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{Closing, ConstraintId, Event, EventArguments, NodeId, Stop, Target};
-use crate::elements::{Constraint, Element, NodeKind, Parameter, State};
+use crate::elements::{Constraint, Element, NodeKind, Output, Parameter, State};
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
@@ -16,6 +16,13 @@ impl Element for Kept {
     }
     fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
         r.iter_mut().zip(s.a).for_each(|(r, &a)| *r += a);
+    }
+    fn outputs(&self) -> Vec<Output> {
+        let names = if self.0 == 1 { &["value"][..] } else { &["count", "time"] };
+        names.iter().map(|name| Output::new((*name).to_string(), "")).collect()
+    }
+    fn write_outputs<S: Scalar>(&self, v: &[S], _q: &[S], _p: &[S], _t: S, outputs: &mut [S]) {
+        outputs.copy_from_slice(v);
     }
 }
 
@@ -177,16 +184,28 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Joints that the event made last removes, and that it adds with an impact.
     pub fn event_changes(&mut self, removed: &[ConstraintId], added: &[ConstraintId]) {
-        for (joints, is_there) in [(removed, true), (added, false)] {
-            for &joint in joints {
-                if self.model.presence.iter().all(|own| own.0 != joint.0) {
-                    self.comes_and_goes(joint, is_there);
-                }
+        for &joint in removed.iter().chain(added) {
+            if self.model.presence.iter().all(|own| own.0 != joint.0) {
+                self.comes_and_goes(joint, true);
             }
         }
         let Some(event) = self.model.events.last_mut() else { return };
         event.opens.extend(removed.iter().map(|joint| joint.0));
         event.closes.extend(added.iter().map(|joint| Closing { joint: joint.0, stop: None }));
+    }
+
+    /// What locks a joint needs one that is not there: says which are there all the time.
+    pub(super) fn check_locks(&mut self) {
+        let events = &self.model.events;
+        let is_removed = |joint: usize| events.iter().any(|own| own.opens.contains(&joint));
+        let locks = events.iter().flat_map(|own| own.closes.iter().map(move |closing| (own, closing.joint)));
+        let idle = locks.filter(|(_, joint)| self.model.is_there_at_start(*joint) && !is_removed(*joint));
+        let words = idle.map(|(event, joint)| {
+            let (event, joint) = (&event.condition.name, &self.model.constraints[joint].name);
+            format!("event \"{event}\" locks \"{joint}\", which is there from the start: give it present = false, or let an event remove it before")
+        });
+        let words: Vec<String> = words.collect();
+        self.mistakes.extend(words);
     }
 
     fn add_reset(

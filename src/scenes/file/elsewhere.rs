@@ -6,7 +6,7 @@ use crate::scenes::unknown;
 const ELSEWHERE: &[(&[&str], &str)] = &[
     (
         &["contact", "collision", "collider", "geom", "impact"],
-        "there is no contact; write its force by a law of a spring: [[spring]] of type \"slide_law\" with origin on the floor and \
+        "there is no contact of shapes; what stays on one side of a plane is [[stop]]; or write its force by a law of a spring: [[spring]] of type \"slide_law\" with origin on the floor and \
          energy = \"if_less(s, 0, k * s^2 / 2, 0)\", between two points of type \"line_law\"",
     ),
     (
@@ -15,13 +15,13 @@ const ELSEWHERE: &[(&[&str], &str)] = &[
          force = \"f * tanh(v / 1e-3)\", on joint angles of type \"angle_law\" with moment = ..",
     ),
     (
-        &["stop", "stopper", "bumper", "limiter", "range"],
-        "there is no stop; write its force by a law of a spring: [[spring]] of type \"slide_law\", \"torsion_law\" or \"angle_law\" with \
+        &["stopper", "bumper", "limiter", "range"],
+        "a rigid stop is [[stop]]; an elastic one is a law of a spring: [[spring]] of type \"slide_law\", \"torsion_law\" or \"angle_law\" with \
          energy = \"if_less(1, s, k * (s - 1)^2 / 2, 0)\"",
     ),
     (
-        &["event", "latch", "lock", "trigger", "switch", "release"],
-        "there are no events; a force may be switched in its formula: [[element]] with force = { .. } by if_less of the time or of a place",
+        &["lock", "trigger", "switch", "release", "break"],
+        "what happens at an instant is [[event]], which sets numbers and rates, and removes and locks joints; what locks at a value is [[latch]]",
     ),
     (
         &["motor", "actuator", "servo"],

@@ -103,6 +103,11 @@ impl Constraint for Limited {
 /// The value of an entry, less a limit.
 fn of_value(e: Entry, m: &mut Builder, limit: Recorded) -> Result<(Vec<NodeId>, Limited, Vec<Recorded>)> {
     let mut reading = Reading::new(e, m)?;
+    if let (Some((at, Value::Formula(formula, _))), false) = (e.get("value"), e.has("on"))
+        && !formula.uses_from(e.context.numbers.len())
+    {
+        return Err(Mistake::new(at, "this depends on no node and not on the time t: it never reaches a limit"));
+    }
     match (e.has("on"), reading.take_key(e, "value", [false, true])?) {
         (true, None) => {
             let node = e.node("on", m)?;
