@@ -140,7 +140,13 @@ impl TimeGrid {
             return 0.0;
         }
         let [own, next] = [self.times[end] - self.times[end - 1], self.times[end + 1] - self.times[end]];
-        let is_half = self.is_fixed(end + 1) && !self.events.contains_key(&(end + 1)) && (own - next).abs() <= SAME_TIME * own;
+        let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
+        // steps that are all alike up to the end are no halves
+        let laid = match self.is_interrupted(end - 1) {
+            true => (self.end() - self.times[0]) / self.asked as f64,
+            false => self.times[end - 1] - self.times[end - 2],
+        };
+        let is_half = self.is_fixed(end + 1) && !self.events.contains_key(&(end + 1)) && is_like(next) && !is_like(laid);
         if is_half { 0.5 } else { 1.0 }
     }
 

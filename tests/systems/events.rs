@@ -89,7 +89,7 @@ fn adjoint_tangent_complex_step_and_quotients_agree() {
             .map(|by| by(&analysis, &x, &forward).unwrap_or_else(|why| panic!("{place}: {why}")).rows);
         let on_steps = analysis.on_steps_of(&forward);
         for (k, row) in adjoint.iter().enumerate() {
-            let size = row.iter().fold(0.0, |size: f64, own| size.max(own.abs())).max(1e-2);
+            let size = row.iter().fold(0.0, |size: f64, own| size.max(own.abs())).max(1e-2).max(forward.values[k].abs());
             for i in 0..x.len() {
                 let mut along = vec![0.0; x.len()];
                 along[i] = 1.0;
