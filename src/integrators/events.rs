@@ -153,6 +153,34 @@ impl Events {
         changes.iter().any(|change| change.switch == switch && change.sides[1] > 0.0)
     }
 
+    /// Whether the last of a list of changes of a joint says that it is there.
+    pub fn is_held_at_last(&self, joint: usize, changes: &[SideChange]) -> bool {
+        let switch = self.presence(joint);
+        changes.iter().rev().find(|change| change.switch == switch).is_none_or(|change| change.sides[1] > 0.0)
+    }
+
+    /// Joints of latches.
+    pub fn latches(&self) -> impl Iterator<Item = usize> + '_ {
+        let latches = self.events.iter().filter(|own| own.once && own.condition.is_some());
+        latches.flat_map(|own| own.closes.iter().filter(|own| own.stop.is_none()).map(|own| own.joint))
+    }
+
+    fn release(&self, joint: usize) -> Option<&Part> {
+        let opens = |part: &&Part| part.event.is_some_and(|event| self.events[event].opens.contains(&joint));
+        self.parts.iter().filter(opens).find(|part| part.places.iter().any(|place| matches!(place, Place::Mu(_))))
+    }
+
+    /// Whether a force removes a joint.
+    pub fn has_strength(&self, joint: usize) -> bool {
+        self.release(joint).is_some()
+    }
+
+    /// Whether these multipliers do.
+    pub fn lets_go(&self, joint: usize, mu: &[f64], p: &[f64]) -> bool {
+        let moment = Moment { a: &[], v: &[], q: &[], mu: [mu, &[]], t: 0.0 };
+        self.release(joint).is_some_and(|part| part.switches.number_in(0, &part.inputs(&moment, p)) > 0.0)
+    }
+
     /// Equations of joints that are not there.
     pub fn absent(&self, sides: &[f64]) -> Vec<usize> {
         let first = self.switches() + self.events.len();
@@ -216,9 +244,7 @@ impl Events {
 
     /// The change to the side on which a stop pushes, of the switch at which it lets go.
     pub fn pushing(&self, joint: usize, Stop { is_upper, .. }: &Stop, sides: &[f64]) -> Option<SideChange> {
-        let lets_go = |part: &&Part| part.event.is_some_and(|event| self.events[event].opens.contains(&joint))
-            && part.places.iter().any(|place| matches!(place, Place::Mu(_)));
-        let switch = self.parts.iter().find(lets_go)?.first;
+        let switch = self.release(joint)?.first;
         // 1: below zero
         let side = if *is_upper { -1.0 } else { 1.0 };
         (sides[switch] != side).then_some(SideChange { switch, sides: [sides[switch], side] })

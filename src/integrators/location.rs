@@ -32,16 +32,18 @@ struct Candidate {
     is_sure: bool,
 }
 
-/// The step made last was one from `t` to `end`; makes it end at the first switch that changes its side in it. Returns its end then, and all sides
+/// The step made last was one from `t` to `end`, beyond which one to `undefined` was not defined; makes it end at the first switch that changes its side in it. Returns its end then, and all sides
 /// that change there, the first before the others.
 pub(super) fn locate<S: RunScalar>(
     stepper: &mut Stepper<S>,
     before: &Checkpoint<S>,
     interval: &mut RunInterval,
     (t, end): (f64, f64),
+    undefined: Option<f64>,
 ) -> Result<Option<(f64, Vec<SideChange>)>, RunError> {
     let (starts, mut ends) = (stepper.excesses(true), stepper.excesses(false));
-    let (h, most) = (end - t, interval.next_breakpoint() - t);
+    let h = end - t;
+    let most = undefined.unwrap_or_else(|| (t + (1.0 + PROLONGED) * h).min(interval.next_breakpoint())) - t;
     let whole = ends.clone();
     // those that come near the end of their sides without passing it
     let mut passed = Vec::new();
@@ -233,6 +235,9 @@ const OFF: f64 = 0.01;
 
 /// Whether a switch changes its side in a step from `t` that takes `h`, or shortly behind it, but within the `most` that it may take.
 fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64), most: f64) -> Option<Candidate> {
+    if start.is_held() && end.is_held() {
+        return None;
+    }
     let is_at_end = start.by.abs() <= start.noise(t);
     let by = if is_at_end { 0.0 } else { start.by };
     let course = Course::new(h, [by, start.rate], [end.by, end.rate]);
@@ -250,12 +255,7 @@ fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64)
         let beyond = course.turns().find(|&share| course.at(share) > -near && (by < 0.0 || course.at(share) > 0.0))?;
         return Some(Candidate { switch, after: h * beyond, bracket: [0.0, f64::INFINITY], is_sure: false });
     }
-    let prolonged = (1.0 + PROLONGED) * h;
     let after = h - end.by / end.rate;
-    (end.rate > 0.0 && after <= prolonged.min(most)).then_some(Candidate {
-        switch,
-        after,
-        bracket: [0.0, prolonged.min(most)],
-        is_sure: false,
-    })
+    let is_near = end.rate > 0.0 && after <= most;
+    is_near.then_some(Candidate { switch, after, bracket: [0.0, most], is_sure: false })
 }

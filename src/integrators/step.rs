@@ -363,9 +363,26 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                     g.abs()
                 )));
             }
+            let is_outwards = if stop.is_upper { rate > 0.0 } else { rate < 0.0 };
+            if is_there && is_outwards && rate.abs() > CONSISTENT * size(v) {
+                let name = events.name(event);
+                return Err(RunError::Input(format!(
+                    "the motion begins at the limit of the stop \"{name}\" and moves on beyond it, by {rate:.3e} 1/s: start before the hit, or with what \
+                     follows from it"
+                )));
+            }
             if is_there && rate.abs() <= CONSISTENT * size(v) && sides[events.presence(joint)] == 0.0 {
                 closed.push((joint, stop));
             }
+        }
+        if let Some(joint) = events.latches().find(|joint| {
+            let is_at = |own: &[f64; 3]| own[0].abs() <= CONSISTENT * size(q);
+            sides[events.presence(*joint)] == 0.0 && self.equations_of(*joint, (q, v), t).iter().all(is_at)
+        }) {
+            let name = &self.problem.model.constraints[joint].name;
+            return Err(RunError::Input(format!(
+                "the motion begins where the latch \"{name}\" holds: start beside it, or hold it by a [[joint]] that an [[event]] removes"
+            )));
         }
         self.between.dropped.clone_from(&plan.dropped);
         let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
@@ -755,6 +772,15 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
             } else if !is_made_again {
                 changes.push(closing);
+                let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+                if events.has_strength(*joint) {
+                    let mu = self.forces_at((&q, &v), self.record.end, &impact.dropped)?;
+                    is_held = !events.lets_go(*joint, &mu, &real(&self.p));
+                    let opening = SideChange { switch: closing.switch, sides: [1.0, 0.0] };
+                    changes.extend(Some(opening).filter(|_| !is_held));
+                }
+            } else if stop.is_none() {
+                is_held = events.is_held_at_last(*joint, changes);
             }
             sides[closing.switch] = f64::from(u8::from(is_held));
             self.record.impacts.push(impact);

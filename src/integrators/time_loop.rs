@@ -10,7 +10,7 @@ use crate::assembly::Clock;
 use crate::elements::RunScalar;
 
 /// How often a step is halved whose formulas are not defined up to its end.
-const MOST_HALVINGS: usize = 8;
+const MOST_HALVINGS: usize = 50;
 
 pub(super) struct TrialStep<'g> {
     /// About its size \[s\]; it is fitted to the stretch.
@@ -127,12 +127,15 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             }
             let mut made = stepper.step_over(scheme, (t, end), interval.at_breakpoint(), guided);
             let (mut end, mut reached, mut event) = (end, reached, None);
+            // up to where no step is defined
+            let mut undefined = None;
             if !is_made_again && stepper.events.is_some() && !selection.goes_back() {
                 // a formula need not be defined beyond the end of the side that it has in this step
                 for _ in 0..MOST_HALVINGS {
                     if !made.as_ref().is_err_and(RunError::is_of_step) {
                         break;
                     }
+                    undefined = Some(end);
                     end = t + 0.5 * (end - t);
                     reached = end;
                     stepper.resume(&before)?;
@@ -141,7 +144,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
                 }
             }
             if made.is_ok() && !is_made_again && stepper.events.is_some() {
-                match locate(&mut stepper, &before, &mut interval, (t, end)) {
+                match locate(&mut stepper, &before, &mut interval, (t, end), undefined) {
                     Ok(Some((end, changes))) => (reached, event) = (end, Some(changes)),
                     Ok(None) => {}
                     Err(failure) => made = Err(failure),

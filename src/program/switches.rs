@@ -463,6 +463,9 @@ pub struct Excess {
 /// Share of coordinates by which joints are kept.
 const HELD: f64 = 1e-13;
 
+/// Share of coordinates that they leave at most.
+const LEFT: f64 = 1e-10;
+
 /// Round-off of a sum, in units of that of its terms.
 const ROUNDINGS: f64 = 4.0;
 
@@ -480,7 +483,12 @@ impl Excess {
     /// Whether the number is beyond the end, or at it on the way there.
     pub fn is_passed(&self, t: f64) -> bool {
         let noise = self.noise(t);
-        self.by > noise || self.by.abs() <= noise && self.rate > 0.0
+        self.by > noise || self.by.abs() <= noise && self.rate > 0.0 && self.rate * t >= LEFT * self.size
+    }
+
+    /// Whether joints hold the number at zero.
+    pub fn is_held(&self) -> bool {
+        self.by.abs() <= LEFT * self.size
     }
 }
 

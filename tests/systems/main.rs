@@ -3,6 +3,7 @@
 mod aggregates;
 mod breakpoints;
 mod dead_points;
+mod drawn_events;
 mod elimination;
 mod foreign_parts;
 mod frequencies;

@@ -23,7 +23,7 @@ pub(super) const EVENT: Section = Section {
         DEFINITIONS,
         OWN_TABLES,
         may("when", OfNodes("any"), "what passes zero there, of anything that elements know"),
-        may("at", Number("s", Any), "or the time at which it happens"),
+        may("at", Number("s", Positive), "or the time at which it happens"),
         may(
             "direction",
             Choice(&["rising", "falling", "both"]),
