@@ -155,7 +155,8 @@ impl Model {
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Result<&mut Event, String> {
         let equations = joint.map_or(0..0, |joint| self.constraints[joint].equations.clone());
-        let less = self.record_instant(nodes, [equations.len(), parameters], |all| vec![number(all).less(Recorded::default())])?;
+        let less =
+            self.record_instant(nodes, [equations.len(), parameters], |all| vec![number(all).less(Recorded::default())])?;
         let physics = less.with_side_of_result()?;
         let places = self.add_parameters(parameters + 1);
         let condition = Attached { name: name.into(), nodes: nodes.into(), parameters: places, equations, physics };

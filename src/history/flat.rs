@@ -2,9 +2,9 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Target, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause, Prediction, Renewal,
-    Scheme, SetNumber, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState,
-    StepState, Track,
+    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause, Prediction,
+    Renewal, Scheme, SetNumber, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors,
+    StepSizeState, StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.

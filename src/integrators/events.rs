@@ -10,8 +10,8 @@
 
 use super::crossings::Place;
 use crate::assembly::{Attached, Closing, Event, Model, Reset, Stop, Target};
-use crate::elements::RunScalar;
 use crate::design::shortest;
+use crate::elements::RunScalar;
 use crate::program::{Excess, Formula, ProgramWork, Reads, Switches};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -100,10 +100,14 @@ impl Events {
             let condition = &condition;
             events.add(model, &mut known, (condition, &condition.physics, 1), OF_EVENT, Some(number));
             let place = |joint: usize| model.presence.iter().position(|own| own.0 == joint);
-            let places = |own: &Reset| {
-                super::crossings::places(model, OF_EVENT, &own.values.nodes, &own.values.parameters)
-            };
-            let resets = resets.into_iter().map(|own| { let places = places(&own); (own, places) }).collect();
+            let places = |own: &Reset| super::crossings::places(model, OF_EVENT, &own.values.nodes, &own.values.parameters);
+            let resets = resets
+                .into_iter()
+                .map(|own| {
+                    let places = places(&own);
+                    (own, places)
+                })
+                .collect();
             let condition = while_joint.and_then(|(joint, is_there)| Some((place(joint)?, f64::from(u8::from(is_there)))));
             events.events.push(Happening { directions, once, ends_run, condition, resets, opens, closes });
         }
@@ -330,10 +334,14 @@ impl Events {
         }
         let mut t_bar = 0.0;
         for ((reset, places), [v, q]) in self.events[event].resets.iter().zip(&states).rev() {
-            let bars: Vec<f64> = reset.targets.iter().map(|target| {
-                let (order, dof) = target.place();
-                std::mem::take(&mut (if order == 0 { &mut *q_bar } else { &mut *v_bar })[dof])
-            }).collect();
+            let bars: Vec<f64> = reset
+                .targets
+                .iter()
+                .map(|target| {
+                    let (order, dof) = target.place();
+                    std::mem::take(&mut (if order == 0 { &mut *q_bar } else { &mut *v_bar })[dof])
+                })
+                .collect();
             let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
             for (result, bar) in bars.into_iter().enumerate().filter(|(_, bar)| *bar != 0.0) {
                 let program = reset.values.physics.gradient(&[result]);

@@ -124,7 +124,9 @@ impl TimeGrid {
             } else {
                 let kept = (first + 1..=last).filter(|place| !self.events.contains_key(place));
                 grid.times.extend(kept.map(|place| self.times[place]));
-                if last == self.steps() && let Some(end) = self.laid_end {
+                if last == self.steps()
+                    && let Some(end) = self.laid_end
+                {
                     grid.times.push(end);
                 }
             }

@@ -65,9 +65,9 @@ pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub use error::{RunError, Stop};
+pub(crate) use events::{Events, Moment};
 #[doc(hidden)]
 pub use events::{SetNumber, SideChange};
-pub(crate) use events::{Events, Moment};
 pub(crate) use given::{march, march_along, march_dividing, march_given};
 pub use grid::TimeGrid;
 #[doc(hidden)]
@@ -81,9 +81,9 @@ pub(crate) use mode_vectors::{
 pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
-pub(crate) use record::{Observer, Replay, Steps};
 #[doc(hidden)]
 pub use record::ImpactRecord;
+pub(crate) use record::{Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;
 pub(crate) use resolution::StepErrors;

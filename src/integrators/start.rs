@@ -63,7 +63,10 @@ impl StartPlan {
             let resting = problem.model.at_rest(&stays);
             let (model, p) = (&resting.model, resting.parameters(&problem.p));
             let (q, v) = (resting.coordinates(&start.q, &start.v), resting.velocities(&start.v));
-            RestingPlan { dropped: dependent_equations(&Problem { model, p, start }, &model.absent_at_start(), (&q, &v), 0.0, None), stays }
+            RestingPlan {
+                dropped: dependent_equations(&Problem { model, p, start }, &model.absent_at_start(), (&q, &v), 0.0, None),
+                stays,
+            }
         });
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start, equilibrium })
     }

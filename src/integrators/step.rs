@@ -22,8 +22,8 @@ use crate::assembly::{Clock, Closing, ConstraintRows, Equations, Residual, Stop,
 use crate::design::shortest;
 use crate::elements::{RunScalar, State};
 use crate::linalg::sign_of_determinant;
-use crate::tolerances::CONSISTENT;
 use crate::program::Excess;
+use crate::tolerances::CONSISTENT;
 use std::sync::Arc;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
@@ -150,7 +150,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<Self, RunError> {
         let [acceleration, stage, start] = solvers(method, system)?;
         let dropped = system.options.dropped.clone();
-        let events = method.ends_at_switches(problem.model).then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
+        let events =
+            method.ends_at_switches(problem.model).then(|| Events::new(problem.model)).filter(|events| !events.is_empty());
         Ok(Stepper {
             problem,
             method,
@@ -308,8 +309,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         carried.resize_with(kinds.len(), || vec![S::zero(); model.dofs]);
         let mut last = Unknowns::default();
         Residual::shape(&self.stage.system, &mut last, true);
-        self.between =
-            StepState { dropped: dropped.clone(), sides: sides.clone(), carried, last, ..StepState::default() };
+        self.between = StepState { dropped: dropped.clone(), sides: sides.clone(), carried, last, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;

@@ -39,7 +39,8 @@ pub use crate::design::DesignVariable;
 pub use builder::LineElement;
 pub use builder::{
     BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
-    MechanismBuilder, MeshedShell, StopLaw, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
+    MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, StopLaw, SurfaceMesh,
+    ThinWalls, Torque,
 };
 pub use differentiated_modes::{DifferentiatedModes, ModeGradient};
 #[cfg(feature = "files")]

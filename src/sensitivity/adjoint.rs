@@ -14,8 +14,8 @@ use crate::functionals::{
 };
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange, SolveRecord,
-    StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
+    Carried, Combination, Counters, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange,
+    SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
 use crate::program::Formula;
 use smallvec::SmallVec;
@@ -411,8 +411,7 @@ impl<'m> Sweep<'m> {
         if let Some(change) = ends {
             let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
             let mu = step.stages.last().map_or(&[][..], |last| &last.solve.unknowns.mu);
-            let moment =
-                Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, mu: [mu, &[]], t: step.end };
+            let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, mu: [mu, &[]], t: step.end };
             let mut of_multipliers = SolutionSeed::zeros(step.q.len(), mu.len());
             let mut accelerations = Vec::new();
             step.stages.iter().last().into_iter().for_each(|last| last.solve.write_acceleration(&mut accelerations));
@@ -467,12 +466,7 @@ impl<'m> Sweep<'m> {
     }
 
     /// Back from behind an event to the end of its step: reads functionals there whose run it ends, and goes back through what events set.
-    fn behind_event(
-        &mut self,
-        step: &StepRecord<f64>,
-        place: &StepPlace,
-        back: &mut [Backward],
-    ) -> Result<(), RunError> {
+    fn behind_event(&mut self, step: &StepRecord<f64>, place: &StepPlace, back: &mut [Backward]) -> Result<(), RunError> {
         self.ending.clear();
         if !place.is_before_another {
             let mut sample = Sample::empty();

@@ -18,7 +18,10 @@ impl Analysis<'_> {
     pub fn runs_beyond_its_end(&self, forward: &Forward) -> bool {
         let ends = |name: &str| self.model.events.iter().any(|own| own.ends_run && own.condition.name == name);
         self.model.events.iter().any(|own| own.ends_run)
-            && self.events(forward).last().is_none_or(|last| !ends(&last.name) || last.t < forward.grid.times[forward.grid.steps()])
+            && self
+                .events(forward)
+                .last()
+                .is_none_or(|last| !ends(&last.name) || last.t < forward.grid.times[forward.grid.steps()])
     }
 
     /// The events of a run in the order of their times.

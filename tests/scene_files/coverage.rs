@@ -19,6 +19,7 @@ const FILES: &[(&str, &str)] = &[
     ("a start from equilibrium", include_str!("coverage/equilibrium.toml")),
     ("a start from a steady turn", include_str!("coverage/steady.toml")),
     ("bodies of solids", include_str!("coverage/solids.toml")),
+    ("events and stops", include_str!("coverage/events.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
     ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];

@@ -43,7 +43,10 @@ fn drawn(seed: u64) -> String {
         let to = [place[0] + length * f64::sin(lean), place[1], place[2] - length * f64::cos(lean)];
         let centre = [0, 1, 2].map(|axis| 0.5 * (place[axis] + to[axis]));
         let axis = if is_plane || link % 2 == 1 { "[0, 1, 0]" } else { "[1, 0, 0]" };
-        let _ = writeln!(text, "[[body]]\nname = \"b{link}\"\nposition = {centre:?}\nmass = \"m\"\ninertia = [0.03, 0.04, 0.02]");
+        let _ = writeln!(
+            text,
+            "[[body]]\nname = \"b{link}\"\nposition = {centre:?}\nmass = \"m\"\ninertia = [0.03, 0.04, 0.02]"
+        );
         let _ = writeln!(
             text,
             "[[joint]]\nname = \"j{link}\"\ntype = \"revolute\"\nbetween = [\"{below}\", \"b{link}\"]\npoint = {place:?}\naxis = {axis}"
@@ -58,7 +61,8 @@ fn drawn(seed: u64) -> String {
         let side = if at > 0.0 { "most" } else { "least" };
         match lots.one_of(&["stop", "stop", "rest", "latch", "strength", "break", "both", "none"]) {
             "stop" => {
-                let _ = writeln!(text, "[[stop]]\nname = \"t{link}\"\non = \"a{link}\"\n{side} = {at:.3}\nrestitution = \"e\"");
+                let _ =
+                    writeln!(text, "[[stop]]\nname = \"t{link}\"\non = \"a{link}\"\n{side} = {at:.3}\nrestitution = \"e\"");
             }
             "rest" => {
                 let _ = writeln!(

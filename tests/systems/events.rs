@@ -56,8 +56,8 @@ fn a_bouncing_ball_is_exact() {
     let exact = [
         (0.11795005964214797, [1.353813629821074, 0.0, 6.627596568900959, -0.12597997657277533]),
         (2.2142719353940244, [1.1071359676970122, 0.0, 4.081773714511007, -0.11285789680907362]),
-        (0.4515236409857309, [0.22576182049286545, 0.0, 0.0, -0.023013437359109628]),
-        (0.8837987889165236, [1.1782606088221004, 0.0, 3.1374356771566578, -0.03001649540321884]),
+        (0.4515236409857309, [0.22576182049286545, 0.0, 0.0, -0.02301343735910963]),
+        (0.8837987889165236, [1.1782606088221004, 0.0, 3.137435677156658, -0.03001649540321884]),
     ];
     for steps in [7, 100] {
         let (forward, rows) = ran(&scene("ball"), &table("esdirk4"), steps);
@@ -177,7 +177,10 @@ fn ball_with(more: &str) -> String {
 fn what_cannot_be_is_told() {
     let node = "nodes = { ball = \"ball\" }";
     for (more, words) in [
-        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 1.5 }}]"), "beyond the limit of the stop \"s\", by 5.000e-1"),
+        (
+            format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 1.5 }}]"),
+            "beyond the limit of the stop \"s\", by 5.000e-1",
+        ),
         (
             format!(
                 "stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0.5 }}, {{ name = \"t\", {node}, value = \"ball.position.z + \
@@ -203,7 +206,12 @@ fn what_cannot_be_is_told() {
             ),
             "violates joint \"j\"",
         ),
-        (format!("event = [{{ name = \"e\", {node}, at = 0.5, set = {{ \"ball.velocity\" = \"[0, 0, log(ball.position.z)]\" }} }}]"), "is not a number there"),
+        (
+            format!(
+                "event = [{{ name = \"e\", {node}, at = 0.5, set = {{ \"ball.velocity\" = \"[0, 0, log(ball.position.z)]\" }} }}]"
+            ),
+            "is not a number there",
+        ),
     ] {
         let scene = FileScene::parse("ball", &ball_with(&more)).unwrap_or_else(|why| panic!("{more}: {why}"));
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{more}: {why}"));
@@ -213,8 +221,14 @@ fn what_cannot_be_is_told() {
     for (more, words) in [
         ("stop = [{ name = \"s\", on = \"ball\", least = 0 }]".to_string(), "has no value: give nodes and value"),
         (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\" }}]"), "needs least, most, or both"),
-        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 2, most = 1 }}]"), "least must be below most"),
-        (format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0, restitution = 1.5 }}]"), "from 0 to 1"),
+        (
+            format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 2, most = 1 }}]"),
+            "least must be below most",
+        ),
+        (
+            format!("stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0, restitution = 1.5 }}]"),
+            "from 0 to 1",
+        ),
         ("event = [{ name = \"e\", end = true }]".to_string(), "needs one of when and at"),
         (format!("event = [{{ name = \"e\", {node}, when = 3 }}]"), "passes zero never"),
         (format!("stop = [{{ name = \"s\", {node}, value = \"1\", least = 0 }}]"), "never reaches a limit"),
@@ -225,8 +239,14 @@ fn what_cannot_be_is_told() {
             ),
             "which is there from the start",
         ),
-        (format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"ball.place\" = 3 }} }}]"), "position and velocity can be set"),
-        (format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"other.velocity\" = [1, 2, 3] }} }}]"), "there is no \"other\" among the nodes"),
+        (
+            format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"ball.place\" = 3 }} }}]"),
+            "position and velocity can be set",
+        ),
+        (
+            format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"other.velocity\" = [1, 2, 3] }} }}]"),
+            "there is no \"other\" among the nodes",
+        ),
         (format!("event = [{{ name = \"e\", {node}, at = 1, set = {{ \"ball.velocity\" = 3 }} }}]"), "takes a vector"),
     ] {
         let text = ball_with(&more);

@@ -361,7 +361,8 @@ impl<'k> Entry<'k> {
             Built::Joint(joint) => Ok(*joint),
             Built::Stops(own) if own.len() == 1 => Ok(own[0].0),
             Built::Stops(_) => {
-                let text = "this stop has two limits, each with a reaction of its own: write one stop for each to measure it";
+                let text =
+                    "this stop has two limits, each with a reaction of its own: write one stop for each to measure it";
                 self.wrong_key("joint", text)
             }
             Built::SoftJoint => {

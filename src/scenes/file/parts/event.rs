@@ -24,11 +24,7 @@ pub(super) const EVENT: Section = Section {
         OWN_TABLES,
         may("when", OfNodes("any"), "what passes zero there, of anything that elements know"),
         may("at", Number("s", Positive), "or the time at which it happens"),
-        may(
-            "direction",
-            Choice(&["rising", "falling", "both"]),
-            "in which the formula passes zero; both"
-        ),
+        may("direction", Choice(&["rising", "falling", "both"]), "in which the formula passes zero; both"),
         may("once", Flag, "it happens no second time; false"),
         may(
             "set",
@@ -108,11 +104,13 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
             Value::Item(item, _) => Some(&e.context.built[*item]),
             _ => None,
         });
-        joints.flat_map(|built| match built {
-            Built::Joint(joint) => vec![*joint],
-            Built::Stops(own) => own.iter().map(|own| own.0).collect(),
-            _ => Vec::new(),
-        }).collect::<Vec<_>>()
+        joints
+            .flat_map(|built| match built {
+                Built::Joint(joint) => vec![*joint],
+                Built::Stops(own) => own.iter().map(|own| own.0).collect(),
+                _ => Vec::new(),
+            })
+            .collect::<Vec<_>>()
     });
     m.event_changes(&removed, &added);
     if !resets.is_empty() {

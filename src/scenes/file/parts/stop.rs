@@ -28,9 +28,7 @@ const REST_SPEED: Key = may(
 );
 
 pub(super) const STOP: Section = Section {
-    forms: one_form![
-        NAME, ON, BY_NODES[0], BY_NODES[1], BY_NODES[2], BY_NODES[3], LEAST, MOST, RESTITUTION, REST_SPEED
-    ],
+    forms: one_form![NAME, ON, BY_NODES[0], BY_NODES[1], BY_NODES[2], BY_NODES[3], LEAST, MOST, RESTITUTION, REST_SPEED],
     space: "joint",
     has_columns: true,
     build: |e, m| {
@@ -39,7 +37,7 @@ pub(super) const STOP: Section = Section {
         if limits.is_empty() {
             return e.wrong("a stop needs least, most, or both");
         }
-        if limits.len() == 2 && !(e.number("least")?.value() < e.number("most")?.value()) {
+        if limits.len() == 2 && e.number("least")?.value() >= e.number("most")?.value() {
             return e.wrong_key("most", "least must be below most");
         }
         let mut made = Vec::new();
