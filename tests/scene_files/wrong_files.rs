@@ -119,7 +119,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ),
     // words of other programs
     ("[[body]]", "[[contact]]\n[[body]]", "30:3", &["key \"contact\"", "there is no contact", "slide_law"]),
-    ("[[body]]", "[[latch]]\n[[body]]", "30:3", &["there are no events"]),
+    ("[[body]]", "[[trigger]]\n[[body]]", "30:3", &["is [[event]]"]),
     ("mass = 1.0", "mass = 1.0\nsliding_friction = 0.3", "34:1", &["there is no dry friction", "tanh"]),
     ("type = \"revolute\"", "type = \"hinge_stops\"", "46:8", &["type \"hinge_stops\"", "there is no stop"]),
     // names that no table can show
