@@ -95,13 +95,16 @@ impl<S: RunScalar> Sample<S> {
     /// Goes over to what events set at the end of a step.
     #[doc(hidden)]
     pub fn follow_events(&mut self, step: &StepRecord<S>, p: &[S]) {
-        for SetNumber { target, value } in &step.set {
-            let (order, dof) = target.place();
-            (if order == 0 { &mut self.at.q } else { &mut self.at.v })[dof] = *value;
-        }
-        for own in &step.impacts {
-            let factor = own.factor(p);
-            self.at.v.iter_mut().zip(&own.solve.unknowns.x).for_each(|(v, &x)| *v += x * factor);
+        let last = step.set.iter().map(|own| own.event).chain(step.impacts.iter().map(|own| own.event)).max();
+        for number in 0..=last.unwrap_or(0) {
+            for SetNumber { target, value, .. } in step.set.iter().filter(|own| own.event == number) {
+                let (order, dof) = target.place();
+                (if order == 0 { &mut self.at.q } else { &mut self.at.v })[dof] = *value;
+            }
+            for own in step.impacts.iter().filter(|own| own.event == number) {
+                let factor = own.factor(p);
+                self.at.v.iter_mut().zip(&own.solve.unknowns.x).for_each(|(v, &x)| *v += x * factor);
+            }
         }
     }
 

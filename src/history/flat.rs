@@ -202,7 +202,7 @@ flat! {
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
     SideChange { switch, sides }
-    SetNumber<f64> { target, value }
+    SetNumber<f64> { event, target, value }
     ImpactRecord<f64> { event, solve, dropped, restitution }
     StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }

@@ -41,6 +41,8 @@ pub struct Moment<'s, S> {
 /// A number that an event has set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SetNumber<S> {
+    /// Number of the event, among those that happen there.
+    pub event: usize,
     pub target: Target,
     pub value: S,
 }
@@ -285,7 +287,7 @@ impl Events {
     /// Writes what an event sets into the rates and coordinates of a state, and appends it to a list.
     pub fn reset<S: RunScalar>(
         &self,
-        event: usize,
+        (event, number): (usize, usize),
         [v, q]: [&mut Vec<S>; 2],
         t: S,
         p: &[S],
@@ -303,7 +305,7 @@ impl Events {
                 }
                 let (order, dof) = target.place();
                 (if order == 0 { &mut *q } else { &mut *v })[dof] = value;
-                list.push(SetNumber { target, value });
+                list.push(SetNumber { event: number, target, value });
             }
         }
         Ok(())

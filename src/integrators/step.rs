@@ -679,7 +679,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             for &event in &next {
                 happened.push(event);
                 ends_run |= events.ends_run(event);
-                self.reset(&events, event).map_err(RunError::Input)?;
+                self.reset(&events, (event, happened.len() - 1)).map_err(RunError::Input)?;
                 if !is_made_again && !self.record.set.is_empty() {
                     self.check_joints(&events.absent(&present), events.name(event))?;
                 }
@@ -936,7 +936,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Sets what an event sets at the end of the step made last.
-    fn reset(&mut self, events: &Events, event: usize) -> Result<(), String> {
+    fn reset(&mut self, events: &Events, event: (usize, usize)) -> Result<(), String> {
         let [q, v, ..] = &mut self.between.carried[..] else { unreachable!("q and v are carried first") };
         let (end, clock) = (self.record.end, self.clock);
         clock.iter().for_each(|clock| v.iter_mut().for_each(|v| *v *= clock.pace()));

@@ -497,7 +497,7 @@ impl<'m> Sweep<'m> {
         for (number, &event) in happened.iter().enumerate() {
             let [mut v, mut q] = states[states.len() - 1].clone();
             // it was set when the run was made
-            let _ = self.events.reset(event, [&mut v, &mut q], step.end, &self.p, &mut Vec::new());
+            let _ = self.events.reset((event, number), [&mut v, &mut q], step.end, &self.p, &mut Vec::new());
             for own in step.impacts.iter().filter(|own| own.event == number) {
                 add(&mut v, own.factor(&self.p), &own.solve.unknowns.x);
             }
