@@ -121,7 +121,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("[[body]]", "[[contact]]\n[[body]]", "30:3", &["key \"contact\"", "there is no contact", "slide_law"]),
     ("[[body]]", "[[trigger]]\n[[body]]", "30:3", &["is [[event]]"]),
     ("mass = 1.0", "mass = 1.0\nsliding_friction = 0.3", "34:1", &["there is no dry friction", "tanh"]),
-    ("type = \"revolute\"", "type = \"hinge_stops\"", "46:8", &["type \"hinge_stops\"", "there is no stop"]),
+    ("type = \"revolute\"", "type = \"hinge_stops\"", "46:8", &["type \"hinge_stops\"", "a rigid stop is [[stop]]"]),
     // names that no table can show
     ("name = \"crank\"", "name = \"crank\\n\"", "31:8", &["control character"]),
     ("type = \"circle\"", "type = \"cicle\"", "19:8", &["[section.round]", "type \"cicle\"", "did you mean \"circle\"?"]),

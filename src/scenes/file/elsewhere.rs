@@ -15,12 +15,12 @@ const ELSEWHERE: &[(&[&str], &str)] = &[
          force = \"f * tanh(v / 1e-3)\", on joint angles of type \"angle_law\" with moment = ..",
     ),
     (
-        &["stopper", "bumper", "limiter", "range"],
+        &["stop", "stopper", "bumper", "limiter", "range"],
         "a rigid stop is [[stop]]; an elastic one is a law of a spring: [[spring]] of type \"slide_law\", \"torsion_law\" or \"angle_law\" with \
          energy = \"if_less(1, s, k * (s - 1)^2 / 2, 0)\"",
     ),
     (
-        &["lock", "trigger", "switch", "release", "break"],
+        &["event", "latch", "lock", "trigger", "switch", "release", "break"],
         "what happens at an instant is [[event]], which sets numbers and rates, and removes and locks joints; what locks at a value is [[latch]]",
     ),
     (
