@@ -276,6 +276,18 @@ class Model:
     @property
     def state(self) -> _State:
         """States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Formulas know nodes as those of an [[element]] do; where a state is a node c of others, their formulas know c.NAME of its values and of its outputs."""
+    def number(
+        self,
+        name: str,
+        /,
+        *,
+        initial: Scalar | None = None,
+    ) -> str:
+        """A number that only events change: a mode, a counter, a speed that is kept in mind. Formulas know a number c among their nodes as c.value.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``initial`` (number or formula, optional): value at the start; 0
+        """
     @property
     def joint(self) -> _Joint:
         """What holds nodes together. Geometry is given in the world at the start."""
@@ -369,6 +381,90 @@ class Model:
         * ``force`` (table, optional): forces on its nodes in the world, of anything; of a joint angle its moment; none [N, N m]
         * ``moment`` (table, optional): moments on bodies among them in the world, of anything; none [N m]
         * ``breakpoints`` (list of number or formula, optional): from the times when jumps and bends of formulas of t were not found from these: not needed, any [s]
+        """
+    def stop(
+        self,
+        name: str,
+        /,
+        *,
+        on: str | None = None,
+        nodes: Table | None = None,
+        define: Table | None = None,
+        table: Table | None = None,
+        value: Scalar | None = None,
+        least: Scalar | None = None,
+        most: Scalar | None = None,
+        restitution: Scalar | None = None,
+        rest_speed: Scalar | None = None,
+    ) -> str:
+        """A limit of a coordinate, of a joint angle, or of a formula of places: it is hit with an impact under all joints, pushes as long as it would be left, and lets go then. Its reaction is that of a joint of its name.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text, optional): a coordinate, or the angle of a [[joint_angle]], x; or value with nodes
+        * ``nodes`` (table, optional): nodes, or points of them, by the names that value gives them
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``value`` (number or formula, optional): or x as a formula of places of its nodes and of the time [m, rad]
+        * ``least`` (number or formula, optional): least x; none [m, rad]
+        * ``most`` (number or formula, optional): largest x; none [m, rad]
+        * ``restitution`` (number or formula, optional): e: behind a hit dx/dt is -e times what it was before, from 0, which stays, to 1, which loses nothing; 0 [-]
+        * ``rest_speed`` (number or formula, optional): hits with less than this have no restitution: what bounces comes to rest; 0 [m/s, rad/s]
+        """
+    def latch(
+        self,
+        name: str,
+        /,
+        *,
+        on: str | None = None,
+        nodes: Table | None = None,
+        define: Table | None = None,
+        table: Table | None = None,
+        value: Scalar | None = None,
+        at: Scalar,
+        strength: Scalar | None = None,
+    ) -> str:
+        """What holds a coordinate, a joint angle, or a formula of places once it is reached.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text, optional): a coordinate, or the angle of a [[joint_angle]], x; or value with nodes
+        * ``nodes`` (table, optional): nodes, or points of them, by the names that value gives them
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``value`` (number or formula, optional): or x as a formula of places of its nodes and of the time [m, rad]
+        * ``at`` (number or formula): x that is held once it is reached, with an impact without restitution [m, rad]
+        * ``strength`` (number or formula, optional): size of its reaction beyond which it opens for good; none [N, N m]
+        """
+    def event(
+        self,
+        name: str,
+        /,
+        *,
+        nodes: Table | None = None,
+        define: Table | None = None,
+        table: Table | None = None,
+        when: Scalar | None = None,
+        at: Scalar | None = None,
+        direction: Literal['rising', 'falling', 'both'] | None = None,
+        once: bool | None = None,
+        set: Table | None = None,
+        remove: str | Sequence[str] | None = None,
+        lock: str | Sequence[str] | None = None,
+        end: bool | None = None,
+    ) -> str:
+        """What happens where a formula passes zero, or at a time. Steps end there, whatever method makes them, and gradients go through the time of it.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``nodes`` (table, optional): nodes, or points of them, by the names that the formulas give them; none
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``when`` (number or formula, optional): what passes zero there, of anything that elements know [any]
+        * ``at`` (number or formula, optional): or the time at which it happens [s]
+        * ``direction`` ("rising" or "falling" or "both", optional): in which the formula passes zero; both
+        * ``once`` (True or False, optional): it happens no second time; false
+        * ``set`` (table, optional): new values by names of what formulas know: the value of a number, coordinate or state, the rate of a coordinate, position and velocity of a point or body, angular_velocity of a body, as in { "ball.velocity" = "-e * ball.velocity" }; all from the values before; none [any]
+        * ``remove`` (text, or list of text, optional): joints that are removed, as one that breaks; none
+        * ``lock`` (text, or list of text, optional): joints that are not there at the start (`present = false`) or were removed, and come with an impact without restitution; none
+        * ``end`` (True or False, optional): the run ends there; false
         """
     def force(
         self,
@@ -1152,6 +1248,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
     ) -> str:
@@ -1161,6 +1258,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         """
@@ -1171,6 +1269,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1181,6 +1280,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1192,6 +1292,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
     ) -> str:
@@ -1201,6 +1302,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         """
@@ -1211,6 +1313,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
     ) -> str:
         """B carried along by a as it stands.
@@ -1219,6 +1322,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         """
     def distance(
@@ -1228,6 +1332,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         points: Sequence[Vector] | None = None,
     ) -> str:
@@ -1237,6 +1342,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``points`` (list of vector, optional): where it takes hold of a and b; both nodes [m]
         """
@@ -1247,6 +1353,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1257,6 +1364,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1268,6 +1376,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1278,6 +1387,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1289,6 +1399,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         normal: Vector,
@@ -1299,6 +1410,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1310,6 +1422,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         pin_a: Vector,
@@ -1321,6 +1434,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``pin_a`` (vector): pin in a, at right angles to the other [-]
@@ -1333,6 +1447,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1344,6 +1459,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1356,6 +1472,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1366,6 +1483,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1377,6 +1495,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         normal: Vector,
@@ -1387,6 +1506,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1398,6 +1518,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         radii: Sequence[Scalar],
     ) -> str:
@@ -1407,6 +1528,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``radii`` (list of 2 times number or formula): pitch radii; of one sign for external gears [m]
         """
@@ -1417,6 +1539,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         centre: Vector,
         contact: Vector,
@@ -1428,6 +1551,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 3 times text): carrier, pinion, rack
         * ``centre`` (vector): a point of the pinion's axis [m]
         * ``contact`` (vector): where the pitch circle touches the rack [m]
@@ -1440,6 +1564,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         holds: Literal['direction', 'vector'] | None = None,
     ) -> str:
@@ -1449,6 +1574,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``holds`` ("direction" or "vector", optional): the direction of its slope, or its stretch, too; direction
         """
@@ -1459,6 +1585,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         axis: Vector,
     ) -> str:
@@ -1468,6 +1595,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``axis`` (vector): axis in the world at the start, of any length [-]
         """
@@ -1478,6 +1606,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
     ) -> str:
         """Nodes of two cables welded to each other.
@@ -1486,6 +1615,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         """
     def formula(
@@ -1495,6 +1625,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         nodes: Table,
         define: Table | None = None,
         table: Table | None = None,
@@ -1507,6 +1638,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
@@ -1520,6 +1652,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         centre: Vector | None = None,
         normal: Vector,
@@ -1531,6 +1664,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``centre`` (vector, optional): centre of the sphere; the place of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1543,6 +1677,7 @@ class _Joint:
         *,
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
+        present: bool | None = None,
         between: Sequence[str],
         centre: Vector | None = None,
         axis: Vector,
@@ -1556,6 +1691,7 @@ class _Joint:
         * ``name`` (text): name, by which others refer to it
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
+        * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``centre`` (vector, optional): centre of the disc; the place of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -2042,6 +2178,23 @@ class _Functional:
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
         * ``value`` (number or formula): the quantity, as in "dot(tip.velocity, [0, 0, 1])" [unit]
         * ``unit`` (text, optional): its unit, for tables and charts; -
+        """
+    def event_time(
+        self,
+        name: str,
+        /,
+        *,
+        over: Literal['initial', 'terminal', 'integral'] | Table,
+        event: str,
+        number: int | str | None = None,
+    ) -> str:
+        """The time at which an event happens [s]; over = "terminal".
+        A number that a run gives, with its gradient.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
+        * ``event`` (text): name of an event, or of a stop or latch that is hit
+        * ``number`` (whole number, optional): for which time it happens, counted from 1; 1
         """
     def reaction(
         self,
