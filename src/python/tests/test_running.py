@@ -282,3 +282,17 @@ def test_values_of_random_designs_are_those_of_tables_by_name(pendulum):
     for _ in range(20):
         x = random.uniform(0.5, 2.0, 2)
         assert same_bits(pendulum.values(x), pendulum.values(dict(zip(["length", "mass"], x))))
+
+
+def test_events_are_told_by_their_names_and_times() -> None:
+    model = costate.Model("ball", gravity=[0, 0, -9.81])
+    height = model.variable("height", 1.0, (0.1, 10.0), "m")
+    ball = model.point("ball", position=[0, 0, height], mass=1.0)
+    model.settings(end=1.3, steps=40)
+    floor = model.stop("floor", nodes={"ball": ball}, value="ball.position.z", least=0, restitution=0.8)
+    model.functional.event_time("second hit", event=floor, number=2, over="terminal")
+    run = model.scene().run()
+    fall = (2 / 9.81) ** 0.5
+    assert [name for name, _ in run.events] == ["floor", "floor"]
+    assert [t for _, t in run.events] == pytest.approx([fall, 2.6 * fall], rel=1e-12)
+    assert run.gradient()["second hit", "height"] == pytest.approx(1.3 * fall, rel=1e-12)
