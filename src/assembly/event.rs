@@ -88,11 +88,11 @@ pub enum Target {
 }
 
 impl Target {
-    /// Order of the time derivative, and place in its list.
-    pub fn place(self) -> (usize, usize) {
+    /// It in the rates and coordinates of a state.
+    pub fn of<S>(self, [v, q]: [&mut [S]; 2]) -> &mut S {
         match self {
-            Target::Coordinate(dof) => (0, dof),
-            Target::Rate(dof) => (1, dof),
+            Target::Coordinate(dof) => &mut q[dof],
+            Target::Rate(dof) => &mut v[dof],
         }
     }
 }

@@ -98,8 +98,7 @@ impl<S: RunScalar> Sample<S> {
         let last = step.set.iter().map(|own| own.event).chain(step.impacts.iter().map(|own| own.event)).max();
         for number in 0..=last.unwrap_or(0) {
             for SetNumber { target, value, .. } in step.set.iter().filter(|own| own.event == number) {
-                let (order, dof) = target.place();
-                (if order == 0 { &mut self.at.q } else { &mut self.at.v })[dof] = *value;
+                *target.of([&mut self.at.v, &mut self.at.q]) = *value;
             }
             for own in step.impacts.iter().filter(|own| own.event == number) {
                 let factor = own.factor(p);

@@ -169,8 +169,11 @@ listed! {
 
 impl Flat for Target {
     fn put(&self, bytes: &mut Vec<u8>) {
-        let (order, dof) = self.place();
-        (order == 1, dof).put(bytes);
+        let (is_rate, dof) = match *self {
+            Target::Coordinate(dof) => (false, dof),
+            Target::Rate(dof) => (true, dof),
+        };
+        (is_rate, dof).put(bytes);
     }
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         let (is_rate, dof) = Flat::take(bytes)?;

@@ -230,9 +230,13 @@ impl Events {
         self.part(switch).event.is_some()
     }
 
+    fn condition(&self, event: usize) -> Option<&Part> {
+        self.parts.iter().find(|part| part.event == Some(event))
+    }
+
     /// Name of an event.
     pub fn name(&self, event: usize) -> &str {
-        self.parts.iter().find(|part| part.event == Some(event)).map_or("", |part| &part.name)
+        self.condition(event).map_or("", |part| &part.name)
     }
 
     /// Joints that an event removes, and that it adds.
@@ -243,7 +247,7 @@ impl Events {
 
     /// The change back to the side of the motion that is free of a stop, of the switch at which an event hits it.
     pub fn free(&self, event: usize, Stop { is_upper, .. }: &Stop, sides: &[f64]) -> Option<SideChange> {
-        let switch = self.parts.iter().find(|part| part.event == Some(event))?.first;
+        let switch = self.condition(event)?.first;
         let side = if *is_upper { 1.0 } else { -1.0 };
         (sides[switch] != side).then_some(SideChange { switch, sides: [sides[switch], side] })
     }
@@ -294,17 +298,13 @@ impl Events {
         list: &mut Vec<SetNumber<S>>,
     ) -> Result<(), String> {
         for (reset, places) in &self.events[event].resets {
-            let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
-            let formula = &reset.values.physics;
-            let mut outputs = vec![S::zero(); formula.outputs.len()];
-            S::run(formula.values(), &inputs, &mut outputs, &mut ProgramWork::default());
-            for (&target, &value) in reset.targets.iter().zip(&outputs) {
-                if !value.value().is_finite() {
-                    let (name, t) = (&reset.values.name, shortest(t.value()));
-                    return Err(format!("event \"{name}\" at t = {t} s: what it sets is not a number there"));
-                }
-                let (order, dof) = target.place();
-                (if order == 0 { &mut *q } else { &mut *v })[dof] = value;
+            let values = values_of(reset, places, [v, q], t, p);
+            if values.iter().any(|value| !value.value().is_finite()) {
+                let (name, t) = (&reset.values.name, shortest(t.value()));
+                return Err(format!("event \"{name}\" at t = {t} s: what it sets is not a number there"));
+            }
+            for (&target, value) in reset.targets.iter().zip(values) {
+                *target.of([&mut *v, &mut *q]) = value;
                 list.push(SetNumber { event: number, target, value });
             }
         }
@@ -324,26 +324,14 @@ impl Events {
         let mut states = vec![[v.to_vec(), q.to_vec()]];
         for (reset, places) in &self.events[event].resets {
             let [mut v, mut q] = states[states.len() - 1].clone();
-            let formula = &reset.values.physics;
-            let mut outputs = vec![0.0; formula.outputs.len()];
-            let inputs = inputs(places, &Moment { a: &[], v: &v, q: &q, mu: [&[]; 2], t }, p);
-            f64::run(formula.values(), &inputs, &mut outputs, &mut ProgramWork::default());
-            for (target, &value) in reset.targets.iter().zip(&outputs) {
-                let (order, dof) = target.place();
-                (if order == 0 { &mut q } else { &mut v })[dof] = value;
-            }
+            let values = values_of(reset, places, [&v, &q], t, p);
+            reset.targets.iter().zip(values).for_each(|(target, value)| *target.of([&mut v, &mut q]) = value);
             states.push([v, q]);
         }
         let mut t_bar = 0.0;
         for ((reset, places), [v, q]) in self.events[event].resets.iter().zip(&states).rev() {
-            let bars: Vec<f64> = reset
-                .targets
-                .iter()
-                .map(|target| {
-                    let (order, dof) = target.place();
-                    std::mem::take(&mut (if order == 0 { &mut *q_bar } else { &mut *v_bar })[dof])
-                })
-                .collect();
+            let take = |target: &Target| std::mem::take(target.of([&mut *v_bar, &mut *q_bar]));
+            let bars: Vec<f64> = reset.targets.iter().map(take).collect();
             let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
             for (result, bar) in bars.into_iter().enumerate().filter(|(_, bar)| *bar != 0.0) {
                 let program = reset.values.physics.gradient(&[result]);
@@ -462,6 +450,15 @@ fn inputs<S: RunScalar>(places: &[Place], moment: &Moment<S>, p: &[S]) -> Vec<S>
         Place::Mu(row) => moment.mu[0].get(row).copied().unwrap_or_else(S::zero),
     };
     places.iter().map(value).collect()
+}
+
+/// Values that a reset gives to its targets.
+fn values_of<S: RunScalar>(reset: &Reset, places: &[Place], [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<S> {
+    let formula = &reset.values.physics;
+    let mut values = vec![S::zero(); formula.outputs.len()];
+    let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
+    S::run(formula.values(), &inputs, &mut values, &mut ProgramWork::default());
+    values
 }
 
 impl Part {

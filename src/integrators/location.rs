@@ -32,8 +32,8 @@ struct Candidate {
     is_sure: bool,
 }
 
-/// The step made last was one from `t` to `end`, beyond which one to `undefined` was not defined; makes it end at the first switch that changes its side in it. Returns its end then, and all sides
-/// that change there, the first before the others.
+/// The step made last was one from `t` to `end`; makes it end at the first switch that changes its side in it. `undefined` is an end up to which no step
+/// could be made. Returns its end then, and all sides that change there, the first before the others.
 pub(super) fn locate<S: RunScalar>(
     stepper: &mut Stepper<S>,
     before: &Checkpoint<S>,

@@ -123,6 +123,11 @@ fn add_times<S: RunScalar>(target: &mut [S], values: &[S], factor: S) {
     target.iter_mut().zip(values).for_each(|(target, &value)| *target += value * factor);
 }
 
+/// Largest of some numbers, or one.
+fn size<S: RunScalar>(values: &[S]) -> f64 {
+    values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()))
+}
+
 fn real<S: RunScalar>(values: &[S]) -> Vec<f64> {
     values.iter().map(|value| value.value()).collect()
 }
@@ -349,7 +354,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         sides: &mut [f64],
     ) -> Result<Vec<usize>, RunError> {
         let Some(events) = self.events.take() else { return Ok(plan.dropped.clone()) };
-        let size = |values: &[S]| values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
         let mut closed = Vec::new();
         for (event, joint, stop) in events.stops() {
             let [g, rate, _] = self.equations_of(joint, (q, v), t)[0];
@@ -736,15 +740,18 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
             self.check_hit(*joint, hit)?;
             let equations = self.problem.model.constraints[*joint].equations.clone();
-            let mut dropped = self.dropped_with(&events.absent(sides));
-            dropped.retain(|row| !equations.contains(row));
+            let dropped_now = |own: &Self, sides: &[f64]| {
+                let mut dropped = own.dropped_with(&events.absent(sides));
+                dropped.retain(|row| !equations.contains(row));
+                dropped
+            };
+            let mut dropped = dropped_now(self, sides);
             let mut solve = self.impact(*joint, &dropped)?;
             // what is held at a stop may be torn off by the impact
             while !is_made_again && let Some(torn) = events.torn(sides, (*joint, &real(&solve.unknowns.mu))) {
                 sides[torn.switch] = torn.sides[1];
                 changes.push(torn);
-                dropped = self.dropped_with(&events.absent(sides));
-                dropped.retain(|row| !equations.contains(row));
+                dropped = dropped_now(self, sides);
                 solve = self.impact(*joint, &dropped)?;
             }
             if stop.is_none() && !is_made_again {
@@ -797,7 +804,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Whether a stop moves as it did before others were hit at the same time.
     fn check_hit(&self, joint: usize, hit: &[(usize, f64)]) -> Result<(), RunError> {
         let Some((_, before)) = hit.iter().find(|own| own.0 == joint).filter(|_| hit.len() > 1) else { return Ok(()) };
-        let speed = self.between.carried[1].iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
+        let speed = size(&self.between.carried[1]);
         if (self.approach(joint) - before).abs() <= CONSISTENT * speed {
             return Ok(());
         }
@@ -812,7 +819,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Whether equations of joints that are there hold behind what an event has set.
     fn check_joints(&self, absent: &[usize], event: &str) -> Result<(), RunError> {
-        let size = |values: &[S]| values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
         let sizes = [0, 1].map(|order| CONSISTENT * size(&self.between.carried[order]));
         for (joint, own) in self.problem.model.constraints.iter().enumerate() {
             for (row, [g, rate, _]) in own.equations.clone().zip(self.equations_behind(joint)) {
@@ -830,9 +836,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Whether what is to be held by a joint is where it holds it.
     fn check_closing(&self, joint: usize) -> Result<(), RunError> {
-        let size = self.between.carried[0].iter().fold(1.0, |size: f64, own| size.max(own.value().abs()));
         let off = self.equations_behind(joint).iter().fold(0.0, |most: f64, [g, ..]| most.max(g.abs()));
-        if off <= CONSISTENT * size {
+        if off <= CONSISTENT * size(&self.between.carried[0]) {
             return Ok(());
         }
         let (t, name) = (shortest(self.record.end), &self.problem.model.constraints[joint].name);

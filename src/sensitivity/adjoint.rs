@@ -414,7 +414,9 @@ impl<'m> Sweep<'m> {
             let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, mu: [mu, &[]], t: step.end };
             let mut of_multipliers = SolutionSeed::zeros(step.q.len(), mu.len());
             let mut accelerations = Vec::new();
-            step.stages.iter().last().into_iter().for_each(|last| last.solve.write_acceleration(&mut accelerations));
+            if let Some(last) = step.stages.last() {
+                last.solve.write_acceleration(&mut accelerations);
+            }
             self.events.number_by_arguments(change.switch, moment, &self.p, |place, rate| match place {
                 Place::V(dof) => {
                     own.carried[1][dof] += rate;
