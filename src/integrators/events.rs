@@ -140,6 +140,11 @@ impl Events {
         self.places.len()
     }
 
+    /// Number of all sides: of switches, of events that have happened, and of joints.
+    pub fn sides_count(&self) -> usize {
+        self.switches() + self.events.len() + self.joints.len()
+    }
+
     /// Place of the side of a joint that comes and goes.
     pub fn presence(&self, joint: usize) -> usize {
         let place = self.joints.iter().position(|own| own.0 == joint);
@@ -153,18 +158,6 @@ impl Events {
         (change.sides[0] != change.sides[1]).then_some(change)
     }
 
-    /// Whether by a list of changes the motion stays at a stop.
-    pub fn is_held(&self, joint: usize, changes: &[SideChange]) -> bool {
-        let switch = self.presence(joint);
-        changes.iter().any(|change| change.switch == switch && change.sides[1] > 0.0)
-    }
-
-    /// Whether the last of a list of changes of a joint says that it is there.
-    pub fn is_held_at_last(&self, joint: usize, changes: &[SideChange]) -> bool {
-        let switch = self.presence(joint);
-        changes.iter().rev().find(|change| change.switch == switch).is_none_or(|change| change.sides[1] > 0.0)
-    }
-
     /// Joints of latches.
     pub fn latches(&self) -> impl Iterator<Item = usize> + '_ {
         let latches = self.events.iter().filter(|own| own.once && own.condition.is_some());
@@ -173,18 +166,37 @@ impl Events {
 
     fn release(&self, joint: usize) -> Option<&Part> {
         let opens = |part: &&Part| part.event.is_some_and(|event| self.events[event].opens.contains(&joint));
-        self.parts.iter().filter(opens).find(|part| part.places.iter().any(|place| matches!(place, Place::Mu(_))))
+        self.releases().find(opens)
     }
 
-    /// Whether a force removes a joint.
-    pub fn has_strength(&self, joint: usize) -> bool {
-        self.release(joint).is_some()
+    /// Conditions by forces of joints.
+    fn releases(&self) -> impl Iterator<Item = &Part> {
+        self.parts.iter().filter(|part| part.places.iter().any(|place| matches!(place, Place::Mu(_))))
     }
 
-    /// Whether these multipliers do.
-    pub fn lets_go(&self, joint: usize, mu: &[f64], p: &[f64]) -> bool {
+    /// Whether events happen by forces of joints that are there.
+    pub fn has_releases(&self, sides: &[f64]) -> bool {
+        self.releases().any(|part| self.may_happen(part, sides))
+    }
+
+    /// Whether an event may happen, by the joints that are there and by whether it has which does so once.
+    fn may_happen(&self, part: &Part, sides: &[f64]) -> bool {
+        let Some(event) = part.event else { return true };
+        let first = self.switches() + self.events.len();
+        let is_there = |(joint, side): (usize, f64)| sides.get(first + joint).is_none_or(|own| *own == side);
+        let has_been = sides.get(self.switches() + event).is_some_and(|own| *own > 0.0);
+        !has_been && self.events[event].condition.is_none_or(is_there)
+    }
+
+    /// The joint that a force removes first behind what has happened, as the change of the switch at which it does, by the multipliers there; `present`
+    /// are the joints there, `no_force` is what counts as none.
+    pub fn released(&self, (sides, present): (&[f64], &[f64]), mu: &[f64], p: &[f64], no_force: f64) -> Option<SideChange> {
         let moment = Moment { a: &[], v: &[], q: &[], mu: [mu, &[]], t: 0.0 };
-        self.release(joint).is_some_and(|part| part.switches.number_in(0, &part.inputs(&moment, p)) > 0.0)
+        let held = self.releases().filter(|part| self.may_happen(part, present));
+        // 1: below zero
+        let beyond = |part: &Part| sides[part.first] * part.switches.number_in(0, &part.inputs(&moment, p));
+        let first = held.map(|part| (part.first, beyond(part))).max_by(|one, other| one.1.total_cmp(&other.1))?;
+        (first.1 > no_force).then(|| SideChange { switch: first.0, sides: [sides[first.0], -sides[first.0]] })
     }
 
     /// Equations of joints that are not there.
@@ -205,13 +217,6 @@ impl Events {
             let is_torn = impulse != 0.0 && !stop.pushes(impulse) && impulse.abs() > NOTHING * largest(mu);
             is_torn.then(|| self.presence_change(own, false, sides)).flatten()
         })
-    }
-
-    /// Changes of a list by which joints go.
-    pub fn removed<'c>(&'c self, changes: &'c [SideChange], sides: &'c [f64]) -> impl Iterator<Item = SideChange> + 'c {
-        let first = self.switches() + self.events.len();
-        let goes = move |own: &&SideChange| own.switch >= first && own.sides == [1.0, 0.0] && sides[own.switch] > 0.0;
-        changes.iter().filter(goes).copied()
     }
 
     /// Stops, with the event that hits each and its joint.
@@ -380,18 +385,15 @@ impl Events {
 
     /// How far all switches are beyond the ends of their sides.
     pub fn excesses(&mut self, moment: Moment<f64>, p: &[f64], sides: &[f64]) -> Vec<Excess> {
-        let first = self.switches() + self.events.len();
-        let Events { parts, events, numbers, work, .. } = self;
+        let are_off: Vec<bool> = self.parts.iter().map(|part| !self.may_happen(part, sides)).collect();
+        let Events { parts, numbers, work, .. } = self;
         let mut all = Vec::with_capacity(sides.len());
-        for part in parts {
+        for (part, is_off) in parts.iter().zip(are_off) {
             let inputs = part.inputs(&moment, p);
             part.switches.evaluate(&inputs, numbers, work);
             let rates = part.switches.rates(&inputs, &part.direction(&moment), work);
             all.extend(part.switches.excesses(&sides[part.first..part.first + part.count], numbers, &rates));
-            if let Some(last) = all.last_mut()
-                && let Some((joint, side)) = part.event.and_then(|event| events[event].condition)
-                && sides.get(first + joint).is_some_and(|own| *own != side)
-            {
+            if let Some(last) = all.last_mut().filter(|_| is_off) {
                 // it stays on its side
                 (last.by, last.rate, last.terms) = (-1.0, 0.0, 1.0);
             } else if let Some(last) = all.last_mut().filter(|_| part.event.is_some()) {

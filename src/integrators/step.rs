@@ -690,6 +690,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 self.change_joints(&events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
             }
             if !is_made_again {
+                changes.extend(self.released(&events, (&present, &changes))?);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
                 let (sides, end) = (&self.between.sides, self.record.end);
                 let passed = self.excesses_of(&mut events, false).into_iter().enumerate();
@@ -703,6 +704,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
         }
         self.between.switched.clone_from(&changes);
+        for joint in events.stops().map(|own| own.1).filter(|joint| present[events.presence(*joint)] > 0.0) {
+            self.check_method(joint)?;
+        }
         let now = events.absent(&self.between.sides);
         if events.absent(&before) != now {
             self.between.dropped = self.dropped_with(&now);
@@ -731,14 +735,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 changes.extend(Some(own).filter(|_| !is_made_again));
             }
         }
-        if is_made_again {
-            // those that were torn off then
-            let torn: Vec<SideChange> = events.removed(changes, sides).collect();
-            torn.into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
-        }
         for Closing { joint, stop } in closes {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
-            self.check_hit(*joint, hit)?;
+            if !is_made_again {
+                self.check_hit(*joint, hit)?;
+            }
             let equations = self.problem.model.constraints[*joint].equations.clone();
             let dropped_now = |own: &Self, sides: &[f64]| {
                 let mut dropped = own.dropped_with(&events.absent(sides));
@@ -748,51 +749,50 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let mut dropped = dropped_now(self, sides);
             let mut solve = self.impact(*joint, &dropped)?;
             // what is held at a stop may be torn off by the impact
-            while !is_made_again && let Some(torn) = events.torn(sides, (*joint, &real(&solve.unknowns.mu))) {
+            while let Some(torn) = events.torn(sides, (*joint, &real(&solve.unknowns.mu))) {
                 sides[torn.switch] = torn.sides[1];
-                changes.push(torn);
+                changes.extend(Some(torn).filter(|_| !is_made_again));
                 dropped = dropped_now(self, sides);
                 solve = self.impact(*joint, &dropped)?;
             }
             if stop.is_none() && !is_made_again {
                 self.check_closing(*joint)?;
             }
-            let (mut restitution, mut is_held) = (None, true);
+            let mut restitution = None;
             if let Some(Stop { parameters: [e, least], .. }) = stop {
                 let is_plastic = self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value();
-                is_held = is_plastic && (!is_made_again || events.is_held(*joint, changes));
                 restitution = (!is_plastic).then_some(*e);
             }
             let impact = ImpactRecord { event: number, solve, dropped, restitution };
             let factor = impact.factor(&self.p) * self.clock.map_or(S::one(), |clock| clock.length());
             add_times(&mut self.between.carried[1], &impact.solve.unknowns.x, factor);
-            if let (Some(stop), false) = (stop, is_made_again) {
-                if is_held {
-                    self.check_method(*joint)?;
-                    let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
-                    let mu = self.forces_at((&q, &v), self.record.end, &impact.dropped)?[equations.start];
-                    let of_impact = impact.solve.unknowns.mu[equations.start].value().abs() / self.record.h;
-                    is_held = stop.pushes(mu) || mu.abs() <= NO_FORCE * of_impact;
-                    changes.extend(Some(closing).filter(|_| is_held));
+            let is_held = restitution.is_none();
+            if !is_made_again {
+                changes.extend(Some(closing).filter(|_| is_held));
+                if let Some(stop) = stop {
+                    changes.extend(events.free(event, stop, &self.between.sides));
+                    changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
                 }
-                changes.extend(events.free(event, stop, &self.between.sides));
-                changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
-            } else if !is_made_again {
-                changes.push(closing);
-                let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
-                if events.has_strength(*joint) {
-                    let mu = self.forces_at((&q, &v), self.record.end, &impact.dropped)?;
-                    is_held = !events.lets_go(*joint, &mu, &real(&self.p));
-                    let opening = SideChange { switch: closing.switch, sides: [1.0, 0.0] };
-                    changes.extend(Some(opening).filter(|_| !is_held));
-                }
-            } else if stop.is_none() {
-                is_held = events.is_held_at_last(*joint, changes);
             }
             sides[closing.switch] = f64::from(u8::from(is_held));
             self.record.impacts.push(impact);
         }
         Ok(())
+    }
+
+    /// The change by which a force lets go behind what has happened, of a joint that is there then.
+    fn released(&mut self, events: &Events, (present, changes): (&[f64], &[SideChange])) -> Result<Option<SideChange>, RunError> {
+        if !events.has_releases(present) {
+            return Ok(None);
+        }
+        let mut sides = self.between.sides.clone();
+        changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
+        let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+        let mu = self.forces_at((&q, &v), self.record.end, &self.dropped_with(&events.absent(present)))?;
+        let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
+        let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.last.mu));
+        let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
+        Ok(events.released((&sides, present), &mu, &real(&self.p), NO_FORCE * most))
     }
 
     /// Number of the switch that ended the step made last, and what is left of its number there, beyond the side to which it changes.

@@ -26,10 +26,11 @@ impl Analysis<'_> {
 
     /// The events of a run in the order of their times.
     pub fn events(&self, forward: &Forward) -> Vec<EventTime> {
-        let Some(start) = forward.history.start_record().filter(|_| !self.model.events.is_empty()) else {
+        if self.model.events.is_empty() {
             return Vec::new();
-        };
-        let (events, mut sides, mut all) = (Events::new(self.model), start.sides.clone(), Vec::new());
+        }
+        let (events, mut all) = (Events::new(self.model), Vec::new());
+        let mut sides = vec![0.0; events.sides_count()];
         for (&place, changes) in &forward.grid.events {
             for event in events.happening(changes, &sides) {
                 let name = self.model.events[event].condition.name.clone();
