@@ -1,5 +1,6 @@
 use super::Event;
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
+use crate::program::Formula;
 use std::any::TypeId;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -79,6 +80,8 @@ pub struct Model {
     pub constraints: Vec<Attached<ConstraintPhysics>>,
     /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by `Model::at_rest`.
     pub holds: Vec<Attached<ConstraintPhysics>>,
+    /// Formulas of functionals whose switches steps end at, with the sides behind their parameters.
+    pub(crate) measured: Vec<Attached<Arc<Formula>>>,
     /// What happens at instants of the motion.
     pub(crate) events: Vec<Event>,
     /// Joints that come and go, and whether they are there at the start.

@@ -51,10 +51,6 @@ pub struct SceneOptions {
     /// Longest step that --tolerance may choose [s]
     #[arg(long, value_name = "H", value_parser = positive, allow_negative_numbers = true, requires = "tolerance")]
     longest_step: Option<f64>,
-    /// End steps where springs, loads and other elements pass from one piece of their formulas to another: values keep the order
-    /// of the method, and gradients are exact
-    #[arg(long)]
-    locate: bool,
     /// Write histories at multiples of this time instead of at the steps [s]
     #[arg(long, value_name = "DT", value_parser = positive, allow_negative_numbers = true)]
     output_step: Option<f64>,
@@ -329,7 +325,7 @@ impl SceneOptions {
         let solver = chosen("--solver", &self.solver, Backend::ALL, Backend::name)?;
         method.tolerance = newton.unwrap_or(settings.newton);
         method.backend = solver.unwrap_or(settings.solver);
-        method.locates = self.locate || settings.locate;
+        method.locates = settings.locate;
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;

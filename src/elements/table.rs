@@ -37,13 +37,14 @@ impl Table {
         let (nothing, identity) = (number(0.0), [0.0, 1.0, 0.0, 0.0]);
         let end = if interpolant == Interpolant::Steps { last } else { last - 1 };
         let piece = pieces(nothing, &|k| number(k as f64), number(end as f64));
+        let share = match interpolant {
+            Interpolant::LinesOn => pieces(share(0.0, 0), &|k| share(0.0, k), share(1.0, last - 1)),
+            _ => pieces(nothing, &|k| share(0.0, k), number(1.0)),
+        };
         Ok(Table {
             interpolant,
             piece: Arc::new(piece.joined_by(interpolant)),
-            share: Arc::new(match interpolant {
-                Interpolant::LinesOn => pieces(share(0.0, 0), &|k| share(0.0, k), share(1.0, last - 1)),
-                _ => pieces(nothing, &|k| share(0.0, k), number(1.0)),
-            }),
+            share: Arc::new(if interpolant.has_kinks() { share.joined_by(interpolant) } else { share }),
             width: Arc::new(pieces(number(h(0)), &|k| number(h(k)), number(h(last - 1)))),
             beyond: [(identity, nothing), (nothing, identity)]
                 .map(|(before, behind)| Arc::new(pieces(before, &|_| nothing, behind))),

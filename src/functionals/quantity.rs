@@ -97,13 +97,23 @@ pub struct MeasuredQuantity {
     multipliers: usize,
     /// Which of its coordinates are states of first order that are unknowns like coordinates.
     states: Vec<usize>,
+    /// Whether its formula has the sides of its switches among its arguments.
+    has_sides: bool,
     formula: OnceLock<Result<Arc<Formula>, String>>,
 }
 
 impl MeasuredQuantity {
     /// A quantity that sees some number of multipliers.
     pub fn new(own: Box<dyn AnyQuantity>, multipliers: usize) -> Self {
-        MeasuredQuantity { own, multipliers, states: Vec::new(), formula: OnceLock::new() }
+        MeasuredQuantity { own, multipliers, states: Vec::new(), has_sides: false, formula: OnceLock::new() }
+    }
+    /// The same with the sides of its switches as numbers behind its parameters.
+    pub(crate) fn with_sides(self) -> Self {
+        MeasuredQuantity { has_sides: true, formula: OnceLock::new(), ..self }
+    }
+    /// How many they are.
+    pub(crate) fn sides(&self) -> usize {
+        if self.has_sides { self.recorded().as_ref().map_or(0, |formula| formula.sides()) } else { 0 }
     }
     /// The same where some of its coordinates are states that are unknowns like coordinates.
     pub(crate) fn at_rest(self, states: Vec<usize>) -> Self {
@@ -112,6 +122,7 @@ impl MeasuredQuantity {
     fn recorded(&self) -> &Result<Arc<Formula>, String> {
         self.formula.get_or_init(|| {
             let formula = self.own.record(self.multipliers)?;
+            let formula = if self.has_sides { formula.with_sides()? } else { formula };
             if self.states.is_empty() {
                 return Ok(formula);
             }

@@ -23,7 +23,7 @@ impl Measured {
         match self {
             Measured::Local { nodes, constraints, parameters, quantity } => {
                 let Some((dofs, multipliers)) = sizes(model, nodes, constraints) else { return Some(STRANGER.into()) };
-                let own = quantity.parameter_list().len();
+                let own = quantity.parameter_list().len() + quantity.sides();
                 let wanted = [quantity.dof_count(), quantity.multiplier_count()];
                 different("coordinates", dofs, wanted[0])
                     .or_else(|| different("multipliers", multipliers, wanted[1]))

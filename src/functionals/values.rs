@@ -4,7 +4,7 @@ use super::measured_group::GroupWork;
 use super::{Functional, Measured, Sample, StageWeight, Times};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
-use crate::integrators::{Combination, StartRecord, StepRecord, Table};
+use crate::integrators::{Combination, Events, SideChange, StartRecord, StepRecord, Table};
 
 /// Values of functionals, accumulated while a run goes on: no step needs to be kept for them.
 ///
@@ -17,7 +17,11 @@ pub struct Values<'f, S> {
     functionals: &'f [Functional],
     model: &'f Model,
     table: &'f Table,
-    p: &'f [S],
+    /// Parameters, with the sides of switches of functionals in the step that is made.
+    p: Vec<S>,
+    /// These sides and where they stand, if there are any.
+    sides: Vec<f64>,
+    switches: Option<Events>,
     /// Offsets follow the largest value; otherwise they are given.
     following: bool,
     /// Of aggregates: c, to which their sums are relative.
@@ -47,7 +51,9 @@ impl<'f, S: RunScalar> Values<'f, S> {
             functionals,
             model,
             table,
-            p,
+            p: p.to_vec(),
+            sides: Vec::new(),
+            switches: (!model.measured.is_empty()).then(|| Events::new(model)),
             following: true,
             offsets: functionals.iter().map(|functional| functional.over.first_offset()).collect(),
             seen: vec![None; functionals.len()],
@@ -75,7 +81,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
     fn add(&mut self, k: usize, sample: &Sample<S>, weight: S) {
         let Functional { measured, over, .. } = &self.functionals[k];
         let (sums, offset, work) = (&mut self.sums[k], &mut self.offsets[k], &mut self.work);
-        measured.write_values(self.model, sample, self.p, over.points(), work);
+        measured.write_values(self.model, sample, &self.p, over.points(), work);
         if let Some(aggregate) = over.aggregate() {
             if self.following {
                 follow(&mut self.seen[k], sample.t.value(), work.values.iter().map(|[y, _]| y.value()));
@@ -108,13 +114,21 @@ impl<'f, S: RunScalar> Values<'f, S> {
         (0..functionals.len()).filter(move |&k| functionals[k].over.times() == times)
     }
 
+    fn change_sides(&mut self, changes: &[SideChange]) {
+        let Some(events) = self.switches.as_ref().filter(|_| !self.sides.is_empty()) else { return };
+        changes.iter().for_each(|own| self.sides[own.switch] = own.sides[1]);
+        events.write(&self.sides, &mut self.p);
+    }
+
     /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<S>) {
+        self.sides.clone_from(&start.sides);
+        self.change_sides(&[]);
         for k in self.at(Times::Start) {
             let mut sample = Sample::initial(start);
             sample.follow(start.clock);
             if self.functionals[k].reads_multipliers() {
-                sample.share(self.model, self.p);
+                sample.share(self.model, &self.p);
             }
             self.read(k, &sample);
         }
@@ -123,11 +137,14 @@ impl<'f, S: RunScalar> Values<'f, S> {
     /// A finished step.
     pub fn step(&mut self, step: &StepRecord<S>) {
         let clock = step.clock;
+        if !step.switched.is_empty() {
+            self.change_sides(&step.switched);
+        }
         if self.at(Times::End).next().is_some() {
             let last = self.last.get_or_insert_with(Sample::empty);
             last.set_terminal(step);
             last.follow(clock);
-            last.follow_events(step, self.p);
+            last.follow_events(step, &self.p);
         }
         if self.at(Times::Run).next().is_none() {
             return;
@@ -148,7 +165,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sample.set_stage(step, stage);
             sample.follow(clock);
             if self.reading {
-                sample.share(self.model, self.p);
+                sample.share(self.model, &self.p);
             }
             let weight = StageWeight { integral: step.h * integral, aggregate: step.h * aggregate };
             for k in self.at(Times::Run) {
@@ -172,7 +189,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
     pub fn finish(mut self) -> (Vec<S>, Vec<Totals<S>>, Vec<Option<Extremes>>) {
         if let Some(mut last) = self.last.take() {
             if self.reading {
-                last.share(self.model, self.p);
+                last.share(self.model, &self.p);
             }
             for k in self.at(Times::End) {
                 self.read(k, &last);

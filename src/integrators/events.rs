@@ -92,8 +92,10 @@ impl Events {
         let mut events = Events::default();
         let mut known = HashMap::new();
         for own in model.elements.iter().filter(|own| own.physics.sides() > 0) {
-            let of_element: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
-            events.add(model, &mut known, (own, own.physics.residual(), own.physics.sides()), of_element, None);
+            events.add(model, &mut known, (own, own.physics.residual(), own.physics.sides()), OF_ELEMENT, None);
+        }
+        for own in &model.measured {
+            events.add(model, &mut known, (own, &own.physics, own.physics.sides()), OF_ELEMENT, None);
         }
         let equations = |joint: usize| model.constraints[joint].equations.clone();
         events.joints = model.presence.iter().map(|&(joint, is_there)| (joint, equations(joint), is_there)).collect();
@@ -439,7 +441,9 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
 }
 
-/// Lists of the arguments of an event's formulas.
+/// Lists of the arguments of the formulas of elements and functionals.
+const OF_ELEMENT: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
+/// Lists of those of an event's formulas.
 const OF_EVENT: &[fn(usize) -> Place] = &[Place::V, Place::Q];
 
 fn inputs<S: RunScalar>(places: &[Place], moment: &Moment<S>, p: &[S]) -> Vec<S> {

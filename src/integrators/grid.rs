@@ -39,6 +39,19 @@ pub struct TimeGrid {
     pub(super) laid_end: Option<f64>,
 }
 
+/// How an end of a step moves: its shares of the motion of the event before it, and of those of two breakpoints, each with its place among the ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct EndMoves {
+    pub by_event: f64,
+    pub by_breakpoints: [(usize, f64); 2],
+}
+
+impl EndMoves {
+    pub fn is_zero(&self) -> bool {
+        self.by_event == 0.0 && self.by_breakpoints.iter().all(|(_, share)| *share == 0.0)
+    }
+}
+
 /// A stretch longer than a whole number of steps by less than this share of one has that number.
 const WHOLE: f64 = 1e-6;
 
@@ -152,6 +165,27 @@ impl TimeGrid {
         if is_half { 0.5 } else { 1.0 }
     }
 
+    /// How an end of a step moves: in a stretch between breakpoints with both of its ends, behind an event with that and the end of the stretch.
+    pub(crate) fn moves_of(&self, place: usize) -> EndMoves {
+        if self.breakpoints.contains_key(&place) {
+            return EndMoves { by_event: 0.0, by_breakpoints: [(place, 1.0), (0, 0.0)] };
+        }
+        let first = self.breakpoints.range(..place).next_back().map_or(0, |(place, _)| *place);
+        let last = self.breakpoints.range(place..).next().map_or(self.steps(), |(place, _)| *place);
+        if self.events.range(..=place).next_back().is_some_and(|(event, _)| *event > first) {
+            let by_event = if self.events.contains_key(&place) { 1.0 } else { self.share_behind_event(place) };
+            return EndMoves { by_event, by_breakpoints: [(last, 1.0 - by_event), (0, 0.0)] };
+        }
+        let [from, to] = self.ends_of(first, last);
+        let share = (self.times[place] - from) / (to - from);
+        EndMoves { by_event: 0.0, by_breakpoints: [(first, 1.0 - share), (last, share)] }
+    }
+
+    /// The times between which the steps of a stretch are laid.
+    fn ends_of(&self, first: usize, last: usize) -> [f64; 2] {
+        [self.times[first], if last == self.steps() { self.end() } else { self.times[last] }]
+    }
+
     /// Whether an end of a step is that of a stretch between breakpoints.
     pub(super) fn is_fixed(&self, place: usize) -> bool {
         place >= self.steps() || self.breakpoints.contains_key(&place)
@@ -203,8 +237,7 @@ impl TimeGrid {
         let places: Vec<usize> = self.boundaries().collect();
         let stretches = places.windows(2).zip(moves.windows(2));
         let clock = |(places, moves): (&[usize], &[S])| {
-            let times = [self.times[places[0]], self.times[places[1]]];
-            (places[0], Clock::new(times, [moves[0], moves[1]]))
+            (places[0], Clock::new(self.ends_of(places[0], places[1]), [moves[0], moves[1]]))
         };
         Ok(stretches.map(clock).collect())
     }

@@ -52,7 +52,7 @@ impl Method {
     /// A table and a level, with round-off tolerance.
     pub fn new(table: Table, level: ConstraintLevel) -> Self {
         let (tolerance, backend) = (NewtonTolerance::default(), Backend::default());
-        Method { table, level, tolerance, backend, unreduced: false, measures_phases: false, locates: false }
+        Method { table, level, tolerance, backend, unreduced: false, measures_phases: false, locates: true }
     }
 
     /// Whether steps end at switches of elements: not in equilibria, nor where elements add impulses of a step.

@@ -661,6 +661,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         // joints as far as it has come
         let mut present = before.clone();
         let (switch, located) = self.located_number(&mut events, &changes);
+        if !is_made_again {
+            self.add_dependent(&mut events, &mut changes);
+        }
         let (mut happened, mut ends_run) = (Vec::new(), false);
         loop {
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
@@ -781,7 +784,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// The change by which a force lets go behind what has happened, of a joint that is there then.
-    fn released(&mut self, events: &Events, (present, changes): (&[f64], &[SideChange])) -> Result<Option<SideChange>, RunError> {
+    fn released(
+        &mut self,
+        events: &Events,
+        (present, changes): (&[f64], &[SideChange]),
+    ) -> Result<Option<SideChange>, RunError> {
         if !events.has_releases(present) {
             return Ok(None);
         }
@@ -793,6 +800,22 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.last.mu));
         let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
         Ok(events.released((&sides, present), &mu, &real(&self.p), NO_FORCE * most))
+    }
+
+    /// Adds the switches of formulas whose numbers are beyond their sides once others have changed, on which they depend.
+    fn add_dependent(&mut self, events: &mut Events, changes: &mut Vec<SideChange>) {
+        let mut known = 0;
+        while known < changes.len() && !changes.iter().all(|own| events.is_event(own.switch)) {
+            known = changes.len();
+            changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
+            events.write(&self.between.sides, &mut self.p);
+            for (switch, own) in self.excesses_of(events, false).into_iter().enumerate() {
+                let is_known = events.is_event(switch) || changes[..known].iter().any(|own| own.switch == switch);
+                if !is_known && own.by > own.noise(self.record.end) {
+                    changes.push(SideChange { switch, sides: [self.between.sides[switch], own.other] });
+                }
+            }
+        }
     }
 
     /// Number of the switch that ended the step made last, and what is left of its number there, beyond the side to which it changes.

@@ -295,7 +295,9 @@ impl Formula {
     ) -> Result<Arc<Formula>, String> {
         let mut kinds = self.arguments.kinds().to_vec();
         let is_own = |(kind, _): &(ArgumentKind, usize)| matches!(kind, ArgumentKind::Parameter | ArgumentKind::Side);
-        let last = kinds.iter().rposition(is_own).ok_or("it has no parameters of its own")?;
+        let is_measured = |(kind, _): &(ArgumentKind, usize)| *kind == ArgumentKind::MeasureParameter;
+        let last = kinds.iter().rposition(is_own).or_else(|| kinds.iter().rposition(is_measured));
+        let last = last.ok_or("it has no parameters of its own")?;
         let end: usize = kinds[..=last].iter().map(|(_, own)| own).sum();
         match added {
             (kind, count) if kind == kinds[last].0 => kinds[last].1 += count,

@@ -4,12 +4,14 @@ use super::arguments::ArgumentKind::{self, Coordinate, Side, Velocity};
 use super::formula::Formula;
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 impl Formula {
-    /// The formula with the sides of its comparisons and whole numbers as arguments behind the parameters of its part, for those that coordinates or
-    /// velocities decide without accelerations. A side of 0 leaves the decision to the numbers, as in the formula itself. Of a comparison 1 means that
-    /// it holds, -1 that it does not; of the largest whole number n up to a number, n + 1 means n where it is not below zero, and n itself below.
+    /// The formula with the sides of its comparisons, whole numbers, angles and tables with kinks as arguments behind the parameters of its part, for those that
+    /// coordinates or velocities decide without accelerations. A side of 0 leaves the decision to the numbers, as in the formula itself. Of a comparison 1
+    /// means that it holds, -1 that it does not; of the largest whole number n up to a number, n + 1 means n where it is not below zero, and n itself
+    /// below; of a table a side is a place in the piece that counts; of the angle of a point 1 means that it is above zero or pi, and goes on beyond that, -1 that it is below.
     ///
     /// # Errors
     /// A formula that has no parameters of a part.
@@ -19,7 +21,7 @@ impl Formula {
             let [moving, excluded] = [moving, excluded].map(|kinds| formula.arguments().of_kinds(kinds));
             formula.inspect(|graph, outputs| switching(graph, outputs, &moving, &excluded))
         };
-        let count = switching(self).len();
+        let count = switching(self).iter().map(|(_, side)| side + 1).max().unwrap_or(0);
         if count == 0 || self.stages.is_some() {
             return Ok(Arc::clone(self));
         }
@@ -29,12 +31,33 @@ impl Formula {
         let places: Vec<usize> = (0..sides.len()).filter(|&place| sides[place]).collect();
         Ok(widened.derived(|graph, x, outputs| {
             let mut replaced = Vec::new();
-            for (&node, &place) in nodes.iter().zip(&places) {
-                let (zero, side) = (graph.zero(), x[place]);
-                let holds = graph.binary(Binary::Less, zero, side);
+            for &(node, side) in &nodes {
+                let (zero, side) = (graph.zero(), x[places[side]]);
                 let told = match graph.operation(node) {
-                    Operation::Unary(Unary::Floor, _) => graph.sub(side, holds),
-                    _ => holds,
+                    Operation::Unary(Unary::Floor, _) => {
+                        let is_above = graph.binary(Binary::Less, zero, side);
+                        graph.sub(side, is_above)
+                    }
+                    Operation::Curve { curve, order, at } => {
+                        // of degree 1
+                        let at = graph.substitute(&[at], &replaced)[0];
+                        let [value, slope] = [order, order + 1].map(|order| graph.on_own_curve(curve, order, side));
+                        let beside = graph.sub(at, side);
+                        let change = graph.mul(slope, beside);
+                        graph.add(value, change)
+                    }
+                    Operation::Binary(Binary::Atan2, y, x) => {
+                        let numbers = graph.substitute(&[node, y, x], &replaced);
+                        let [own, y, x] = numbers[..] else { unreachable!("as many as were given") };
+                        let (is_left, towards) = (graph.binary(Binary::Less, x, zero), graph.mul(side, y));
+                        let has_passed = graph.binary(Binary::Less, towards, zero);
+                        let turn = graph.constant(TAU);
+                        let turn = graph.mul(turn, side);
+                        let [turn, is_beyond] = [graph.mul(turn, is_left), has_passed];
+                        let turn = graph.mul(turn, is_beyond);
+                        graph.add(own, turn)
+                    }
+                    _ => graph.binary(Binary::Less, zero, side),
                 };
                 // what decides it may have sides itself
                 let own = graph.substitute(&[node], &replaced)[0];
@@ -73,8 +96,9 @@ impl Formula {
     }
 }
 
-/// Comparisons and whole numbers that results depend on and that read `moving` arguments, and none that is excluded.
-fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]) -> Vec<Node> {
+/// Comparisons, whole numbers, angles and tables with kinks that results depend on and that read `moving` arguments, and none that is excluded; each with the
+/// number of its side, which tables of one number with the same knots share.
+fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]) -> Vec<(Node, usize)> {
     let needed = graph.needed(outputs);
     let operations = &graph.operations()[..needed.len()];
     let depending = |arguments: &[bool]| {
@@ -83,11 +107,20 @@ fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]
         graph.depending_on(operations.iter().map(is_among).collect(), &needed)
     };
     let (moves, is_excluded) = (depending(moving), depending(excluded));
-    let decides = |place: &usize| {
-        needed[*place]
-            && moves[*place]
-            && !is_excluded[*place]
-            && matches!(operations[*place], Operation::Binary(Binary::Less, ..) | Operation::Unary(Unary::Floor, _))
-    };
-    (0..operations.len()).filter(decides).map(|place| Node(place as u32)).collect()
+    let (mut all, mut tables, mut sides) = (Vec::new(), Vec::<((&[f64], Node), usize)>::new(), 0);
+    for place in (0..operations.len()).filter(|&place| needed[place] && moves[place] && !is_excluded[place]) {
+        let known = match operations[place] {
+            Operation::Curve { curve, at, .. } if graph.curves()[curve as usize].has_kinks() => {
+                let knots = graph.curves()[curve as usize].knots();
+                let own = tables.iter().find(|own| own.0 == (knots, at)).map(|own| own.1);
+                tables.extend(own.is_none().then_some(((knots, at), sides)));
+                own
+            }
+            Operation::Binary(Binary::Less | Binary::Atan2, ..) | Operation::Unary(Unary::Floor, _) => None,
+            _ => continue,
+        };
+        all.push((Node(place as u32), known.unwrap_or(sides)));
+        sides += usize::from(known.is_none());
+    }
+    all
 }

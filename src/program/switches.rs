@@ -158,6 +158,7 @@ impl<'g> Conditions<'g> {
         if reads == Reads::Located {
             // in the order of their sides
             meant.sort_by_key(|&place| self.located[place]);
+            meant.dedup_by_key(|place| self.located[*place]);
         }
         let own = self;
         for place in meant {
@@ -497,6 +498,9 @@ impl Side {
     fn told_by(&self, own: &[f64]) -> f64 {
         match self {
             Side::Whole => coded(own[0].floor()),
+            Side::Piece(curve) => curve.within(curve.piece(own[0])),
+            Side::Angle if own[0] < 0.0 => -1.0,
+            Side::Angle => 1.0,
             _ if own[0] < own[1] => 1.0,
             _ => -1.0,
         }
@@ -512,6 +516,26 @@ impl Side {
                     true => Excess { by: number - (whole + 1.0), rate, terms, size: 0.0, other: coded(whole + 1.0) },
                     false => Excess { by: whole - number, rate: -rate, terms, size: 0.0, other: coded(whole - 1.0) },
                 }
+            }
+            Side::Piece(curve) => {
+                let (piece, knots) = (curve.piece(told), curve.knots());
+                let before = piece.checked_sub(1).map(|before| (knots[before] - number, -rate, knots[before], before));
+                let behind = knots.get(piece).map(|&knot| (number - knot, rate, knot, piece + 1));
+                let ends = before.into_iter().chain(behind);
+                let Some((by, rate, knot, other)) = ends.max_by(|one, other| one.0.total_cmp(&other.0)) else {
+                    unreachable!("a table has knots")
+                };
+                Excess { by, rate, terms: number.abs() + knot.abs(), size: 0.0, other: curve.within(other) }
+            }
+            Side::Angle => {
+                // it leaps where x and y both point away from the side: y across zero, or x where y has changed before
+                let (beyond, terms) = ([-told * own[0], -own[1]], own[0].abs() + own[1].abs());
+                let (by, rate) = if beyond[0] < beyond[1] { (beyond[0], -told * rates[0]) } else { (beyond[1], -rates[1]) };
+                Excess { by, rate, terms, size: 0.0, other: -told }
+            }
+            // a limit at infinity
+            _ if number.is_infinite() => {
+                Excess { by: told.signum() * number, rate: 0.0, terms: 0.0, size: 0.0, other: -told }
             }
             _ => {
                 let sign = told.signum();
@@ -574,7 +598,11 @@ impl Switches {
         let mut all = self.sides();
         let (side, own) = all.nth(place).unwrap_or_else(|| unreachable!("a switch of this formula"));
         let own = &numbers[own];
-        if *side == Side::Order { own[0] - own[1] } else { own[0] }
+        match side {
+            Side::Order => own[0] - own[1],
+            Side::Angle if own[1].value().abs() < own[0].value().abs() => own[1],
+            _ => own[0],
+        }
     }
 
     /// Numbers that tell the sides at some arguments.

@@ -1,5 +1,6 @@
 //! What the tables of a formula are read at.
 
+use super::arguments::ArgumentKind;
 use super::formula::Formula;
 use super::graph::Graph;
 use super::operation::{Node, Operation};
@@ -15,8 +16,8 @@ impl Formula {
     ///
     /// A table of time that stays constant beyond an end has none there: that is how loads are switched on and off.
     pub fn table_arguments(&self) -> Option<(Vec<TableRange>, Arc<Program>)> {
-        let is_time = self.arguments().of_time();
-        let found = self.inspect(|graph, outputs| arguments(graph, outputs, &is_time));
+        let [is_time, is_side] = [self.arguments().of_time(), self.arguments().of_kinds(&[ArgumentKind::Side])];
+        let found = self.inspect(|graph, outputs| arguments(graph, outputs, [&is_time, &is_side]));
         if found.is_empty() {
             return None;
         }
@@ -25,14 +26,18 @@ impl Formula {
     }
 }
 
-fn arguments(graph: &Graph, outputs: &[Node], is_time: &[bool]) -> Vec<(Node, TableRange)> {
+fn arguments(graph: &Graph, outputs: &[Node], [is_time, is_side]: [&[bool]; 2]) -> Vec<(Node, TableRange)> {
     let (needed, mut found) = (graph.needed(outputs), Vec::<(Node, [f64; 2], TableRange)>::new());
     for (_, &operation) in graph.operations().iter().enumerate().filter(|(place, _)| needed.get(*place) == Some(&true)) {
         let Operation::Curve { curve, at, .. } = operation else { continue };
         let curve = &graph.curves()[curve as usize];
         let (Some(&first), Some(&last)) = (curve.knots().first(), curve.knots().last()) else { continue };
         let at = unclamped(graph, at, [first, last]);
-        let is_time = matches!(graph.operation(at), Operation::Input(index) if is_time.get(index as usize) == Some(&true));
+        let is = |kind: &[bool]| matches!(graph.operation(at), Operation::Input(index) if kind.get(index as usize) == Some(&true));
+        if is(is_side) {
+            continue;
+        }
+        let is_time = is(is_time);
         let [goes_on_before, goes_on_behind] = curve.slopes_beyond().map(|slope| !is_time || slope != 0.0);
         let range =
             [if goes_on_before { first } else { f64::NEG_INFINITY }, if goes_on_behind { last } else { f64::INFINITY }];

@@ -39,18 +39,19 @@ pub(crate) use solid_bodies::DrawnSolid;
 pub use surface_mesh::SurfaceMesh;
 pub use thin_walls::{Extrusion, Profile, ThinWalls};
 
-use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
+use crate::assembly::{Attached, ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};
 use crate::elements::bodies::inertia_tensor::{self, Inadmissible};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::entries::{Given, Placed};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
-use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
+use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over, Times};
 use crate::integrators::Table;
 use crate::program::Recorded;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 use weights::Heavy;
 
 /// A line of the picture of the motion, through points that move with nodes.
@@ -513,10 +514,20 @@ impl<S: Scalar> MechanismBuilder<S> {
         if !self.check_parameters(name, quantity.parameter_list().len(), p.len()) || have != wanted {
             return;
         }
-        let parameters = self.add_numbers(p);
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
-        let multipliers = constraints.iter().map(|id: &ConstraintId| self.model.constraints[id.0].equations.len()).sum();
-        let (unit, quantity) = (quantity.unit(), MeasuredQuantity::new(quantity, multipliers));
+        let equations = |id: &ConstraintId| self.model.constraints[id.0].equations.clone();
+        let multipliers = constraints.iter().map(|id| equations(id).len()).sum();
+        let (unit, mut quantity) = (quantity.unit(), MeasuredQuantity::new(quantity, multipliers));
+        let mu = constraints.first().map_or(0..0, equations);
+        if over.times() == Times::Run && constraints.len() <= 1 {
+            quantity = quantity.with_sides();
+        }
+        let sides = quantity.sides();
+        let parameters = self.add_numbers(&[p, &vec![S::zero(); sides]].concat());
+        if sides > 0 {
+            let (nodes, parameters, physics) = (nodes.clone(), parameters.clone(), Arc::clone(quantity.formula()));
+            self.model.measured.push(Attached { name: name.into(), nodes, parameters, equations: mu, physics });
+        }
         let measured = Measured::Local { nodes, constraints, parameters, quantity };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }

@@ -40,7 +40,7 @@ impl Settings {
             steps,
             control: None,
             divide: false,
-            locate: false,
+            locate: true,
             policy: ConstraintPolicy::default(),
             method: None,
             level: ConstraintLevel::default(),

@@ -14,8 +14,8 @@ use crate::functionals::{
 };
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError, SideChange,
-    SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
+    Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError,
+    SideChange, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
 use crate::program::Formula;
 use smallvec::SmallVec;
@@ -28,6 +28,8 @@ use std::time::{Duration, Instant};
 pub struct AdjointRun {
     /// df/dp, df/dq0, df/dv0 for each functional.
     pub gradients: Vec<ModelNumbers<f64>>,
+    /// df/dt of the breakpoints that move, for each functional.
+    pub by_breakpoints: Vec<Vec<f64>>,
     pub counters: Counters,
 }
 
@@ -52,13 +54,14 @@ fn distribute(
 }
 
 /// Discrete adjoint of a recorded run for several functionals at once; `totals` are their sums in that run, `active` says of which
-/// parameters derivatives are asked for (others get what functionals themselves make of them).
+/// parameters derivatives are asked for (others get what functionals themselves make of them), `moving` are the places of breakpoints that move.
 pub fn adjoint(
     rerun: &Rerun,
     history: &dyn History,
     functionals: &[&Functional],
     totals: &[Totals<f64>],
     active: &[bool],
+    moving: &[usize],
 ) -> Result<AdjointRun, RunError> {
     let method = rerun.method;
     let mut sweep = Sweep {
@@ -74,6 +77,7 @@ pub fn adjoint(
             .map(|(functional, totals)| FunctionalGradient::new(functional, rerun.problem.model, totals, active))
             .collect(),
         active,
+        moving,
         system: rerun.system().clone(),
         counters: Counters::default(),
         stages: Vec::new(),
@@ -99,6 +103,7 @@ struct Sweep<'m> {
     method: &'m Method,
     functionals: Vec<FunctionalGradient<'m>>,
     active: &'m [bool],
+    moving: &'m [usize],
     system: Arc<System<'m>>,
     counters: Counters,
     /// Workspace of a step: adjoints of the solutions of each stage and of a projection, and of what functionals read at a stage, for one
@@ -123,6 +128,7 @@ impl<'m> Sweep<'m> {
         let zero = || Backward {
             carried: self.method.table.carried.iter().map(|_| zeros()).collect(),
             mu: vec![0.0; multipliers],
+            by_breakpoints: vec![0.0; self.moving.len()],
             ..Backward::of_parameters(model.parameters)
         };
         let mut back: Vec<Backward> = self.functionals.iter().map(|_| zero()).collect();
@@ -167,14 +173,14 @@ impl<'m> Sweep<'m> {
         if let (Some(record), Some(plan)) = (&start.equilibrium, &rerun.plan.equilibrium) {
             self.equilibrium(record, plan, &mut back)?;
         }
-        let gradients = back
+        let (gradients, by_breakpoints) = back
             .into_iter()
             .map(|mut back| {
                 let v = std::mem::take(&mut back.carried[1]);
-                ModelNumbers { p: back.p, q: std::mem::take(&mut back.carried[0]), v }
+                (ModelNumbers { p: back.p, q: std::mem::take(&mut back.carried[0]), v }, back.by_breakpoints)
             })
-            .collect();
-        Ok(AdjointRun { gradients, counters: self.counters })
+            .unzip();
+        Ok(AdjointRun { gradients, by_breakpoints, counters: self.counters })
     }
 
     /// Back through the equilibrium at which a motion begins.
@@ -216,7 +222,7 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut place = StepPlace::last(rerun.grid);
+        let mut place = StepPlace::last(rerun.grid, self.moving);
         while let Some(step) = steps.next()? {
             self.select(&step.dropped, solvers, None)?;
             self.step(step, &place, &weights.back_through(step), back, solvers)?;
@@ -237,7 +243,7 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut steps = history.read(rerun, Direction::Backward)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut place = StepPlace::last(rerun.grid);
+        let mut place = StepPlace::last(rerun.grid, self.moving);
         let mut p = self.p.clone();
         // whether this thread factored the systems of a step; it takes the first of two pieces of work
         let mut is_mine = true;
@@ -283,7 +289,7 @@ impl<'m> Sweep<'m> {
         if !step.switched.is_empty() {
             self.change_back(&step.switched);
         }
-        StepPlace::of(place.index.saturating_sub(1), step.switched.clone(), grid)
+        StepPlace::of(place.index.saturating_sub(1), step.switched.clone(), (grid, self.moving))
     }
 
     /// Goes over to the sides before they changed.
@@ -387,15 +393,12 @@ impl<'m> Sweep<'m> {
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let (ends, [of_start, of_end]) = (place.events_end.first(), place.shares);
+        let (ends, moves) = (place.events_end.first(), &place.moves);
         // terms of which the rate of the number of an event is the sum
         let mut speed = 0.0;
-        let is_moved_alone = ends.is_none() && of_start == of_end;
-        if is_moved_alone && (of_start == 0.0 || !self.reads_time) {
-            back.iter_mut().for_each(|back| {
-                back.span = None;
-                back.by_event *= of_start;
-            });
+        let is_moved_alone = ends.is_none() && moves[0] == moves[1];
+        if is_moved_alone && (moves[0].is_zero() || !self.reads_time) {
+            back.iter_mut().for_each(|back| back.span = None);
             return self.step_through(step, place, weights, back, solvers);
         }
         for back in &mut *back {
@@ -463,7 +466,7 @@ impl<'m> Sweep<'m> {
             let lists = [&mut event.mu, &mut event.p].into_iter().chain(&mut event.carried);
             lists.for_each(|own| own.fill(0.0));
         }
-        back.iter_mut().for_each(|back| back.by_event += of_start * back.moves[0] + of_end * back.moves[1]);
+        back.iter_mut().for_each(|back| back.move_ends(moves));
         Ok(())
     }
 
@@ -758,25 +761,29 @@ struct StepPlace {
     is_before_another: bool,
     /// Sides that change at its end, the one first whose number ended it.
     events_end: Vec<SideChange>,
-    /// Shares with which its start and its end move with the event before it.
-    shares: [f64; 2],
+    /// How its start and its end move, the latter where no event is; breakpoints are numbered among those that move.
+    moves: [EndMoves; 2],
 }
 
 impl StepPlace {
-    fn last(grid: &TimeGrid) -> Self {
+    fn last(grid: &TimeGrid, moving: &[usize]) -> Self {
         let ends = grid.events.get(&grid.steps()).cloned();
-        Self::of(grid.steps().saturating_sub(1), ends.unwrap_or_default(), grid)
+        Self::of(grid.steps().saturating_sub(1), ends.unwrap_or_default(), (grid, moving))
     }
 
-    fn of(index: usize, events_end: Vec<SideChange>, grid: &TimeGrid) -> Self {
+    fn of(index: usize, events_end: Vec<SideChange>, (grid, moving): (&TimeGrid, &[usize])) -> Self {
         let is_before_another = index + 1 < grid.steps();
-        let mut shares = [0.0; 2];
-        if grid.is_behind_event(index) {
-            let is_event = grid.events.contains_key(&index);
-            shares[0] = if is_event { 1.0 } else { grid.share_behind_event(index) };
-            shares[1] = if events_end.is_empty() { grid.share_behind_event(index + 1) } else { 0.0 };
+        let mut moves = [EndMoves::default(); 2];
+        if !(moving.is_empty() && grid.events.is_empty()) {
+            moves = [index, index + 1].map(|place| grid.moves_of(place));
+            for (place, share) in moves.iter_mut().flat_map(|own| &mut own.by_breakpoints) {
+                (*place, *share) = moving.binary_search(place).map_or((0, 0.0), |number| (number, *share));
+            }
+            if !events_end.is_empty() {
+                moves[1] = EndMoves::default();
+            }
         }
-        StepPlace { index, is_before_another, events_end, shares }
+        StepPlace { index, is_before_another, events_end, moves }
     }
 }
 

@@ -349,10 +349,12 @@ impl<'m> Analysis<'m> {
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();
-        let mut run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
-        let (breakpoints, moved) = self.by_moving_steps(forward, &chain, &active)?;
-        for (&k, bar) in places.iter().zip(&mut run.gradients) {
-            moved.get(k).into_iter().for_each(|rates| breakpoints.add_transposed(rates, &mut bar.p));
+        let breakpoints = self.breakpoints(&forward.numbers)?;
+        let moving = self.moving_breakpoints(&breakpoints, &forward.grid, &chain, &active)?;
+        let (ends, numbers): (Vec<usize>, Vec<usize>) = moving.into_iter().unzip();
+        let mut run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active, &ends)?;
+        for (rates, bar) in run.by_breakpoints.iter().zip(&mut run.gradients) {
+            breakpoints.add_transposed(numbers.iter().copied().zip(rates.iter().copied()), &mut bar.p);
         }
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
         let mut by_parameters = vec![Vec::new(); self.functionals.len()];

@@ -53,10 +53,10 @@ impl Breakpoints {
         self.0.iter().map(|own| own.at.gradient.iter().map(part).fold(S::zero(), |sum, part| sum + part)).collect()
     }
 
-    /// Adds the gradient of the sum of all of them times their weights to that of the parameters.
-    pub fn add_transposed(&self, weights: &[f64], p_bar: &mut [f64]) {
-        for (own, weight) in self.0.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-            own.at.gradient.iter().for_each(|(place, rate)| p_bar[*place] += weight * rate);
+    /// Adds the gradient of the sum of some of them, by their numbers, times their weights to that of the parameters.
+    pub fn add_transposed(&self, weights: impl IntoIterator<Item = (usize, f64)>, p_bar: &mut [f64]) {
+        for (number, weight) in weights {
+            self.0[number].at.gradient.iter().for_each(|(place, rate)| p_bar[*place] += weight * rate);
         }
     }
 }

@@ -6,7 +6,6 @@ use crate::design::{DesignChain, ModelNumbers, shortest};
 use crate::elements::RunScalar;
 use crate::integrators::{Clocks, RunError, TimeGrid, moved_apart};
 use crate::program::SwitchKind;
-use crate::scalar::{TANGENTS, Tangents};
 use std::collections::HashSet;
 
 impl Analysis<'_> {
@@ -24,44 +23,25 @@ impl Analysis<'_> {
         forward.grid.clocks(&parts).map_err(RunError::Input)
     }
 
-    /// The breakpoints of a run, and the derivatives of each functional by those that depend on an active parameter while parameters stay, by a tangent
-    /// run for eight of them; no lists if none does. Of breakpoints that coincide the first one stands for all.
-    pub(super) fn by_moving_steps(
+    /// The breakpoints of a run that depend on an active parameter, each with its place among the ends of steps and its number: of those that coincide
+    /// the first one stands for all.
+    pub(super) fn moving_breakpoints(
         &self,
-        forward: &Forward,
+        map: &Breakpoints,
+        grid: &TimeGrid,
         chain: &DesignChain,
         active: &[bool],
-    ) -> Result<(Breakpoints, Vec<Vec<f64>>), RunError> {
-        let map = self.breakpoints(&forward.numbers)?;
-        refuse_moved_ends(&map, &forward.grid, active)?;
+    ) -> Result<Vec<(usize, usize)>, RunError> {
+        refuse_moved_ends(map, grid, active)?;
         let reads = |numbers: &[usize]| numbers.iter().any(|&number| map.all()[number].reads(active));
-        let moving: Vec<(&usize, &Vec<usize>)> =
-            forward.grid.breakpoints.iter().filter(|(_, numbers)| reads(numbers)).collect();
-        if moving.is_empty() {
-            return Ok((map, Vec::new()));
-        }
-        for &(&index, numbers) in &moving {
-            if numbers[1..].iter().any(|&other| !move_together(&map, chain, [numbers[0], other])) {
-                return Err(RunError::Input(moved_apart(forward.grid.times[index])));
+        let moving = grid.breakpoints.iter().filter(|(_, numbers)| reads(numbers));
+        let placed = moving.map(|(&place, numbers)| {
+            match numbers[1..].iter().any(|&other| !move_together(map, chain, [numbers[0], other])) {
+                true => Err(RunError::Input(moved_apart(grid.times[place]))),
+                false => Ok((place, numbers[0])),
             }
-        }
-        let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect();
-        let ModelNumbers { p, q, v } = &forward.numbers;
-        let numbers = ModelNumbers { p: lift(p), q: lift(q), v: lift(v) };
-        let count = map.all().len();
-        let mut rates = vec![vec![0.0; count]; self.functionals.len()];
-        for chunk in moving.chunks(TANGENTS) {
-            let mut parts = vec![Tangents::from(0.0); count];
-            for (lane, (_, numbers)) in chunk.iter().enumerate() {
-                numbers.iter().for_each(|&number| parts[number].add_to_part(lane, 1.0));
-            }
-            let clocks = forward.grid.clocks(&parts).map_err(RunError::Input)?;
-            let (values, _) = self.values_along(&numbers, &clocks, forward)?;
-            for (rates, value) in rates.iter_mut().zip(values) {
-                chunk.iter().enumerate().for_each(|(lane, (_, numbers))| rates[numbers[0]] = value.part(lane));
-            }
-        }
-        Ok((map, rates))
+        });
+        placed.collect()
     }
 }
 
@@ -84,9 +64,7 @@ fn move_together(map: &Breakpoints, chain: &DesignChain, pair: [usize; 2]) -> bo
     let ModelNumbers { p, q, v } = chain.real();
     let gradient = |weights: [f64; 2]| {
         let mut bar = ModelNumbers { p: vec![0.0; p.len()], q: vec![0.0; q.len()], v: vec![0.0; v.len()] };
-        let mut all = vec![0.0; map.all().len()];
-        pair.iter().zip(weights).for_each(|(&number, weight)| all[number] = weight);
-        map.add_transposed(&all, &mut bar.p);
+        map.add_transposed(pair.into_iter().zip(weights), &mut bar.p);
         chain.gradient(&bar).into_iter().fold(0.0, |size: f64, rate| size.max(rate.abs()))
     };
     gradient([1.0, -1.0]) <= crate::tolerances::SAME_DERIVATIVE * gradient([1.0, 0.0])

@@ -6,7 +6,7 @@ use crate::assembly::{
 };
 use crate::design::shortest;
 use crate::elements::RunScalar;
-use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord, kind};
+use crate::integrators::{Counters, EndMoves, Method, Phase, RunError, SolveRecord, kind};
 use crate::linalg::{Factorization, SMALL_FILL, Singular, SolverPlan, TransposedSolution};
 use crate::scalar::Tangents;
 use smallvec::SmallVec;
@@ -41,6 +41,8 @@ pub(super) struct Backward {
     pub moves: [f64; 2],
     /// The same by the time of the event before the step, of all steps that move with it.
     pub by_event: f64,
+    /// The same by the times of the breakpoints that move.
+    pub by_breakpoints: Vec<f64>,
     /// Whether its adjoint variables of motions are corrected: see [`TransposedSolver::refine`].
     pub refining: Trial,
 }
@@ -55,6 +57,16 @@ const NEGLIGIBLE: f64 = 1e-250;
 impl Backward {
     pub fn of_parameters(parameters: usize) -> Self {
         Backward { p: vec![0.0; parameters], ..Backward::default() }
+    }
+
+    /// Gives what is known by the ends of a step to what they move with.
+    pub fn move_ends(&mut self, moves: &[EndMoves; 2]) {
+        for (own, by_end) in moves.iter().zip(self.moves) {
+            self.by_event += own.by_event * by_end;
+            for (number, share) in own.by_breakpoints.into_iter().filter(|(_, share)| *share != 0.0) {
+                self.by_breakpoints[number] += share * by_end;
+            }
+        }
     }
 
     pub fn drop_negligible(&mut self) {

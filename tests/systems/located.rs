@@ -9,7 +9,7 @@ use costate::sensitivity::{Analysis, Forward};
 
 const BUFFERS: &str = r#"
 version = 1
-settings = { end = 1.0, steps = 200, locate = true }
+settings = { end = 1.0, steps = 200 }
 variable.m = { initial = 1, bounds = [0.1, 10], unit = "kg" }
 variable.k = { initial = 400, bounds = [1, 1e5], unit = "N/m" }
 variable.d = { initial = 0.05, bounds = [0, 1], unit = "m" }
@@ -28,7 +28,7 @@ fn by_adjoint(scene: &FileScene, table: &Table, steps: usize) -> (Vec<f64>, Forw
     let mut settings = AnyScene::settings(scene).without_method();
     settings.steps = steps;
     let x: Vec<f64> = AnyScene::variables(scene).iter().map(|variable| variable.initial).collect();
-    let method = Method { locates: true, ..Method::new(table.clone(), settings.level) };
+    let method = Method::new(table.clone(), settings.level);
     let prepared = Prepared::with(scene, &x, method, settings).expect(&place);
     let forward = prepared.analysis().forward(&x).unwrap_or_else(|why| panic!("{place}: {why}"));
     let rows = prepared.analysis().adjoint(&x, &forward).unwrap_or_else(|why| panic!("{place}: {why}")).rows;
@@ -82,12 +82,13 @@ fn between_two_buffers_values_and_gradients_keep_the_order_of_the_method() {
 #[test]
 fn adjoint_tangent_complex_step_and_quotients_agree_by_every_method() {
     let methods = tables().into_iter().filter(|own| !own.is_static() && own.variational.is_none());
-    let cases = methods.map(|own| (BUFFERS, own)).chain([PENDULUM, RELEASE].map(|text| (text, table("esdirk4"))));
+    let cases =
+        methods.map(|own| (BUFFERS, own)).chain([PENDULUM, RELEASE, TABLES, ANGLES].map(|text| (text, table("esdirk4"))));
     for (text, table) in cases {
         let scene = parsed(text);
         let settings = AnyScene::settings(&scene).without_method();
         let x: Vec<f64> = AnyScene::variables(&scene).iter().map(|variable| variable.initial).collect();
-        let method = Method { locates: true, ..Method::new(table, settings.level) };
+        let method = Method::new(table, settings.level);
         let prepared = Prepared::with(&scene, &x, method, settings).expect("it is sound");
         let analysis = prepared.analysis();
         let forward = analysis.forward(&x).expect("it runs");
@@ -115,13 +116,67 @@ version = 1
 gravity = [0, 0, -9.81]
 variable.stop = { initial = 500, bounds = [10, 1e5], unit = "N m/rad" }
 variable.damper = { initial = 4, bounds = [0, 1e5], unit = "N m s/rad" }
-settings = { end = 1.5, steps = 300, locate = true }
+settings = { end = 1.5, steps = 300 }
 body = [{ name = "rod", position = [0, 0, -0.5], mass = 2.0, inertia = [0.2, 0.2, 0.002], angular_velocity = [0, 6, 0], velocity = [-3, 0, 0] }]
 joint = [{ name = "pin", type = "revolute", between = ["ground", "rod"], point = [0, 0, 0], axis = [0, 1, 0] }]
 spring = [{ name = "stops", type = "torsion_law", between = ["ground", "rod"], axis = [0, 1, 0], moment = "if_less(s, -1, stop * (s + 1) + damper * v, if_less(1, s, stop * (s - 1) + damper * v, 0))" }]
 functional = [
     { name = "angle", type = "joint_angle", between = ["ground", "rod"], axis = [0, 1, 0], over = "terminal" },
     { name = "mean square", type = "formula", nodes = { rod = "rod" }, value = "rod.velocity.x^2", unit = "m2/s2", over = "integral" },
+]
+"#;
+
+/// A mass between tables: of lines, with and without variables, and of steps, of the place and of the rate.
+const TABLES: &str = r#"
+version = 1
+variable.k = { initial = 50, bounds = [1, 1e3], unit = "N/m" }
+variable.start = { initial = 0.4, bounds = [-3, 3], unit = "m" }
+settings = { end = 3, steps = 400 }
+coordinate = [{ name = "x", initial = "start", rate = 1.5 }]
+[[element]]
+name = "mass"
+nodes = { x = "x" }
+kinetic = "0.5 * x.rate^2"
+[[element]]
+name = "springs"
+nodes = { x = "x" }
+table.spring = { points = [-1, 0, 0.2, 1], values = ["-2 * k", "-0.1 * k", "0.1 * k", "k"], interpolation = "lines" }
+table.damper = { points = [-10, -0.5, 0.5, 10], values = [-8, -1, 1, 3], interpolation = "lines" }
+table.steps = { points = [-1, 0.3, 2], values = [0, 0, 1], interpolation = "steps" }
+force = { x = "-spring(x.value) - damper(x.rate) - k * steps(x.value)" }
+[[functional]]
+name = "x"
+type = "formula"
+nodes = { x = "x" }
+value = "x.value"
+unit = "m"
+over = "terminal"
+[[functional]]
+name = "square"
+type = "formula"
+nodes = { x = "x" }
+value = "x.rate^2"
+unit = "m2/s2"
+over = "integral"
+"#;
+
+/// Springs of an angle that leaps at pi, and of an angle to the nearest turn, whose whole turns leap with it.
+const ANGLES: &str = r#"
+version = 1
+variable.k = { initial = 9, bounds = [1, 1e3], unit = "N m/rad" }
+variable.start = { initial = -0.5, bounds = [-3, 3], unit = "rad" }
+settings = { end = 2, steps = 200 }
+coordinate = [{ name = "x", initial = "start", rate = 12 }, { name = "y", initial = "start", rate = 9 }]
+element = [
+    { name = "masses", nodes = { x = "x", y = "y" }, kinetic = "0.5 * x.rate^2 + 0.5 * y.rate^2" },
+    { name = "spring", nodes = { x = "x" }, force = { x = "-k * atan2(sin(x.value), cos(x.value))" } },
+    { name = "nearest", nodes = { y = "y" }, define = { a = "atan2(sin(y.value), cos(y.value)) - 1" }, force = { y = "-k * (a - floor(a / 6.283185307179586 + 0.5) * 6.283185307179586)" } },
+]
+functional = [
+    { name = "x", type = "formula", nodes = { x = "x" }, value = "x.value", unit = "rad", over = "terminal" },
+    { name = "y", type = "formula", nodes = { y = "y" }, value = "y.value", unit = "rad", over = "terminal" },
+    { name = "angle", type = "formula", nodes = { y = "y" }, value = "atan2(sin(y.value), cos(y.value))", unit = "rad", over = "integral" },
+    { name = "beyond", type = "formula", nodes = { x = "x" }, value = "if_less(x.rate, 11, x.value, 0)", unit = "-", over = "integral" },
 ]
 "#;
 
@@ -132,7 +187,7 @@ gravity = [0, 0, -9.81]
 variable.L = { initial = 1.5, bounds = [0.1, 10], unit = "m" }
 variable.start = { initial = -1.2, bounds = [-3, 0], unit = "rad" }
 variable.release = { initial = 0.7, bounds = [0, 3], unit = "rad" }
-settings = { end = 1.7, steps = 400, locate = true }
+settings = { end = 1.7, steps = 400 }
 point = [{ name = "mass", position = ["L * sin(start)", 0, "-L * cos(start)"], mass = 1 }]
 [[element]]
 name = "rod"
@@ -154,7 +209,7 @@ fn an_elastic_impact_by_the_law_of_hertz_returns_the_velocity() {
     let scene = parsed(
         r#"
 version = 1
-settings = { end = 0.02, tolerance = 1e-11, locate = true }
+settings = { end = 0.02, tolerance = 1e-11 }
 variable.m = { initial = 0.5, bounds = [0.1, 10], unit = "kg" }
 variable.K = { initial = 1e6, bounds = [1e3, 1e9], unit = "N/m1.5" }
 variable.v = { initial = 2, bounds = [0.1, 10], unit = "m/s" }
@@ -230,7 +285,7 @@ fn a_motion_along_a_switch_is_an_error_that_names_the_part() {
     let scene = parsed(
         r#"
 version = 1
-settings = { end = 1.0, steps = 100, locate = true }
+settings = { end = 1.0, steps = 100 }
 coordinate = [{ name = "x", rate = 1 }]
 element = [
     { name = "mass", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2" },
@@ -252,7 +307,7 @@ fn a_thin_wall_is_left_on_the_other_side() {
 version = 1
 variable.push = { initial = 1e3, bounds = [0, 1e4], unit = "N" }
 variable.half = { initial = 0.001, bounds = [0, 0.1], unit = "m" }
-settings = { end = 2.0, tolerance = 1e-6, locate = true }
+settings = { end = 2.0, tolerance = 1e-6 }
 point = [{ name = "ball", position = [0, 0, 3], velocity = [0, 0, -4], mass = 1 }]
 element = [{ name = "wall", nodes = { b = "ball" }, force = { b = "[0, 0, if_less(abs(b.position.z), half, push, 0)]" } }]
 functional = [{ name = "height", type = "position", on = "ball", direction = [0, 0, 1], over = "terminal" }]
@@ -272,5 +327,46 @@ functional = [{ name = "height", type = "position", on = "ball", direction = [0,
     let row = &prepared.analysis().adjoint(&[push, half], &forward).expect("it has one").rows[0];
     for (own, exact) in row.iter().zip(exact) {
         assert_near(*own, exact, 1e-9 * exact.abs());
+    }
+}
+
+/// What functionals measure may leap: time spent below a place, and an angle that passes pi, of x = x_0 + v t.
+#[test]
+fn functionals_that_leap_are_exact() {
+    use std::f64::consts::{PI, TAU};
+    let scene = parsed(
+        r#"
+version = 1
+variable.start = { initial = 2.5, bounds = [0, 3], unit = "rad" }
+variable.rate = { initial = 3, bounds = [0, 10], unit = "rad/s" }
+settings = { end = 1, steps = 7 }
+coordinate = [{ name = "x", initial = "start", rate = "rate" }]
+element = [{ name = "mass", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2" }]
+functional = [
+    { name = "time below 4", type = "formula", nodes = { x = "x" }, value = "if_less(x.value, 4, 1, 0)", unit = "-", over = "integral" },
+    { name = "angle", type = "formula", nodes = { x = "x" }, value = "atan2(sin(x.value), cos(x.value))", unit = "rad", over = "integral" },
+    { name = "size", type = "formula", nodes = { x = "x" }, value = "abs(x.value - 3)", unit = "rad", over = "integral" },
+]
+"#,
+    );
+    let [x, v] = [2.5, 3.0];
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let forward = prepared.analysis().forward(&[x, v]).expect("it runs");
+    assert!(forward.crossings.is_empty(), "{:?}", forward.crossings);
+    let rows = prepared.analysis().adjoint(&[x, v], &forward).expect("it has a gradient").rows;
+    let half = (PI - x) / v;
+    let exact = [
+        ((4.0 - x) / v, [-1.0 / v, -(4.0 - x) / (v * v)]),
+        (x + 0.5 * v - TAU * (1.0 - half), [1.0 - TAU / v, 0.5 - TAU * half / v]),
+        {
+            let [before, behind] = [3.0 - x, x + v - 3.0];
+            let by_start = [-before / v, behind / v];
+            let by_rate = [-0.5 * before * before / (v * v), behind / v - 0.5 * behind * behind / (v * v)];
+            (0.5 * (before * before + behind * behind) / v, [by_start[0] + by_start[1], by_rate[0] + by_rate[1]])
+        },
+    ];
+    for ((own, row), (value, by)) in forward.values.iter().zip(&rows).zip(exact) {
+        assert_near(*own, value, 1e-13);
+        row.iter().zip(by).for_each(|(own, exact)| assert_near(*own, exact, 1e-12));
     }
 }

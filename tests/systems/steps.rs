@@ -95,7 +95,9 @@ fn named(name: &str) -> Table {
 
 fn prepared<'s>(scene: &'s dyn AnyScene, table: &str, settings: Settings) -> Result<Prepared<'s>, RunError> {
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    Prepared::with(scene, &x, Method::new(named(table), ConstraintLevel::Acceleration), settings)
+    // its jumps and walls are those of steps that do not know of them
+    let method = Method { locates: false, ..Method::new(named(table), ConstraintLevel::Acceleration) };
+    Prepared::with(scene, &x, method, settings)
 }
 
 fn chosen(scene: &Swinging, table: &str, control: StepControl) -> Forward {

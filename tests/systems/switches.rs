@@ -74,7 +74,7 @@ impl Scene for Mass {
         vec![DesignVariable::new("velocity", self.1, (-100.0, 100.0), "m/s")]
     }
     fn settings(&self) -> Settings {
-        Settings::new(1.0, 100)
+        Settings { locate: false, ..Settings::new(1.0, 100) }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let node = m.coordinates("mass", &[S::from(-0.5)], &[x[0]]);
@@ -172,7 +172,7 @@ impl Scene for Way {
         vec![DesignVariable::new("x", 0.7, (0.1, 2.0), "-"), DesignVariable::new("y", 0.0, (-1.0, 1.0), "-")]
     }
     fn settings(&self) -> Settings {
-        Settings::new(1.0, 20)
+        Settings { locate: false, ..Settings::new(1.0, 20) }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let known = S::from(x[0].value());
@@ -266,7 +266,7 @@ impl Scene for Watched {
         vec![DesignVariable::new("velocity", 2.02, (0.0, 100.0), "m/s")]
     }
     fn settings(&self) -> Settings {
-        Settings::new(1.0, 100)
+        Settings { locate: false, ..Settings::new(1.0, 100) }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let node = m.coordinates("mass", &[S::from(-0.5)], &[x[0]]);

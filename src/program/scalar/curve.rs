@@ -160,6 +160,18 @@ impl Curve {
         if self.is_closed && t == self.knots[last] { last } else { self.knots.partition_point(|&own| own <= t) }
     }
 
+    /// A place within a piece, not 0: the piece itself as a number.
+    pub fn within(&self, piece: usize) -> f64 {
+        let last = self.knots.len() - 1;
+        let [left, right] = [piece.clamp(1, last) - 1, piece.clamp(1, last)].map(|knot| self.knots[knot]);
+        let at = |share: f64| match piece {
+            0 => left - share * (right - left),
+            _ if piece > last => right + share * (right - left),
+            _ => left + share * (right - left),
+        };
+        if at(0.5) == 0.0 { at(0.25) } else { at(0.5) }
+    }
+
     /// The derivative of order `order` at `t`, the value itself for 0.
     ///
     /// At a knot the piece to the right counts, at the last one that to the left if it is closed.

@@ -361,7 +361,7 @@ impl<'c> RunEntries<'c> {
         let solver = Backend::ALL.into_iter().find(|own| fields.text("solver") == Some(own.name()));
         settings.solver = solver.unwrap_or(settings.solver);
         settings.divide = fields.flag("divide_steps");
-        settings.locate = fields.flag("locate");
+        settings.locate = !matches!(fields.get("locate"), Some((_, Value::Flag(false))));
         settings.policy.drop_redundant = fields.flag("drop_redundant");
         settings.policy.project_start = fields.flag("project_start");
         settings.policy.from_equilibrium = matches!(fields.text("start"), Some("equilibrium" | "steady"));

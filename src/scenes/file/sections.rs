@@ -90,7 +90,7 @@ const OF_ALL: &[Section] = &[
                 "locate",
                 Flag,
                 "end steps where springs, loads and other elements pass from one piece of their formulas to another: values keep the order of the \
-                 method, and gradients are exact; false"
+                 method, and gradients are exact; true"
             ),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
