@@ -176,9 +176,9 @@ impl Events {
         self.parts.iter().filter(|part| part.places.iter().any(|place| matches!(place, Place::Mu(_))))
     }
 
-    /// Whether events happen by forces of joints that are there.
-    pub fn has_releases(&self, sides: &[f64]) -> bool {
-        self.releases().any(|part| self.may_happen(part, sides))
+    /// An event that happens by a force of a joint that is there.
+    pub fn release_of(&self, sides: &[f64]) -> Option<&str> {
+        self.releases().find(|part| self.may_happen(part, sides)).map(|part| &*part.name)
     }
 
     /// Whether an event may happen, by the joints that are there and by whether it has which does so once.

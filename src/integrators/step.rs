@@ -301,7 +301,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         } else {
             let from = InitialGuess::guided(guide.map(|start| &start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
-            if guide.is_none() && self.passes_at_start((&first, &q, &v), t, &mut sides) {
+            if guide.is_none() && self.passes_at_start((&first, &q, &v), t, &mut sides)? {
                 self.between.sides.clone_from(&sides);
                 self.write_sides();
                 self.solve_acceleration((&q, &v), t, 0, InitialGuess::Zero, &mut first)?;
@@ -334,15 +334,26 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Changes sides whose numbers are zero at the start and leave it by the first accelerations; whether there are any.
-    fn passes_at_start(&mut self, (first, q, v): (&SolveRecord<S>, &[S], &[S]), t: f64, sides: &mut [f64]) -> bool {
-        let Some(events) = &mut self.events else { return false };
+    fn passes_at_start(
+        &mut self,
+        (first, q, v): (&SolveRecord<S>, &[S], &[S]),
+        t: f64,
+        sides: &mut [f64],
+    ) -> Result<bool, RunError> {
+        let Some(mut events) = self.events.take() else { return Ok(false) };
+        self.check_method(&events, sides)?;
         let [a, mu] = [&first.unknowns.x, &first.unknowns.mu].map(|values| real(values));
         let [q, v, p] = [q, v, &self.p].map(real);
         let excesses = events.excesses(Moment { a: &a, v: &v, q: &q, mu: [&mu, &[]], t }, &p, sides);
         let passed = excesses.into_iter().enumerate().filter(|(_, own)| own.by.abs() <= own.noise(t) && own.rate > 0.0);
         let passed: Vec<(usize, f64)> = passed.map(|(switch, own)| (switch, own.other)).collect();
         passed.iter().for_each(|(switch, other)| sides[*switch] = *other);
-        !passed.is_empty()
+        if let Some(own) = events.released((sides, sides), &mu, &p, NO_FORCE * size(&first.unknowns.mu)) {
+            let name = events.part_of(own.switch);
+            return Err(RunError::Input(format!("the {name} is due at the start: its force is beyond the strength there")));
+        }
+        self.events = Some(events);
+        Ok(!passed.is_empty())
     }
 
     /// Closes the stops at which the motion begins at rest and that push there; returns the equations that are left out then.
@@ -403,7 +414,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             };
         };
         for (joint, stop) in closed {
-            self.check_method(joint)?;
             sides[events.presence(joint)] = 1.0;
             events.pushing(joint, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
         }
@@ -707,9 +717,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
         }
         self.between.switched.clone_from(&changes);
-        for joint in events.stops().map(|own| own.1).filter(|joint| present[events.presence(*joint)] > 0.0) {
-            self.check_method(joint)?;
-        }
+        self.check_method(&events, &present)?;
         let now = events.absent(&self.between.sides);
         if events.absent(&before) != now {
             self.between.dropped = self.dropped_with(&now);
@@ -789,7 +797,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         events: &Events,
         (present, changes): (&[f64], &[SideChange]),
     ) -> Result<Option<SideChange>, RunError> {
-        if !events.has_releases(present) {
+        if events.release_of(present).is_none() {
             return Ok(None);
         }
         let mut sides = self.between.sides.clone();
@@ -901,17 +909,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(own)
     }
 
-    /// Whether the method has the force by which a stop lets go at the end of a step.
-    fn check_method(&self, joint: usize) -> Result<(), RunError> {
-        let (name, table) = (&self.problem.model.constraints[joint].name, &self.method.table);
-        if table.stiffly_accurate {
-            return Ok(());
+    /// Whether the method has the forces by which joints that are there let go at the end of a step.
+    fn check_method(&self, events: &Events, sides: &[f64]) -> Result<(), RunError> {
+        let table = &self.method.table;
+        match events.release_of(sides).filter(|_| !table.stiffly_accurate) {
+            None => Ok(()),
+            Some(name) => Err(RunError::Input(format!(
+                "the {name} is told by a force, and method {} has none at the ends of steps: take another method, as esdirk4",
+                table.name
+            ))),
         }
-        Err(RunError::Input(format!(
-            "the motion stays at the stop \"{name}\", and method {} has no forces at the ends of steps, by which it would let go: take another method, as \
-             esdirk4",
-            table.name
-        )))
     }
 
     /// Multipliers of the accelerations of a state, without some equations.

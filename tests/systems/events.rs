@@ -7,7 +7,7 @@ use costate::prelude::*;
 use costate::scenes::{AnyScene, FileScene};
 use costate::sensitivity::{Analysis, Forward};
 
-const SCENES: [(&str, &str); 8] = [
+const SCENES: [(&str, &str); 10] = [
     ("ball", include_str!("events/ball.toml")),
     ("table", include_str!("events/table.toml")),
     ("leaves", include_str!("events/leaves.toml")),
@@ -16,6 +16,8 @@ const SCENES: [(&str, &str); 8] = [
     ("clegg", include_str!("events/clegg.toml")),
     ("rest", include_str!("events/rest.toml")),
     ("knee", include_str!("events/knee.toml")),
+    ("breaks", include_str!("events/breaks.toml")),
+    ("torn", include_str!("events/torn.toml")),
 ];
 
 fn scene(name: &str) -> FileScene {
@@ -74,7 +76,7 @@ fn adjoint_tangent_complex_step_and_quotients_agree() {
     let everywhere = everywhere.filter(|(name, own)| *name != "leaves" || own.stiffly_accurate);
     // its discrete bounces die out within the run
     let everywhere = everywhere.filter(|(name, own)| *name != "ball" || own.name != "bdf1");
-    let others = ["table", "latch", "clegg", "rest", "knee"].map(|name| (name, table("esdirk4")));
+    let others = ["table", "latch", "clegg", "rest", "knee", "breaks", "torn"].map(|name| (name, table("esdirk4")));
     for (name, table) in everywhere.chain(others) {
         let place = format!("{name} by {}", table.name);
         let scene = scene(name);
@@ -267,4 +269,33 @@ fn an_event_that_does_not_happen_has_no_time() {
     let prepared = Prepared::new(&scene).expect("it is sound");
     let error = prepared.analysis().forward(&[]).expect_err("it is no number").to_string();
     assert!(error.contains("did not happen so often"), "{error}");
+}
+
+/// A pendulum that starts level breaks where its force 3 m g cos(theta) reaches its strength, and flies on with its horizontal velocity, sqrt(2 g L c) c,
+/// c = F / (3 m g).
+#[test]
+fn a_joint_opens_beyond_its_strength() {
+    let (forward, rows) = ran(&scene("breaks"), &table("esdirk4"), 300);
+    let [length, m, strength, g] = [1.5, 2.0, 40.0, 9.81];
+    let c: f64 = strength / (3.0 * m * g);
+    let vx = (2.0 * g * length * c).sqrt() * c;
+    assert_near(forward.values[0], vx, 1e-7);
+    for (own, exact) in rows[0].iter().zip([0.5 * vx / length, -1.5 * vx / m, 1.5 * vx / strength]) {
+        assert_near(*own, exact, 1e-6);
+    }
+    for (text, words) in [
+        ("strength = 10", "the release of rod is due at the start"),
+        ("method = \"midpoint\"", "the release of rod is told by a force, and method midpoint has none"),
+    ] {
+        let own = include_str!("events/breaks.toml").replace("[\"-L\", 0, 0]", "[0, 0, \"-L\"]");
+        let own = match text.starts_with("strength") {
+            true => own.replace("initial = 40", "initial = 10"),
+            false => own.replace("steps = 300", &format!("steps = 300, {text}")),
+        };
+        let error = match Prepared::new(&parsed(&own)) {
+            Ok(prepared) => prepared.analysis().forward(&prepared.x).map(|_| ()).expect_err(words).to_string(),
+            Err(why) => why.to_string(),
+        };
+        assert!(error.contains(words), "{error}");
+    }
 }

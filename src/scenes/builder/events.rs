@@ -174,6 +174,21 @@ impl<S: Scalar> MechanismBuilder<S> {
         Some((joint, hit))
     }
 
+    /// A joint that opens for good where the size of its force is more than a strength \[N\]: the length of those of its multipliers that are forces; of a
+    /// joint that has none, of its moments [N m].
+    pub fn joint_strength(&mut self, joint: ConstraintId, strength: S) {
+        let Some(name) = self.model.find_constraint(joint).map(|own| format!("release of {}", own.name)) else { return };
+        if self.model.presence.iter().all(|own| own.0 != joint.0) {
+            self.comes_and_goes(joint, true);
+        }
+        let (equations, _) = self.forces_of(joint);
+        let release = self.add_event(&name, &[], Some(joint.0), &[strength], |EventArguments { mu, p, .. }| {
+            equations.iter().map(|&own| mu[own] * mu[own]).sum::<Recorded>() - p[0] * p[0]
+        });
+        let Some(release) = release else { return };
+        (release.directions, release.opens, release.while_joint) = ([true, false], vec![joint.0], Some((joint.0, true)));
+    }
+
     /// A joint that is not there at the start, or that events remove.
     #[doc(hidden)]
     pub fn comes_and_goes(&mut self, joint: ConstraintId, is_there: bool) {

@@ -52,13 +52,17 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// as one between angles, of its moments [N m].
     pub fn reaction_norm_functional(&mut self, name: &str, over: Over, joint: ConstraintId) {
         if self.has_joint(name, joint) {
-            let count = self.model.constraints[joint.0].equations.len();
-            let weights = |own: usize| (0..count).map(|i| S::from(f64::from(u8::from(i == own)))).collect::<Vec<S>>();
-            let (moments, forces): (Vec<usize>, Vec<usize>) =
-                (0..count).partition(|&i| self.are_moments(joint, &weights(i)));
-            let (equations, unit) = if forces.is_empty() { (moments, "N m") } else { (forces, "N") };
+            let (equations, unit) = self.forces_of(joint);
             self.add_functional(name, over, (&[], &[joint]), ReactionNorm { equations, unit }.into(), &[]);
         }
+    }
+
+    /// Equations of a joint whose multipliers are forces, or all of one that has none, with their unit.
+    pub(super) fn forces_of(&self, joint: ConstraintId) -> (Vec<usize>, &'static str) {
+        let count = self.model.constraints[joint.0].equations.len();
+        let weights = |own: usize| (0..count).map(|i| S::from(f64::from(u8::from(i == own)))).collect::<Vec<S>>();
+        let (moments, forces): (Vec<usize>, Vec<usize>) = (0..count).partition(|&i| self.are_moments(joint, &weights(i)));
+        if forces.is_empty() { (moments, "N m") } else { (forces, "N") }
     }
 
     /// A functional of one coordinate of a node.

@@ -32,8 +32,14 @@ const SOFT: [Key; 2] = [
 
 const PRESENT: Key = may("present", Flag, "whether it is there at the start: an event may lock it later; true");
 
+const STRENGTH: Key = may(
+    "strength",
+    Number("N, N m", Positive),
+    "size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none",
+);
+
 pub(super) const JOINT: Section = Section {
-    forms: Forms { common: &[NAME, SOFT[0], SOFT[1], PRESENT], forms: &FORMS, own: Some(Kind::Joint) },
+    forms: Forms { common: &[NAME, SOFT[0], SOFT[1], PRESENT, STRENGTH], forms: &FORMS, own: Some(Kind::Joint) },
     space: "joint",
     has_columns: true,
     build: |e, m| {
@@ -46,6 +52,11 @@ pub(super) const JOINT: Section = Section {
         match built {
             Built::Joint(joint) if is_absent => m.comes_and_goes(joint, false),
             _ if is_absent => return e.wrong_key("present", "only a rigid joint comes and goes: leave this out"),
+            _ => {}
+        }
+        match (&built, e.given("strength", Entry::number)?) {
+            (Built::Joint(joint), Some(strength)) => m.joint_strength(*joint, strength),
+            (_, Some(_)) => return e.wrong_key("strength", "only a rigid joint opens: leave this out"),
             _ => {}
         }
         Ok(built)
