@@ -789,6 +789,19 @@ fn a_run_says_whether_its_energy_is_balanced_by_works() {
 }
 
 #[test]
+fn a_run_tells_its_events() {
+    let folder = Folder::new("events");
+    let run = folder.run(&["run", "bouncing-ball", "--json"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let told = json(&run)["events"][0].clone();
+    assert_eq!((told["name"].as_str(), told["count"].as_u64()), (Some("table"), Some(4)), "{told}");
+    let exact = (2.0 / 9.81f64).sqrt();
+    assert!((told["first_s"].as_f64().expect("a time") - exact).abs() < 1e-13, "{told}");
+    let report = fs::read_to_string(folder.0.join("out/bouncing-ball/report.html")).unwrap();
+    assert!(report.contains(r#""events":[{"name":"table","t":0.4515"#), "{}", report.len());
+}
+
+#[test]
 fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     let folder = Folder::new("statics");
     let run = folder.run(&["run", "von-mises-truss", "--json"]);

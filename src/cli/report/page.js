@@ -75,6 +75,7 @@
   const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const charts = [];
   let now = null;
+  const events = report.events ?? [];
   // curves of the same things in several charts are named in the first of them
   const named = (chart) => chart.series.length < 2 || chart.series.some((own) => own.name) ? chart
     : report.charts.find((other) => other.series.length === chart.series.length && other.series.every((own) => own.name)) ?? chart;
@@ -95,16 +96,20 @@
       series: [{ label: chart.x_label, value: (_, value) => brief(value) }, ...chart.series.map((own, k) => ({
         label: own.name || named(chart).series[k].name || chart.y_label, stroke: palette[k % palette.length], width: 1.6, points: { show: few }, value: (_, value) => brief(value) }))],
       hooks: { draw: [(plot) => {
-        if (now === null || !overTime) return;
-        const at = plot.valToPos(now, "x", true);
-        if (at < plot.bbox.left || at > plot.bbox.left + plot.bbox.width) return;
+        if (!overTime) return;
+        const line = (t, dashes) => {
+          const at = plot.valToPos(t, "x", true);
+          if (at < plot.bbox.left || at > plot.bbox.left + plot.bbox.width) return;
+          plot.ctx.setLineDash(dashes);
+          plot.ctx.beginPath();
+          plot.ctx.moveTo(at, plot.bbox.top);
+          plot.ctx.lineTo(at, plot.bbox.top + plot.bbox.height);
+          plot.ctx.stroke();
+        };
         plot.ctx.save();
         plot.ctx.strokeStyle = style("--soft");
-        plot.ctx.setLineDash([4, 4]);
-        plot.ctx.beginPath();
-        plot.ctx.moveTo(at, plot.bbox.top);
-        plot.ctx.lineTo(at, plot.bbox.top + plot.bbox.height);
-        plot.ctx.stroke();
+        events.forEach((event) => line(event.t, [1, 3]));
+        if (now !== null) line(now, [4, 4]);
         plot.ctx.restore();
       }] },
     };
@@ -394,7 +399,9 @@
     state.time = time;
     const at = move(time);
     byId("time").value = time;
-    const clock = clip.swings ? `${brief((360 * time) / clip.times[clip.times.length - 1])}°` : `t = ${time.toFixed(time < 10 ? 3 : 2)} s`;
+    const latest = clip.swings ? undefined : events.findLast((event) => event.t <= time);
+    const clock = clip.swings ? `${brief((360 * time) / clip.times[clip.times.length - 1])}°`
+      : `t = ${time.toFixed(time < 10 ? 3 : 2)} s${latest ? `, after ${latest.name} at ${brief(latest.t)} s` : ""}`;
     byId("clock").textContent = clock;
     byId("time").setAttribute("aria-valuetext", clock);
     canvas.dataset.frame = state.frame;

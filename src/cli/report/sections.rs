@@ -13,7 +13,11 @@ use crate::summary::Summary;
 use costate::design::DesignVariable;
 use costate::integrators::NewtonTolerance;
 use costate::scenes::Prepared;
-use costate::sensitivity::Forward;
+use costate::sensitivity::{EventTime, Forward};
+use serde_json::json;
+
+/// Most events that charts and the film show.
+const MOST_EVENTS: usize = 500;
 
 /// What a page shows of a simulation.
 pub struct Shown<'s> {
@@ -92,6 +96,9 @@ impl Page {
         simulation.summary(prepared).show(&mut self);
         if let Some(why) = simulation.stopped {
             self.warning(format!("{why}; what is shown are the finished steps"));
+        }
+        for EventTime { name, t } in prepared.analysis().events(simulation.forward).into_iter().take(MOST_EVENTS) {
+            self.push("events", json!({"name": name, "t": t}));
         }
         self.motion(prepared, &simulation.measured.moments);
         self.charts("Histories", &simulation.measured.charts);
