@@ -124,3 +124,55 @@ fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::scalar::{Curve, Interpolant, Scalar};
+    use crate::{ArgumentKind, Formula, ProgramWork, Reads, Recorded};
+    use std::f64::consts::{PI, TAU};
+
+    fn table(x: Recorded) -> Recorded {
+        x.on_curve(&Curve::new(&[-1.0, 0.0, 2.0], &[3.0, 0.0, 1.0], Interpolant::Lines).expect("knots"), 0)
+    }
+
+    fn nearest(x: Recorded) -> Recorded {
+        let beyond = x.sin().atan2(x.cos()) - 1.0;
+        beyond - (beyond / TAU + 0.5).floor() * TAU
+    }
+
+    /// With the sides of a place the formula goes on beyond their ends.
+    #[test]
+    fn formulas_go_on_beyond_their_sides() {
+        type Case = (fn(Recorded) -> Recorded, f64, f64, f64);
+        let cases: [Case; 5] = [
+            (|x| x.sin().atan2(x.cos()), 3.0, PI + 0.5, PI + 0.5),
+            (|x| x.sin().atan2(x.cos()), 3.5, 3.0, 3.0 - TAU),
+            (nearest, 3.0, 4.5, 3.5),
+            (table, 0.5, -0.5, -0.25),
+            (|x| x.max(Recorded::from(1.0)), 0.5, 2.0, 1.0),
+        ];
+        for (number, (formula, from, to, expected)) in cases.into_iter().enumerate() {
+            let kinds = vec![(ArgumentKind::Coordinate, 1), (ArgumentKind::Parameter, 1), (ArgumentKind::Time, 1)];
+            let formula = Formula::record(kinds, |x| vec![formula(x[0])]).expect("recorded").with_sides().expect("sides");
+            // whatever else is made of it
+            formula.gradient(&[0]);
+            let switches = formula.switches(Reads::Located, false).expect("switches");
+            let count = formula.sides();
+            assert_eq!(switches.count(), count, "{number}");
+            let value = |x: f64, sides: &[f64]| {
+                let mut values = [0.0];
+                formula.values().run(&[&[x, 0.0], sides, &[0.0]].concat(), &mut values, &mut ProgramWork::default());
+                values[0]
+            };
+            let mut numbers = Vec::new();
+            switches.evaluate(
+                &[from, 0.0, 0.0].into_iter().chain(vec![0.0; count]).collect::<Vec<_>>(),
+                &mut numbers,
+                &mut ProgramWork::default(),
+            );
+            let told: Vec<f64> = switches.told_by(&numbers).collect();
+            assert!((value(from, &told) - value(from, &vec![0.0; count])).abs() < 1e-15, "{number}");
+            assert!((value(to, &told) - expected).abs() < 1e-14, "{number}: {} for {expected}", value(to, &told));
+        }
+    }
+}

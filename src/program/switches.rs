@@ -103,7 +103,8 @@ impl Formula {
         };
         let of_sides = self.arguments().of_kinds(&[ArgumentKind::Side]);
         let (sides, nodes) = self.inspect(|graph, outputs| {
-            let mut own = Conditions { graph, located: located(graph, &of_sides), sides: Vec::new(), nodes: Vec::new() };
+            let mut own =
+                Conditions { graph, located: located(graph, outputs, &of_sides), sides: Vec::new(), nodes: Vec::new() };
             own.find(outputs, [moved_by, excluded], (reads, lengths));
             (own.sides, own.nodes)
         });
@@ -424,10 +425,11 @@ fn half_turn(angle: f64, of_cosine: bool) -> f64 {
     }
 }
 
-/// Which operations tell a side only where an argument of it does not, and that argument.
-fn located(graph: &Graph, of_sides: &[bool]) -> Vec<Option<u32>> {
+/// Which operations tell a side of results only where an argument of it does not, and that argument.
+fn located(graph: &Graph, outputs: &[Node], of_sides: &[bool]) -> Vec<Option<u32>> {
     let mut located = vec![None; graph.operations().len()];
-    for operation in graph.operations() {
+    let needed = graph.needed(outputs);
+    for (operation, _) in graph.operations().iter().zip(&needed).filter(|(_, is_needed)| **is_needed) {
         if let Operation::Select([mask, _, otherwise]) = *operation
             && let Operation::Input(input) = graph.operation(mask)
             && of_sides.get(input as usize) == Some(&true)
