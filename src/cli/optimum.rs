@@ -32,7 +32,33 @@ impl Summary {
             self.table("", multipliers(optimization, conditions, best));
         }
         self.warnings(smooth_only(optimization, optimized, best));
+        self.warnings(other_events(optimized, best));
     }
+}
+
+/// That other events happen at the best design than at the first, in words.
+fn other_events(optimized: &Optimized, best: &DesignPoint) -> Option<String> {
+    let first = optimized.history.points.first()?.events.as_ref()?;
+    let own = best.events.as_ref().filter(|own| *own != first)?;
+    let counted = |all: &[String]| {
+        let mut counts: Vec<(&str, usize)> = Vec::new();
+        for name in all {
+            match counts.iter_mut().find(|known| known.0 == name) {
+                Some(known) => known.1 += 1,
+                None => counts.push((name, 1)),
+            }
+        }
+        let words: Vec<String> = counts.iter().map(|(name, times)| format!("\"{name}\" {times}")).collect();
+        if words.is_empty() { "none".to_string() } else { words.join(", ") }
+    };
+    let how = match [counted(own), counted(first)] {
+        [own, first] if own == first => "in another order".to_string(),
+        [own, first] => format!("{own} instead of {first}"),
+    };
+    Some(format!(
+        "other events happen at the best design than at the first ({how}): where they change from one design to another, values may jump, and gradients \
+         hold to one side"
+    ))
 }
 
 /// Multipliers of constraints, and slopes of variables at their bounds.

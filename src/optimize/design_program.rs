@@ -189,18 +189,19 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         let mut work = Work { simulation_seconds: seconds, ..Work::default() };
         let nothing = vec![f64::NAN; self.history.functionals.len()];
         let place = self.history.points.len();
-        let (functionals, extremes, values) = match run {
+        let (functionals, extremes, events, values) = match run {
             Ok(simulated) => {
                 simulated.add_counters(&mut work);
                 let values = self.values_at(y, &simulated.values);
                 let (functionals, extremes) = (simulated.values.clone(), simulated.extremes.clone());
+                let events = Some(simulated.events.clone());
                 self.latest = Some(simulated);
-                (functionals, extremes, Ok(values))
+                (functionals, extremes, events, Ok(values))
             }
             Err(error) => {
                 work.simulations = 1;
                 self.failure = Some(error);
-                (nothing, Vec::new(), Err(NoValue::Failed))
+                (nothing, Vec::new(), None, Err(NoValue::Failed))
             }
         };
         let weighted = |&(index, weight): &(usize, f64)| weight * functionals[index];
@@ -215,6 +216,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             design,
             functionals,
             extremes,
+            events,
             gradients: None,
             objective,
             violation,

@@ -43,6 +43,8 @@ pub struct DesignPoint {
     pub functionals: Vec<f64>,
     /// Smallest and largest values of what those that are aggregates are made of.
     pub extremes: Vec<Option<Extremes>>,
+    /// Names of the events of all its runs, in the order in which they happened, where they are known.
+    pub events: Option<Vec<String>>,
     /// Derivatives of the functionals by all design variables, where they were computed.
     pub gradients: Option<Vec<Vec<f64>>>,
     /// The objective in its own unit and sense; NaN where the simulation failed.
@@ -149,7 +151,7 @@ impl DesignHistory {
     }
 
     /// The points of a table that was written from [`DesignHistory::header`] and [`DesignHistory::rows`] of a history with the same names,
-    /// to the last digit; not extremes.
+    /// to the last digit; neither extremes nor events.
     ///
     /// # Errors
     /// Other columns.

@@ -26,6 +26,7 @@ sent_by_fields!(DesignPoint {
     design,
     functionals,
     extremes,
+    events,
     gradients,
     objective,
     violation,

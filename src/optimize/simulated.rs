@@ -21,6 +21,8 @@ pub(super) struct Simulated<'s> {
     pub values: Vec<f64>,
     /// What their aggregates are made of.
     pub extremes: Vec<Option<Extremes>>,
+    /// Names of the events of all runs.
+    pub events: Vec<String>,
     runs: Vec<CaseRun<'s>>,
 }
 
@@ -45,13 +47,14 @@ struct CaseResult {
     /// Of its functionals.
     values: Vec<f64>,
     extremes: Vec<Option<Extremes>>,
+    events: Vec<String>,
     /// Their numbers among those of the problem.
     places: Vec<usize>,
     counters: Counters,
     /// What it took.
     seconds: f64,
 }
-sent_by_fields!(CaseResult { values, extremes, places, counters, seconds });
+sent_by_fields!(CaseResult { values, extremes, events, places, counters, seconds });
 
 /// What a gradient is made with.
 pub(super) struct Differentiation<'p> {
@@ -102,9 +105,10 @@ impl<'o> Optimization<'o> {
                 extremes[place] = extreme.clone();
             }
         }
+        let events = results.iter().flat_map(|own| own.events.iter().cloned()).collect();
         let runs = results.into_iter().zip(teams).zip(kept.drain(..));
         let runs = runs.map(|((result, team), kept)| CaseRun { result, team, kept }).collect();
-        Ok(Simulated { design: design.to_vec(), values, extremes, runs })
+        Ok(Simulated { design: design.to_vec(), values, extremes, events, runs })
     }
 
     fn case_run(
@@ -123,8 +127,8 @@ impl<'o> Optimization<'o> {
         let modes = scene.modes().into_iter().filter(|mode| known(&mode.name).is_some()).collect::<Vec<_>>();
         let names = prepared.functionals().iter().map(|own| &own.name).chain(modes.iter().map(|mode| &mode.name));
         let places = names.filter_map(|name| known(name)).collect();
-        let (values, extremes, counters) = Default::default();
-        let mut result = CaseResult { values, extremes, places, counters, seconds: 0.0 };
+        let (values, extremes, events, counters) = Default::default();
+        let mut result = CaseResult { values, extremes, events, places, counters, seconds: 0.0 };
         let mut forward = None;
         if !prepared.functionals().is_empty() {
             let mut watch = Watch(|_: &StepRecord<f64>| !wants_to_stop());
@@ -135,6 +139,7 @@ impl<'o> Optimization<'o> {
             stopped.map_or(Ok(()), Err)?;
             prepared.analysis().check_values(&own)?;
             (result.values, result.extremes, result.counters) = (own.values.clone(), own.extremes.clone(), own.counters);
+            result.events = prepared.analysis().events(&own).into_iter().map(|own| own.name).collect();
             forward = Some(own);
         }
         result.values.extend(prepared.measured_modes(&modes)?);
