@@ -290,6 +290,11 @@ impl Events {
         self.events[event].once.then_some(SideChange { switch, sides: [0.0, 1.0] })
     }
 
+    /// Whether an event sets anything.
+    pub fn sets(&self, event: usize) -> bool {
+        !self.events[event].resets.is_empty()
+    }
+
     /// Whether an event ends the run.
     pub fn ends_run(&self, event: usize) -> bool {
         self.events[event].ends_run

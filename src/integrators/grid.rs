@@ -158,31 +158,47 @@ impl TimeGrid {
         let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
         // steps that are all alike up to the end are no halves
         let laid = match self.is_interrupted(end - 1) {
-            true => (self.end() - self.times[0]) / self.asked as f64,
+            true => self.laid_size(end),
             false => self.times[end - 1] - self.times[end - 2],
         };
         let is_half = self.is_fixed(end + 1) && !self.events.contains_key(&(end + 1)) && is_like(next) && !is_like(laid);
         if is_half { 0.5 } else { 1.0 }
     }
 
-    /// How an end of a step moves: in a stretch between breakpoints with both of its ends, behind an event with that and the end of the stretch.
+    /// How an end of a step moves: in a stretch between breakpoints with both of its ends; behind an event with that, by the sizes of the steps that
+    /// were laid in the stretch, and before its end with that.
     pub(crate) fn moves_of(&self, place: usize) -> EndMoves {
         if self.breakpoints.contains_key(&place) {
             return EndMoves { by_event: 0.0, by_breakpoints: [(place, 1.0), (0, 0.0)] };
         }
         let first = self.breakpoints.range(..place).next_back().map_or(0, |(place, _)| *place);
         let last = self.breakpoints.range(place..).next().map_or(self.steps(), |(place, _)| *place);
-        if self.events.range(..=place).next_back().is_some_and(|(event, _)| *event > first) {
-            let by_event = if self.events.contains_key(&place) { 1.0 } else { self.share_behind_event(place) };
-            return EndMoves { by_event, by_breakpoints: [(last, 1.0 - by_event), (0, 0.0)] };
-        }
         let [from, to] = self.ends_of(first, last);
-        let share = (self.times[place] - from) / (to - from);
-        EndMoves { by_event: 0.0, by_breakpoints: [(first, 1.0 - share), (last, share)] }
+        let Some(event) = self.events.range(..=place).next_back().map(|(event, _)| *event).filter(|event| *event > first)
+        else {
+            let share = (self.times[place] - from) / (to - from);
+            return EndMoves { by_event: 0.0, by_breakpoints: [(first, 1.0 - share), (last, share)] };
+        };
+        let by_event = if event == place { 1.0 } else { self.share_behind_event(place) };
+        // of steps that were laid, whose number stays
+        let until = if by_event < 1.0 { place - 1 } else { place };
+        let laid = match self.asked {
+            0 => 0.0,
+            _ => by_event * (self.times[until] - self.times[event]) / (to - from),
+        };
+        EndMoves { by_event, by_breakpoints: [(first, -laid), (last, 1.0 - by_event + laid)] }
+    }
+
+    /// Size of the equal steps that were laid in the stretch of an end of a step; not a number where they were chosen.
+    fn laid_size(&self, place: usize) -> f64 {
+        let first = self.breakpoints.range(..place).next_back().map_or(0, |(place, _)| *place);
+        let last = self.breakpoints.range(place..).next().map_or(self.steps(), |(place, _)| *place);
+        let ([from, to], all) = (self.ends_of(first, last), self.end() - self.times[0]);
+        if self.asked == 0 { f64::NAN } else { (to - from) / count_of(to - from, all / self.asked as f64) }
     }
 
     /// The times between which the steps of a stretch are laid.
-    fn ends_of(&self, first: usize, last: usize) -> [f64; 2] {
+    pub(super) fn ends_of(&self, first: usize, last: usize) -> [f64; 2] {
         [self.times[first], if last == self.steps() { self.end() } else { self.times[last] }]
     }
 
@@ -246,7 +262,7 @@ impl TimeGrid {
     fn add_stretch(&mut self, end: f64, h: f64) {
         let start = self.times[self.steps()];
         let length = end - start;
-        let count = (length / h - WHOLE).ceil().max(1.0);
+        let count = count_of(length, h);
         self.times.extend((1..count as usize).map(|i| start + i as f64 * (length / count)));
         self.times.push(end);
     }
@@ -267,6 +283,11 @@ impl TimeGrid {
         let end = self.times[index + 1];
         (self.times[index], if self.breakpoints.contains_key(&(index + 1)) { end.next_down() } else { end })
     }
+}
+
+/// How many equal steps of at most `h` a length takes.
+fn count_of(length: f64, h: f64) -> f64 {
+    (length / h - WHOLE).ceil().max(1.0)
 }
 
 /// Breakpoints within a run, in the order of their times, each with the numbers of those that are not farther apart than `near`.

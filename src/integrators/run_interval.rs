@@ -1,4 +1,4 @@
-use super::{Scheme, SideChange, StepSizeState, Table, TimeGrid};
+use super::{EndMoves, Scheme, SideChange, StepSizeState, Table, TimeGrid};
 
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct RunInterval<'c> {
@@ -46,9 +46,13 @@ impl<'c> RunInterval<'c> {
         self.stretches.times[self.stretch_end()]
     }
 
-    /// In a run that is made again: which share of the derivative by the time of the event before a step its end has, if it ends at none.
-    pub fn share_behind_event(&self) -> f64 {
-        self.stretches.share_behind_event(self.target)
+    /// How the end of the next step moves, with the motion of the event before it and those of breakpoints at some times.
+    pub fn moves_next(&self) -> (f64, [(f64, f64); 2]) {
+        let EndMoves { by_event, by_breakpoints } = self.stretches.moves_of(self.target);
+        let at = |(place, share): (usize, f64)| {
+            (if place == self.stretches.steps() { self.stretches.end() } else { self.stretches.times[place] }, share)
+        };
+        (by_event, by_breakpoints.map(at))
     }
 
     /// Sides that change at the end of the next step, in a run that is made again.

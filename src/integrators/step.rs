@@ -557,6 +557,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.between.dropped.clone_from(&step.dropped);
         }
         let chosen_anew = std::mem::take(&mut self.between.chosen_anew);
+        let absent = self.absent();
         let start = StepStart {
             breakpoint,
             solves: guided.map_or(chosen_anew || breakpoint && self.carries_acceleration(), |step| step.restart.is_some()),
@@ -566,7 +567,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.select(&dropped)?;
             self.earlier.choices += 1;
         }
-        if guided.is_some() || !self.chooses || self.between.dropped == self.absent() {
+        if guided.is_some() || !self.chooses || self.between.dropped == absent {
             return self.try_step(scheme, span, start, guided);
         }
         let mut before = std::mem::take(&mut self.before);
@@ -574,7 +575,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut result = self.try_step(scheme, span, start, None).and_then(|()| self.check_dropped(span.1));
         if result.is_err() {
             let (q, v, count) = (&before.carried[0], &before.carried[1], before.dropped.len());
-            let absent = self.absent();
             let dropped = dependent_equations(self.problem, &absent, (q, v), span.0, Some(count));
             if dropped != before.dropped {
                 self.select(&dropped)?;
@@ -696,9 +696,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             for &event in &next {
                 happened.push(event);
                 ends_run |= events.ends_run(event);
+                let absent = events.absent(&present);
+                let before = (!is_made_again && events.sets(event)).then(|| self.violations(&absent));
                 self.reset(&events, (event, happened.len() - 1)).map_err(RunError::Input)?;
-                if !is_made_again && !self.record.set.is_empty() {
-                    self.check_joints(&events.absent(&present), events.name(event))?;
+                if let Some(before) = before {
+                    self.check_joints(&absent, &before, events.name(event))?;
                 }
                 self.change_joints(&events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
             }
@@ -722,6 +724,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if events.absent(&before) != now {
             self.between.dropped = self.dropped_with(&now);
             self.between.chosen_anew = true;
+            // a mechanism with other joints is another one
+            self.drives = None;
+            self.resolution.forget_side();
         }
         self.events = Some(events);
         self.write_sides();
@@ -848,21 +853,27 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         )))
     }
 
-    /// Whether equations of joints that are there hold behind what an event has set.
-    fn check_joints(&self, absent: &[usize], event: &str) -> Result<(), RunError> {
+    /// Values and rates of the equations of joints behind the step made last, zero of those that are not there.
+    fn violations(&self, absent: &[usize]) -> Vec<[f64; 2]> {
+        let joints = self.problem.model.constraints.iter().enumerate();
+        let all = joints.flat_map(|(joint, own)| own.equations.clone().zip(self.equations_behind(joint)));
+        all.map(|(row, [g, rate, _])| if absent.binary_search(&row).is_err() { [g, rate] } else { [0.0; 2] }).collect()
+    }
+
+    /// Whether these are what they were before an event has set something.
+    fn check_joints(&self, absent: &[usize], before: &[[f64; 2]], event: &str) -> Result<(), RunError> {
         let sizes = [0, 1].map(|order| CONSISTENT * size(&self.between.carried[order]));
-        for (joint, own) in self.problem.model.constraints.iter().enumerate() {
-            for (row, [g, rate, _]) in own.equations.clone().zip(self.equations_behind(joint)) {
-                if absent.binary_search(&row).is_err() && !(g.abs() <= sizes[0] && rate.abs() <= sizes[1]) {
-                    let (t, name) = (shortest(self.record.end), &own.name);
-                    return Err(RunError::Input(format!(
-                        "what event \"{event}\" sets at t = {t} s violates joint \"{name}\", by {g:.3e} and {rate:.3e} 1/s: set coordinates and rates \
-                         that its joints allow"
-                    )));
-                }
-            }
-        }
-        Ok(())
+        let holds = |own: f64, before: f64, size: f64| own.abs() <= before.abs() + size;
+        let mut all = self.violations(absent).into_iter().zip(before);
+        let violated = |(now, before): &([f64; 2], &[f64; 2])| (0..2).any(|k| !holds(now[k], before[k], sizes[k]));
+        let Some(row) = all.position(|own| violated(&own)) else { return Ok(()) };
+        let ([g, rate], joints) = (self.violations(absent)[row], &self.problem.model.constraints);
+        let name = joints.iter().find(|own| own.equations.contains(&row)).map_or("", |own| &own.name);
+        Err(RunError::Input(format!(
+            "what event \"{event}\" sets at t = {} s violates joint \"{name}\", by {g:.3e} and {rate:.3e} 1/s: set coordinates and rates that its \
+             joints allow",
+            shortest(self.record.end)
+        )))
     }
 
     /// Whether what is to be held by a joint is where it holds it.

@@ -116,10 +116,12 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
                         behind = Some([part, part]);
                     }
                     None => {
-                        let (share, of_end) = (interval.share_behind_event(), stepper.moved(interval.next_breakpoint()));
-                        let part = of_event * share + of_end * (1.0 - share);
+                        let (by_event, by_breakpoints) = interval.moves_next();
+                        let of_ends = by_breakpoints.into_iter().filter(|(_, share)| *share != 0.0);
+                        let of_ends = of_ends.fold(S::zero(), |sum, (t, share)| sum + stepper.moved(t) * share);
+                        let part = of_event * by_event + of_ends;
                         make(&mut stepper, part)?;
-                        behind = (share > 0.0).then_some([of_event, part]);
+                        behind = (by_event > 0.0).then_some([of_event, part]);
                     }
                 }
                 stepper.own_clock = None;

@@ -31,8 +31,18 @@ impl Formula {
         let places: Vec<usize> = (0..sides.len()).filter(|&place| sides[place]).collect();
         Ok(widened.derived(|graph, x, outputs| {
             let mut replaced = Vec::new();
-            for &(node, side) in &nodes {
-                let (zero, side) = (graph.zero(), x[places[side]]);
+            let switched: Vec<Node> = nodes.iter().map(|own| own.0).collect();
+            let roots = roots_of(graph, outputs, &switched).into_iter().map(|node| (node, None));
+            let mut all: Vec<(Node, Option<usize>)> =
+                nodes.iter().map(|&(node, side)| (node, Some(side))).chain(roots).collect();
+            all.sort_unstable_by_key(|own| own.0.0);
+            for (node, side) in all {
+                let zero = graph.zero();
+                let Some(side) = side.map(|side| x[places[side]]) else {
+                    let root = root_beyond(graph, node, &replaced);
+                    replaced.push((node, root));
+                    continue;
+                };
                 let told = match graph.operation(node) {
                     Operation::Unary(Unary::Floor, _) => {
                         let is_above = graph.binary(Binary::Less, zero, side);
@@ -96,6 +106,36 @@ impl Formula {
     }
 }
 
+/// Roots and powers with fractions of numbers that depend on what is switched.
+fn roots_of(graph: &Graph, outputs: &[Node], switched: &[Node]) -> Vec<Node> {
+    let needed = graph.needed(outputs);
+    let operations = &graph.operations()[..needed.len()];
+    let is_switched = (0..operations.len()).map(|place| switched.contains(&Node(place as u32))).collect();
+    let depends = graph.depending_on(is_switched, &needed);
+    let is_root = |place: &usize| match operations[*place] {
+        Operation::Unary(Unary::Sqrt, x) => depends[x.0 as usize],
+        Operation::Power(x, bits) => f64::from_bits(bits).fract() != 0.0 && depends[x.0 as usize],
+        _ => false,
+    };
+    (0..operations.len()).filter(|place| needed[*place] && is_root(place)).map(|place| Node(place as u32)).collect()
+}
+
+/// A root or power of a number that sides which are told may leave below zero where numbers would not: it goes on there as an odd function.
+fn root_beyond(graph: &mut Graph, node: Node, replaced: &[(Node, Node)]) -> Node {
+    let (Operation::Unary(_, by_numbers) | Operation::Power(by_numbers, _)) = graph.operation(node) else { return node };
+    let (base, zero) = (graph.substitute(&[by_numbers], replaced)[0], graph.zero());
+    let [is_below, is_below_by_numbers] = [base, by_numbers].map(|own| graph.binary(Binary::Less, own, zero));
+    let opposite = graph.neg(base);
+    let kept = graph.select(is_below_by_numbers, base, opposite);
+    let size = graph.select(is_below, kept, base);
+    let root = match graph.operation(node) {
+        Operation::Power(_, bits) => graph.power(size, f64::from_bits(bits)),
+        _ => graph.unary(Unary::Sqrt, size),
+    };
+    let minus = graph.neg(root);
+    graph.select(is_below, minus, root)
+}
+
 /// Comparisons, whole numbers, angles and tables with kinks that results depend on and that read `moving` arguments, and none that is excluded; each with the
 /// number of its side, which tables of one number with the same knots share.
 fn switching(graph: &Graph, outputs: &[Node], moving: &[bool], excluded: &[bool]) -> Vec<(Node, usize)> {
@@ -144,12 +184,13 @@ mod tests {
     #[test]
     fn formulas_go_on_beyond_their_sides() {
         type Case = (fn(Recorded) -> Recorded, f64, f64, f64);
-        let cases: [Case; 5] = [
+        let cases: [Case; 6] = [
             (|x| x.sin().atan2(x.cos()), 3.0, PI + 0.5, PI + 0.5),
             (|x| x.sin().atan2(x.cos()), 3.5, 3.0, 3.0 - TAU),
             (nearest, 3.0, 4.5, 3.5),
             (table, 0.5, -0.5, -0.25),
             (|x| x.max(Recorded::from(1.0)), 0.5, 2.0, 1.0),
+            (|x| (x - 1.0).max(Recorded::from(0.0)).powf(1.5), 2.0, 0.96, -0.008),
         ];
         for (number, (formula, from, to, expected)) in cases.into_iter().enumerate() {
             let kinds = vec![(ArgumentKind::Coordinate, 1), (ArgumentKind::Parameter, 1), (ArgumentKind::Time, 1)];
