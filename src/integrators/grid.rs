@@ -131,16 +131,17 @@ impl TimeGrid {
         let h = (self.end() - self.times[0]) / self.asked as f64;
         let places: Vec<usize> = self.boundaries().collect();
         for (first, last) in places.iter().copied().zip(places.iter().copied().skip(1)) {
-            let has_events = self.events.range(first..last).next().is_some();
+            // where an event ended the run steps go on up to the end for which they were laid
+            let laid_end = self.laid_end.filter(|_| last == self.steps());
+            let has_events = laid_end.is_some() || self.events.range(first..last).next().is_some();
             if has_events && self.asked > 0 {
-                grid.add_stretch(if last == self.steps() { self.end() } else { self.times[last] }, h);
+                grid.add_stretch(laid_end.unwrap_or(self.times[last]), h);
             } else {
                 let kept = (first + 1..=last).filter(|place| !self.events.contains_key(place));
                 grid.times.extend(kept.map(|place| self.times[place]));
-                if last == self.steps()
-                    && let Some(end) = self.laid_end
-                {
-                    grid.times.push(end);
+                if let Some(end) = laid_end {
+                    let size = |place: usize| self.times[place] - self.times[place.saturating_sub(1)];
+                    grid.add_stretch(end, size(last).max(size(last - 1)));
                 }
             }
             self.breakpoints.get(&last).map(|numbers| grid.breakpoints.insert(grid.steps(), numbers.clone()));

@@ -45,10 +45,12 @@ impl Analysis<'_> {
     }
 }
 
-/// That no variable moves a jump that lies at the start or at the end of a run.
+/// That no variable moves a jump that lies at the start or at the end of a run; one behind an event that ends the run is not in it.
 fn refuse_moved_ends(map: &Breakpoints, grid: &TimeGrid, active: &[bool]) -> Result<(), RunError> {
     let within: HashSet<usize> = grid.breakpoints.values().flatten().copied().collect();
-    let mut all = (0..).zip(map.all()).filter(|(number, _)| !within.contains(number));
+    let last = grid.times[grid.steps()];
+    let is_behind = |t: f64| last < grid.end() && t > last;
+    let mut all = (0..).zip(map.all()).filter(|(number, own)| !within.contains(number) && !is_behind(own.at.t));
     let Some((_, own)) = all.find(|(_, own)| own.kind == Some(SwitchKind::Jump) && own.reads(active)) else { return Ok(()) };
     let end = if own.at.t > 0.5 * grid.times[grid.steps()] { "end" } else { "start" };
     Err(RunError::Input(format!(

@@ -299,3 +299,55 @@ fn a_joint_opens_beyond_its_strength() {
         assert!(error.contains(words), "{error}");
     }
 }
+
+/// What would jump behind the event that ends a run is not in it, so that a variable may move it: T = 0.5 / v.
+#[test]
+fn a_jump_behind_the_end_of_a_run_may_move() {
+    let scene = parsed(
+        r#"
+        version = 1
+        settings = { end = 2, steps = 20 }
+        variable.late = { initial = 1.5, bounds = [0.5, 2], unit = "s" }
+        variable.speed = { initial = 0.8, bounds = [0.5, 2], unit = "m/s" }
+        coordinate = [{ name = "x", rate = "speed" }]
+        element = [
+            { name = "mass", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2", force = { x = "if_less(t, late, 0, 1)" } },
+        ]
+        event = [{ name = "there", nodes = { x = "x" }, when = "x.value - 0.5", end = true }]
+        functional = [{ name = "time", type = "event_time", event = "there", over = "terminal" }]
+        "#,
+    );
+    let (forward, rows) = ran(&scene, &table("esdirk4"), 20);
+    assert_near(forward.values[0], 0.5 / 0.8, 1e-14, "time");
+    assert_near(rows[0][0], 0.0, 0.0, "by the time of the jump");
+    assert_near(rows[0][1], -0.5 / 0.64, 1e-13, "by the speed");
+}
+
+/// A run that an event ends, made again on its steps at designs beside: the same values, and quotients as the adjoint.
+#[test]
+fn a_run_that_ended_at_an_event_is_made_again_on_its_steps() {
+    let scene = parsed(
+        r#"
+        version = 1
+        settings = { end = 20, steps = 400 }
+        variable.speed = { initial = 1, bounds = [0.5, 2], unit = "m/s" }
+        coordinate = [{ name = "x", rate = "speed" }]
+        element = [{ name = "mass", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2", potential = "4 * x.value^4" }]
+        event = [{ name = "back", nodes = { x = "x" }, when = "x.value + 0.3", end = true }]
+        functional = [
+            { name = "time", type = "event_time", event = "back", over = "terminal" },
+            { name = "rate", type = "formula", nodes = { x = "x" }, value = "x.rate", over = "terminal" },
+        ]
+        "#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).expect("it runs");
+    let on_steps = analysis.on_steps_of(&forward);
+    assert_eq!(on_steps.values(&prepared.x).expect("it runs"), forward.values);
+    let rows = analysis.adjoint(&prepared.x, &forward).expect("it is smooth").rows;
+    let quotients = on_steps.central_difference(&prepared.x, &[1.0], 1e-3).expect("it runs");
+    for (row, quotient) in rows.iter().zip(quotients) {
+        assert_near(row[0], quotient, 1e-9 * quotient.abs(), "by the speed");
+    }
+}

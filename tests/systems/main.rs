@@ -3,7 +3,6 @@
 mod aggregates;
 mod breakpoints;
 mod dead_points;
-mod drawn_events;
 mod elimination;
 mod events;
 mod foreign_parts;

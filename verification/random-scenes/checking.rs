@@ -29,6 +29,8 @@ pub enum Outcome {
     Refused(String),
     /// The references are too far apart to tell.
     Unchecked(String),
+    /// At a limit between two motions: other steps make other events, or quotients scatter.
+    Sensitive(String),
     /// They do not agree, and nothing says so.
     Wrong(String),
     /// All agree, and the energy balance is said to be off.
@@ -56,6 +58,8 @@ const FINER: [usize; 2] = [8, 12];
 /// Steps of their difference quotients, as relative changes of the variables: halved each time, for two extrapolations. What vibrates a hundred
 /// times changes its phase by a tenth of a radian.
 const QUOTIENTS: [f64; 3] = [2e-3, 1e-3, 5e-4];
+/// Steps of quotients of runs with the same events: changes that are as slight as roundings let them be.
+const WITH_EVENTS: [f64; 3] = [1e-4, 1e-5, 1e-6];
 /// Time after which a run is told to stop, and gave no result; one that does not stop then hangs.
 const LONGEST: Duration = Duration::from_secs(180);
 
@@ -87,6 +91,21 @@ pub struct Deviation {
     pub of: String,
 }
 
+/// What became of a scene.
+pub struct Judged {
+    pub outcome: Outcome,
+    /// By how much it is off.
+    pub deviation: Option<Deviation>,
+    /// At how many instants something happened in it, of a run that got to its end.
+    pub happened: Option<usize>,
+}
+
+impl From<Outcome> for Judged {
+    fn from(outcome: Outcome) -> Self {
+        Judged { outcome, deviation: None, happened: None }
+    }
+}
+
 /// A drawn scene of a seed.
 pub struct Case {
     pub seed: u64,
@@ -108,25 +127,25 @@ impl Case {
     ///
     /// # Errors
     /// What keeps the program from being run at all.
-    pub fn outcome(&self, place: &Place) -> Result<(Outcome, Option<Deviation>), String> {
+    pub fn outcome(&self, place: &Place) -> Result<Judged, String> {
         place.clear()?;
         let drawn = self.drawn();
         fs::write(place.path("scene.toml"), &drawn.text).map_err(|error| error.to_string())?;
         let line = "gradient scene.toml --check --json --no-report --out out";
         let ended = place.run(&words(line), None, LONGEST)?;
         if ended.is_wrong() {
-            return Ok((Outcome::Broken(ended.err), None));
+            return Ok(Outcome::Broken(ended.err).into());
         }
         if ended.told {
-            return Ok((Outcome::Refused(format!("no result within {} s", LONGEST.as_secs())), None));
+            return Ok(Outcome::Refused(format!("no result within {} s", LONGEST.as_secs())).into());
         }
         let said = ended.out.lines().last().and_then(|line| serde_json::from_str::<Value>(line).ok());
         let error = ended.err.lines().rfind(|line| line.starts_with("error: ")).unwrap_or_default().to_string();
         let Some((said, results)) = said.and_then(|said| Some((results(&said, self)?, said))).map(|(r, s)| (s, r)) else {
-            return Ok((Outcome::Refused(error), None));
+            return Ok(Outcome::Refused(error).into());
         };
         Ok(match self.kind {
-            Kind::Vibration => (self.judge_modes(place, &results)?, None),
+            Kind::Vibration => self.judge_modes(place, &results)?.into(),
             _ => self.judge(&drawn, &said, &results, &ended, &error),
         })
     }
@@ -179,34 +198,102 @@ impl Case {
             values.iter().zip(&others).map(|(own, other)| (own - other).abs()).collect(),
             all.clone().map(|k| (extrapolated(k, 1) - extrapolated(k, 0)).abs()).collect(),
         ];
-        let size = |k: usize| {
-            values[k].abs() + rows[k].iter().map(|own| own.abs()).sum::<f64>() + USUAL * drawn.units.size(&units[k])
-        };
-        let sizes = all.map(size).collect();
+        let sizes = all.map(|k| size_of(values[k], &rows[k], drawn.units.size(&units[k]))).collect();
         Ok(Reference { right: Results { values, slopes }, apart, sizes, moved })
     }
 
-    fn judge(&self, drawn: &Drawn, said: &Value, own: &Results, ended: &Ended, error: &str) -> (Outcome, Option<Deviation>) {
+    /// Where things happen: values of a run by another method with other steps, and how far one of the same method with finer ones is away;
+    /// derivatives by quotients of runs with the same events. And at how many instants something happened.
+    fn reference_with_events(&self, drawn: &Drawn, units: &[String]) -> Result<(Result<Reference, Outcome>, usize), String> {
+        let scene = FileScene::parse("scene", &drawn.text)?;
+        let own = Prepared::new(&scene).map_err(|error| error.to_string())?;
+        let (analysis, x) = (own.analysis(), &own.x);
+        let forward = analysis.forward(x).map_err(|error| error.to_string())?;
+        let happened = |prepared: &Prepared, forward: &Forward| {
+            let names = prepared.analysis().events(forward).into_iter().map(|event| event.name);
+            (names.collect::<Vec<_>>(), forward.grid.events.len())
+        };
+        let (names, instants) = happened(&own, &forward);
+        let finer = |method: &str, finer: usize| -> Result<_, RunError> {
+            let mut settings = AnyScene::settings(&scene);
+            if method != own.method.table.name {
+                settings.level = ConstraintLevel::Acceleration;
+            }
+            settings.method = Some(method.into());
+            settings.steps *= finer;
+            let tolerance = drawn.tolerance.map(|own| own / (finer as f64).powi(drawn.order as i32 + 1));
+            settings.control = tolerance.map(StepControl::new);
+            let prepared = Prepared::with(&scene, x, Prepared::method_of(&settings)?, settings)?;
+            let forward = prepared.analysis().forward(x)?;
+            let happened = happened(&prepared, &forward);
+            Ok((forward.values, happened))
+        };
+        let judge = || -> Result<_, Outcome> {
+            let unchecked = |error: RunError| Outcome::Unchecked(format!("no reference: {error}"));
+            let method = &own.method.table.name;
+            let [course, other] = [(&**method, 2), ("esdirk5", 3)].map(|(method, by)| finer(method, by));
+            let (course, other) = (course.map_err(unchecked)?, other.map_err(unchecked)?);
+            for (of, (_, (of_names, of_instants))) in [("twice as many", &course), ("other", &other)] {
+                if (of_names, of_instants) != (&names, &instants) {
+                    return Err(Outcome::Sensitive(format!(
+                        "with {of} steps {of_instants} instants at which something happens, not {instants}"
+                    )));
+                }
+            }
+            let beside = |error: RunError| Outcome::Sensitive(format!("beside the design: {error}"));
+            let (on_steps, direction) = (analysis.on_steps_of(&forward), self.direction());
+            let noise = on_steps.noise(x, &direction).map_err(beside)?;
+            let quotients = WITH_EVENTS.map(|step| on_steps.central_difference(x, &direction, step));
+            let quotients = quotients.into_iter().collect::<Result<Vec<_>, _>>().map_err(beside)?;
+            let rows = analysis.adjoint(x, &forward).map_err(unchecked)?.rows;
+            let moved = energy_moved(&own, &forward).map_err(unchecked)?;
+            let all = 0..forward.values.len();
+            // of two neighbours that are least apart the shorter one
+            let best = all.clone().map(|k| {
+                let apart = |i: usize| (quotients[i][k] - quotients[i + 1][k]).abs() + noise[k] / WITH_EVENTS[i + 1];
+                let i = if apart(0) < apart(1) { 0 } else { 1 };
+                (quotients[i + 1][k], apart(i))
+            });
+            let (slopes, scatter) = best.unzip();
+            let away = all.clone().map(|k| (forward.values[k] - course.0[k]).abs()).collect();
+            let sizes = all.map(|k| size_of(forward.values[k], &rows[k], drawn.units.size(&units[k]))).collect();
+            Ok(Reference { right: Results { values: other.0, slopes }, apart: [away, scatter], sizes, moved })
+        };
+        Ok((judge(), instants))
+    }
+
+    fn judge(&self, drawn: &Drawn, said: &Value, own: &Results, ended: &Ended, error: &str) -> Judged {
+        let has_events = self.kind == Kind::Events;
         let warnings: Vec<&str> = ended.err.lines().filter_map(|line| line.strip_prefix("warning: ")).collect();
         let texts = |key: &str| -> Vec<String> {
             let all = said["functionals"].as_array().into_iter().flatten();
             all.map(|own| own[key].as_str().unwrap_or_default().to_string()).collect()
         };
         let (names, units) = (texts("name"), texts("unit"));
-        let Reference { right, apart, sizes, moved } = match self.reference(drawn, &units) {
-            Ok(reference) => reference,
-            Err(why) => return (Outcome::Unchecked(format!("no reference: {why}")), None),
+        let reference = match has_events {
+            true => self.reference_with_events(drawn, &units).map(|(own, count)| (own, Some(count))),
+            false => self.reference(drawn, &units).map(|own| (Ok(own), None)),
         };
+        let (reference, happened) = match reference {
+            Ok((Ok(own), happened)) => (own, happened),
+            Ok((Err(outcome), happened)) => return Judged { happened, ..outcome.into() },
+            Err(why) => return Outcome::Unchecked(format!("no reference: {why}")).into(),
+        };
+        let Reference { right, apart, sizes, moved } = reference;
         // what the run says of itself
         let steps = said["steps"].as_f64().unwrap_or(1.0);
-        let estimate = drawn.tolerance.or(said["largest_step_error"]["share"].as_f64()).unwrap_or(0.0);
+        let own_estimate = drawn.tolerance.or(said["largest_step_error"]["share"].as_f64()).unwrap_or(0.0);
+        // where things happen finer steps tell how far off it is
+        let estimate = if has_events { 0.0 } else { own_estimate };
+        let (slight, rough_share) =
+            if has_events { ([SLIGHT[0], OF_QUOTIENTS], [ROUGH, SLIGHT[1]]) } else { (SLIGHT, [ROUGH; 2]) };
         // an error of C h^p changes by p of it where a variable stretches the time that each step takes, and C by as much as the value
         let by_design = [1.0, 1.0 + drawn.order as f64];
         let (mut wrong, mut rough) = (Vec::new(), Vec::new());
         for (k, name) in names.iter().enumerate() {
             let off = [(own.values[k] - right.values[k]).abs(), (own.slopes[k] - right.slopes[k]).abs()];
             for (what, i) in [("value", 0), ("derivative", 1)] {
-                let allowed = SLIGHT[i].max(SAFETY * steps * estimate * by_design[i]) * sizes[k] + SAFETY * apart[i][k];
+                let allowed = slight[i].max(SAFETY * steps * estimate * by_design[i]) * sizes[k] + SAFETY * apart[i][k];
                 if !(off[i] <= allowed) {
                     let (own, right) = [(own.values[k], right.values[k]), (own.slopes[k], right.slopes[k])][i];
                     let (off, allowed) = (off[i] / sizes[k], allowed / sizes[k]);
@@ -214,7 +301,7 @@ impl Case {
                         format!("{what} of \"{name}\" {own:e} for {right:e}: {off:.1e} of its size off, {allowed:.1e} said"),
                         off / FIRST_ORDER[i],
                     ));
-                } else if apart[i][k] > ROUGH * sizes[k] {
+                } else if apart[i][k] > rough_share[i] * sizes[k] {
                     rough.push(format!(
                         "{what} of \"{name}\": references are {:.1e} of its size apart",
                         apart[i][k] / sizes[k]
@@ -223,6 +310,7 @@ impl Case {
             }
         }
         if wrong.is_empty()
+            && !has_events
             && let Err(why) = self.same_steps(own, &sizes)
         {
             wrong.push((why, f64::INFINITY));
@@ -258,10 +346,11 @@ impl Case {
             (Some(_), _) => Outcome::Told(warnings.join(" | ")),
             (None, Some(alarm)) if left.abs() <= StepError::COARSE * moved => Outcome::EnergyAlarm(alarm.to_string()),
             _ if error.contains("differs from") => Outcome::CheckFails(error.into()),
+            _ if !rough.is_empty() && has_events => Outcome::Sensitive(rough.swap_remove(0)),
             _ if !rough.is_empty() => Outcome::Unchecked(rough.swap_remove(0)),
             _ => Outcome::Right,
         };
-        (outcome, deviation)
+        Judged { outcome, deviation, happened }
     }
 
     /// The gradient against quotients of runs of the same steps, each built and solved by itself.
@@ -320,6 +409,11 @@ impl Case {
         }
         Ok(Outcome::Right)
     }
+}
+
+/// The size of a functional, by its derivatives and what is usual in its unit.
+fn size_of(value: f64, row: &[f64], usual: f64) -> f64 {
+    value.abs() + row.iter().map(|own| own.abs()).sum::<f64>() + USUAL * usual
 }
 
 /// Largest kinetic energy of a run, and how much the potential one changes \[J\].

@@ -2,13 +2,15 @@
 //! their nodes. Joints, springs, drivers and quantities are drawn by the keys of their entries, methods from the list of tables: a new one is
 //! drawn by being listed. All else is text with marks, such as `<N/m>` for a number of this unit.
 
+mod happenings;
+
 use crate::Lots;
 use costate::elements::NodeKind;
 use costate::elements::entries::{Form, Part, Type};
 use costate::elements::forces::{DAMPERS, SPRINGS};
 use costate::elements::joints::{DRIVERS, JOINTS};
 use costate::functionals::quantities::QUANTITIES;
-use costate::integrators::tables;
+use costate::integrators::{DEFAULT_TABLE, Table, tables};
 use std::fmt::Write;
 
 /// Design variables: each multiplies all numbers of its kind, the last one all times at which something happens.
@@ -23,10 +25,18 @@ pub const DRAWN: Design = [1.0; VARIABLES.len()];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Motion,
+    /// A motion with stops, latches, events and forces that set in.
+    Events,
     /// Of parts on bushings, under loads.
     Equilibrium,
     /// Parts on bushings, or free in space, with states of first order; modes are measured.
     Vibration,
+}
+
+impl Kind {
+    fn moves(self) -> bool {
+        matches!(self, Kind::Motion | Kind::Events)
+    }
 }
 
 /// What tells the program when formulas of time jump.
@@ -152,10 +162,15 @@ struct Growing {
     is_free: bool,
     /// It has beams and cables, and begins at rest: velocities of their ends alone would stretch them within a step.
     is_flexible: bool,
+    /// It is a chain of hinges.
+    is_chain: bool,
+    /// Steps end where formulas pass from one piece to another.
+    is_locating: bool,
     /// The ground first.
     places: Vec<Place>,
     joints: Vec<Joint>,
     angles: Vec<String>,
+    coordinates: Vec<String>,
     beams: Vec<String>,
     loops: i32,
     /// Names, what formulas know of them, and units.
@@ -201,6 +216,8 @@ const LAWS: [&str; 9] = [
     "\"<K> * abs(s - <share> * S) + <C> * v\"",
     "{ type = \"table\", points = [\"-S\", \"-0.4 * S\", \"0.5 * S\", \"1.2 * S\"], values = [\"-<K> * S\", \"-0.3 * <K> * S\", \"0.5 * <K> * S\", \"<K> * S\"], interpolation = \"<way>\" }",
 ];
+/// How many of them are smooth.
+const SMOOTH: usize = 4;
 /// Forces on a node p.
 const FORCES: [&str; 7] = [
     "-0.5 * <positive N> * norm(p.velocity) * p.velocity / <size m/s>^2",
@@ -225,20 +242,28 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     let mut lots = Lots::new(seed, 7);
     let units = Units([lots.size(1e-2, 1e2), lots.size(1e-3, 1e3), lots.size(1e-2, 1e1)]);
     let end = if kind == Kind::Equilibrium { 1.0 } else { round(lots.number(0.5, 2.5) * units.size("s")) };
-    let methods: Vec<_> = tables().into_iter().filter(|table| !table.is_static()).collect();
-    let method = &methods[lots.below(methods.len())];
+    let has_events = kind == Kind::Events;
+    // what stays at a stop lets go by the forces at the ends of steps
+    let may_stop = |own: &Table| !has_events || own.stiffly_accurate && own.variational.is_none();
+    let methods: Vec<_> = tables().into_iter().filter(|table| !table.is_static() && may_stop(table)).collect();
+    let mut method = &methods[lots.below(methods.len())];
+    if has_events && lots.happens(0.5) {
+        method = methods.iter().find(|own| own.name == DEFAULT_TABLE).unwrap_or(method);
+    }
     let level = lots.pick(&["position", "acceleration"]);
-    let may_choose = kind == Kind::Motion && method.embedded.is_some() && lots.happens(0.3);
+    let may_choose = kind.moves() && method.embedded.is_some() && lots.happens(0.3);
     let tolerance = may_choose.then(|| round(lots.size(1e-7, 1e-3)));
     let steps = match kind {
         Kind::Motion => lots.pick(&[20, 30, 40, 60, 80]),
+        Kind::Events => lots.pick(&[40, 60, 100]),
         Kind::Equilibrium => lots.pick(&[5, 10, 20]),
         Kind::Vibration => 2,
     };
     let is_free = kind == Kind::Vibration && lots.happens(0.5);
-    let is_flexible = kind != Kind::Motion || lots.happens(0.5);
+    let is_flexible = !kind.moves() || lots.happens(0.5);
+    let [is_chain, is_locating] = [0.4, 0.6].map(|odds| has_events && lots.happens(odds));
     let places = vec![Place { name: "ground".into(), at: [0.0; 3], has_axes: true, freedom: 0 }];
-    let (joints, angles, beams, states, times) = Default::default();
+    let (joints, angles, coordinates, beams, states, times) = Default::default();
     let text = String::new();
     let mut growing = Growing {
         lots,
@@ -250,9 +275,12 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
         jumps,
         is_free,
         is_flexible,
+        is_chain,
+        is_locating,
         places,
         joints,
         angles,
+        coordinates,
         beams,
         loops: 0,
         states,
@@ -260,7 +288,11 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
         times,
     };
     growing.line("version = 1");
-    if kind != Kind::Vibration && growing.lots.happens(0.8) {
+    if is_chain {
+        let down = growing.lots.number(-10.0, -3.0);
+        let down = growing.formula(down, "m/s2");
+        growing.line(&format!("gravity = [0, 0, \"{down}\"]"));
+    } else if kind != Kind::Vibration && growing.lots.happens(0.8) {
         growing.line("gravity = [\"<m/s2>\", \"<m/s2>\", \"<m/s2>\"]");
     }
     growing.line("[variable]");
@@ -270,7 +302,7 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     growing.line(&format!("[settings]\nend = {end:?}"));
     let level = if method.name == "variational" { String::new() } else { format!("constraint_level = \"{level}\"\n") };
     match kind {
-        Kind::Motion => growing.line(&format!("method = \"{}\"\n{level}project_start = true", method.name)),
+        Kind::Motion | Kind::Events => growing.line(&format!("method = \"{}\"\n{level}project_start = true", method.name)),
         Kind::Equilibrium => growing.line("method = \"static\""),
         Kind::Vibration if !is_free => growing.line("start = \"equilibrium\""),
         Kind::Vibration => {}
@@ -278,6 +310,9 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     growing.line(&tolerance.map_or(format!("steps = {steps}"), |tolerance| format!("tolerance = {tolerance:?}")));
     if growing.lots.happens(0.7) {
         growing.line("drop_redundant = true");
+    }
+    if is_locating {
+        growing.line("locate = true");
     }
     growing.grow();
     Drawn { text: growing.text, units, steps, tolerance, order: method.order }
@@ -394,13 +429,19 @@ impl Growing {
         self.fill(&text)
     }
 
+    /// Events stand alone: elsewhere laws in pieces are, too.
+    fn is_smooth(&self) -> bool {
+        self.kind == Kind::Events && !self.is_locating
+    }
+
     /// A force that pulls a stretch back, by formula or table.
     fn law(&mut self, unit: &str) -> String {
         let (stiffness, damping, size) = match unit {
             "N" => ("<N/m>", "<N s/m>", self.units.size("m")),
             _ => ("<N m/rad>", "<N m s/rad>", 1.0),
         };
-        let text = self.lots.pick(&LAWS).replace("<K>", stiffness).replace("<C>", damping);
+        let laws = if self.is_smooth() { &LAWS[..SMOOTH] } else { &LAWS[..] };
+        let text = self.lots.pick(laws).replace("<K>", stiffness).replace("<C>", damping);
         let text = text.replace("<F>", &format!("<{unit}>")).replace('S', &format!("{:?}", round(size)));
         self.fill(&text)
     }
@@ -482,7 +523,7 @@ impl Growing {
 
     /// Whether a part begins with a velocity.
     fn moves(&mut self) -> bool {
-        self.kind == Kind::Motion && !self.is_flexible && self.lots.happens(0.5)
+        self.kind.moves() && !self.is_flexible && self.lots.happens(0.5)
     }
 
     fn body(&mut self) {
@@ -517,7 +558,7 @@ impl Growing {
     /// Holds a body by another: by a joint of the list, or by a bushing where it must stand. Returns in how many ways it moves.
     fn hold(&mut self, [a, b]: [&Place; 2]) -> i32 {
         let geometry = self.geometry(sum(a.at, sum(b.at, a.at, -1.0), 0.5));
-        if self.kind != Kind::Motion {
+        if !self.kind.moves() {
             self.part("spring", &form_of(SPRINGS, "bushing"), [a, b], &geometry, "");
             return 6;
         }
@@ -543,7 +584,8 @@ impl Growing {
         };
         match self.lots.below(6) {
             place @ 0..=1 => drop(self.part("spring", &form_of(SPRINGS, others[place]), ends, &geometry, "")),
-            2 => {
+            // what a driver alone moves reaches no stop
+            2 if self.kind != Kind::Events || a.freedom > 0 => {
                 let (form, [a, b]) = (form_of(DRIVERS, others[2]), ends.map(Place::clone));
                 let name = self.part("driver", &form, ends, &geometry, "");
                 self.joints.push(Joint { name, form: form.name, ends: [a, b], geometry });
@@ -581,13 +623,13 @@ impl Growing {
     fn point(&mut self) {
         let (at, other, holder) = (self.lots.place(), self.any(), self.holder());
         // what has no mass is carried by a body
-        let is_carried = self.kind == Kind::Motion && other.has_axes && self.lots.happens(0.2);
+        let is_carried = self.kind.moves() && other.has_axes && self.lots.happens(0.2);
         let mass = if is_carried { "" } else { "mass = \"<kg>\"\n" };
         let moves = !is_carried && self.moves();
         let velocity = if moves { "velocity = [\"<m/s>\", 0, \"<m/s>\"]\n" } else { "" };
         let name = self.add("point", "point", &format!("position = {}\n{mass}{velocity}", self.vector(at)));
         let (mut own, geometry) = (Place { name, at, has_axes: false, freedom: 3 }, self.geometry(at));
-        if self.kind != Kind::Motion {
+        if !self.kind.moves() {
             for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
                 let along = Geometry { point: at, axes: [axis; 2] };
                 holder.iter().for_each(|holder| {
@@ -657,7 +699,7 @@ impl Growing {
         let is_held = holder.is_some();
         match holder.filter(|holder| holder.name != "ground") {
             Some(holder) => _ = writeln!(keys, "start_node = \"{}\"", holder.name),
-            None if is_held || self.kind != Kind::Motion || self.lots.happens(0.7) => keys += "clamped = [\"start\"]\n",
+            None if is_held || !self.kind.moves() || self.lots.happens(0.7) => keys += "clamped = [\"start\"]\n",
             None => {}
         }
         if is_beam {
@@ -704,7 +746,8 @@ impl Growing {
                 self.add("torque", "torque", &format!("on = \"{name}\"\naxis = <axis>\nsize = {size}"));
             }
             _ => {
-                let (node, force) = (self.named_node(&on), self.lots.pick(&FORCES));
+                let (node, force) =
+                    (self.named_node(&on), self.lots.pick(if self.is_smooth() { &FORCES[..2] } else { &FORCES[..] }));
                 let keys = format!("nodes = {{ p = {node} }}\nforce = {{ p = \"{force}\" }}");
                 self.add("element", "own load", &keys);
             }
@@ -716,7 +759,7 @@ impl Growing {
         let seen = self.moving();
         let (node, place) = (self.named_node(&seen), self.lots.below(3));
         let (axis, lag) = (["x", "y", "z"][place], round(self.lots.size(0.05, 1.0) * self.units.size("s")));
-        let is_motion = self.kind == Kind::Motion;
+        let is_motion = self.kind.moves();
         let of_time = if is_motion && self.lots.happens(0.6) { self.lots.pick(&OF_TIME) } else { "0" };
         let [rates, places] = ["<m/s>", "<m>"].map(|unit| of_time.replace("<U>", unit));
         let rest = if is_motion { "<m/s>" } else { "0" };
@@ -765,7 +808,7 @@ impl Growing {
     }
 
     fn functional(&mut self) {
-        let (on, is_motion) = (self.moving(), self.kind == Kind::Motion);
+        let (on, is_motion) = (self.moving(), self.kind.moves());
         // over a load an integral is a sum of as many terms as there are steps, which nobody asks for
         let over = self.lots.pick(&["terminal", "terminal", "integral", "maximum"]);
         let over = if is_motion { over } else { "terminal" };
@@ -824,8 +867,12 @@ impl Growing {
     }
 
     fn grow(&mut self) {
-        let is_motion = self.kind == Kind::Motion;
-        for _ in 0..1 + self.lots.below(4) {
+        let is_motion = self.kind.moves();
+        if self.is_chain {
+            self.chain();
+        }
+        let members = if self.is_chain { 0 } else { 1 + self.lots.below(4) };
+        for _ in 0..members {
             match self.lots.below(14) {
                 7 if !self.is_free || self.places.len() > 1 => self.point(),
                 8..=11 if self.is_flexible && !self.is_free => self.flexible("beam"),
@@ -837,6 +884,9 @@ impl Growing {
         // one body alone has no modes behind its rigid motions
         while self.is_free && self.places.len() < 3 {
             self.body();
+        }
+        if self.kind == Kind::Events && !self.is_chain && self.lots.happens(0.3) {
+            self.coordinate();
         }
         for _ in 0..self.lots.below(3) {
             let (a, b) = (self.any(), self.moving());
@@ -875,6 +925,9 @@ impl Growing {
         if self.text.contains("curve(") {
             let values = "points = [-1.5, -0.4, 0.6, 1.5]\nvalues = [-1, \"-0.2 * drive\", 0.5, \"0.8 * drive\"]";
             self.line(&format!("\n[table.curve]\n{values}\ninterpolation = \"<way>\"\nextrapolation = \"constant\""));
+        }
+        if self.kind == Kind::Events {
+            self.happenings();
         }
         if self.jumps == Jumps::Given {
             // a force of nothing whose steps in time everyone sees
