@@ -37,6 +37,8 @@ pub struct TimeGrid {
     pub(super) asked: usize,
     /// End for which they were, where an event ended the run before it.
     pub(super) laid_end: Option<f64>,
+    /// Of steps that were chosen, to be made again: sizes of those behind each event in turn, with the shares of its motion that their ends have.
+    pub(super) behind_events: Vec<Vec<(f64, f64)>>,
 }
 
 /// How an end of a step moves: its shares of the motion of the event before it, and of those of two breakpoints, each with its place among the ends.
@@ -80,7 +82,14 @@ impl TimeGrid {
 
     /// Steps to be laid from a time on, for so many equal ones; 0 for steps to be chosen.
     pub(super) fn begin(t: f64, asked: usize) -> Self {
-        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), events: BTreeMap::new(), asked, laid_end: None }
+        TimeGrid {
+            times: vec![t],
+            breakpoints: BTreeMap::new(),
+            events: BTreeMap::new(),
+            asked,
+            laid_end: None,
+            behind_events: Vec::new(),
+        }
     }
 
     fn boundaries(&self) -> impl Iterator<Item = usize> {
@@ -125,28 +134,43 @@ impl TimeGrid {
         self.laid_end.unwrap_or(self.times[self.steps()])
     }
 
-    /// The steps as they were laid before a run found events, which each run finds anew; chosen ones without the ends at events.
+    /// The steps as they were laid before a run found events, which each run finds anew; of chosen ones those behind an event as their sizes.
     fn without_events(&self) -> Self {
         let mut grid = Self::begin(self.times[0], self.asked);
         let h = (self.end() - self.times[0]) / self.asked as f64;
         let places: Vec<usize> = self.boundaries().collect();
         for (first, last) in places.iter().copied().zip(places.iter().copied().skip(1)) {
+            let [_, end] = self.ends_of(first, last);
             // where an event ended the run steps go on up to the end for which they were laid
-            let laid_end = self.laid_end.filter(|_| last == self.steps());
-            let has_events = laid_end.is_some() || self.events.range(first..last).next().is_some();
-            if has_events && self.asked > 0 {
-                grid.add_stretch(laid_end.unwrap_or(self.times[last]), h);
-            } else {
-                let kept = (first + 1..=last).filter(|place| !self.events.contains_key(place));
-                grid.times.extend(kept.map(|place| self.times[place]));
-                if let Some(end) = laid_end {
-                    let size = |place: usize| self.times[place] - self.times[place.saturating_sub(1)];
-                    grid.add_stretch(end, size(last).max(size(last - 1)));
+            let is_ended = self.laid_end.is_some() && last == self.steps();
+            let event = self.events.range(first + 1..last + usize::from(is_ended)).next().map(|(event, _)| *event);
+            match event {
+                Some(_) if self.asked > 0 => grid.add_stretch(end, h),
+                Some(event) => {
+                    grid.times.extend_from_slice(&self.times[first + 1..event]);
+                    let size = |place: usize| self.times[place] - self.times[place - 1];
+                    grid.add_stretch(end, size(event).max(size((event + 1).min(last))));
                 }
+                None => grid.times.extend_from_slice(&self.times[first + 1..=last]),
             }
             self.breakpoints.get(&last).map(|numbers| grid.breakpoints.insert(grid.steps(), numbers.clone()));
         }
+        if self.asked == 0 {
+            grid.behind_events = self.events.keys().map(|&event| self.sizes_behind(event)).collect();
+        }
         grid
+    }
+
+    /// Sizes of the steps behind an event up to the next one or the end of the stretch, with the shares of its motion that their ends have.
+    fn sizes_behind(&self, event: usize) -> Vec<(f64, f64)> {
+        let is_last = |place: &usize| self.is_fixed(*place) || self.events.contains_key(place);
+        let last = (event + 1..=self.steps()).find(is_last).unwrap_or(event);
+        let of = |place: usize| {
+            let size = self.times[place] - self.times[place - 1];
+            // one that an event ends was longer before it was found
+            if self.events.contains_key(&place) { (2.0 * size, 1.0) } else { (size, self.share_behind_event(place)) }
+        };
+        if self.is_fixed(event) { Vec::new() } else { (event + 1..=last).map(of).collect() }
     }
 
     /// Steps behind an event keep their sizes, so that their ends move with it up to a breakpoint or the end of the run, before which the last step
@@ -232,7 +256,7 @@ impl TimeGrid {
         let mut times = vec![self.times[0]];
         times.extend(self.times.windows(2).flat_map(|ends| [0.5 * (ends[0] + ends[1]), ends[1]]));
         let breakpoints = self.breakpoints.iter().map(|(index, numbers)| (2 * index, numbers.clone())).collect();
-        TimeGrid { times, breakpoints, events: BTreeMap::new(), asked: 2 * self.asked, laid_end: None }
+        TimeGrid { times, breakpoints, asked: 2 * self.asked, ..Self::begin(0.0, 0) }
     }
 
     /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.

@@ -10,12 +10,18 @@ pub(super) struct RunInterval<'c> {
     pub step_size: StepSizeState,
     /// Size of the steps that are laid from an event up to the end of its stretch, where they are given \[s\].
     pub laid: f64,
+    /// Events that were found, and steps behind the last of them.
+    events: usize,
+    behind: usize,
 }
+
+/// More steps than there are.
+const NONE_LEFT: usize = usize::MAX / 2;
 
 impl<'c> RunInterval<'c> {
     /// At the start of the first stretch, with the steps to be added to `grid`.
     pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid, step_size: StepSizeState) -> Self {
-        RunInterval { stretches, grid, target: 1, step_size, laid: f64::INFINITY }
+        RunInterval { stretches, grid, target: 1, step_size, laid: f64::INFINITY, events: 0, behind: 0 }
     }
 
     pub fn t(&self) -> f64 {
@@ -105,7 +111,21 @@ impl<'c> RunInterval<'c> {
         } else {
             self.advance(end);
         }
+        (self.events, self.behind) = (self.events + 1, 0);
+        self.lay_behind_event();
         self.grid.events.insert(self.grid.steps(), changes);
+    }
+
+    /// Makes the next step as long as it was in a run with chosen steps, wherever the event before it is now.
+    fn lay_behind_event(&mut self) {
+        let sizes = self.events.checked_sub(1).and_then(|event| self.stretches.behind_events.get(event));
+        let Some(&(size, share)) = sizes.and_then(|sizes| sizes.get(self.behind)).filter(|_| !self.at_end()) else { return };
+        self.laid = match share {
+            0.0 => f64::INFINITY,
+            // the first of two halves
+            ..1.0 => 0.75 * (self.next_breakpoint() - self.t()),
+            _ => size,
+        };
     }
 
     /// Ends at an event, where the last step ended.
@@ -128,6 +148,12 @@ impl<'c> RunInterval<'c> {
             }
             self.target += 1;
             self.laid = f64::INFINITY;
+            if self.events > 0 {
+                // of another stretch
+                self.behind = NONE_LEFT;
+            }
         }
+        self.behind += 1;
+        self.lay_behind_event();
     }
 }

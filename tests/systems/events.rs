@@ -279,9 +279,9 @@ fn a_joint_opens_beyond_its_strength() {
     let [length, m, strength, g] = [1.5, 2.0, 40.0, 9.81];
     let c: f64 = strength / (3.0 * m * g);
     let vx = (2.0 * g * length * c).sqrt() * c;
-    assert_near(forward.values[0], vx, 1e-7);
+    assert_near(forward.values[0], vx, 1e-7, "velocity");
     for (own, exact) in rows[0].iter().zip([0.5 * vx / length, -1.5 * vx / m, 1.5 * vx / strength]) {
-        assert_near(*own, exact, 1e-6);
+        assert_near(*own, exact, 1e-6, "derivative");
     }
     for (text, words) in [
         ("strength = 10", "the release of rod is due at the start"),
@@ -349,5 +349,68 @@ fn a_run_that_ended_at_an_event_is_made_again_on_its_steps() {
     let quotients = on_steps.central_difference(&prepared.x, &[1.0], 1e-3).expect("it runs");
     for (row, quotient) in rows.iter().zip(quotients) {
         assert_near(row[0], quotient, 1e-9 * quotient.abs(), "by the speed");
+    }
+}
+
+/// On the steps of a run that chose them neighbouring designs are run with steps behind an event that move with it.
+#[test]
+fn chosen_steps_behind_an_event_move_with_it() {
+    let scene = parsed(
+        r#"
+        version = 1
+        settings = { end = 3, tolerance = 1e-4 }
+        variable.stiffness = { initial = 3, bounds = [1, 10], unit = "N/m" }
+        variable.speed = { initial = 1, bounds = [0.5, 2], unit = "m/s" }
+        coordinate = [{ name = "x", rate = "speed" }]
+        number = [{ name = "mode" }]
+        element = [{ name = "mass", nodes = { x = "x", mode = "mode" }, kinetic = "0.5 * x.rate^2", potential = "0.25 * stiffness * x.value^4", force = { x = "-mode.value * x.rate^3" } }]
+        event = [{ name = "damped", nodes = { x = "x", mode = "mode" }, when = "x.value - 0.5", set = { mode = 1 }, once = true }]
+        functional = [{ name = "x", type = "formula", nodes = { x = "x" }, value = "x.value", over = "terminal" }]
+        "#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("it runs");
+    let on_steps = analysis.on_steps_of(&forward);
+    assert_eq!(on_steps.values(x).expect("it runs"), forward.values);
+    let row = &analysis.adjoint(x, &forward).expect("it is smooth").rows[0];
+    for i in 0..2 {
+        let mut along = [0.0; 2];
+        along[i] = 1.0;
+        let quotient = on_steps.central_difference(x, &along, 1e-4).expect("it runs")[0];
+        assert_near(row[i], quotient, 1e-9, "derivative");
+    }
+}
+
+/// Equal steps are laid anew behind an event, in the size that the ends of its stretch give them, which move.
+#[test]
+fn steps_behind_an_event_move_with_breakpoints() {
+    let scene = parsed(
+        r#"
+        version = 1
+        variable.late = { initial = 1.0, bounds = [0.5, 2] }
+        settings = { end = 2, steps = 17 }
+        coordinate = [{ name = "x", rate = 1 }]
+        element = [
+            { name = "m", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2", potential = "3 * x.value^4" },
+            { name = "pushed", nodes = { x = "x" }, force = { x = "if_less(t, 1.2 * late, 0, 1)" } },
+        ]
+        event = [{ name = "e", nodes = { x = "x" }, when = "x.value - 0.43", once = true }]
+        functional = [
+            { name = "f", type = "coordinate", on = "x", over = "terminal" },
+            { name = "g", type = "formula", nodes = { x = "x" }, value = "x.rate^2", over = "integral" },
+        ]
+        "#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("it runs");
+    let [adjoint, tangent, complex] = [Analysis::adjoint, Analysis::tangent, Analysis::complex_step]
+        .map(|by| by(&analysis, x, &forward).expect("it is smooth").rows);
+    let quotients = analysis.central_difference(x, &[1.0], 1e-4).expect("it runs");
+    for k in 0..2 {
+        assert_near(adjoint[k][0], complex[k][0], 1e-12, "complex step");
+        assert_near(adjoint[k][0], tangent[k][0], 1e-12, "tangent");
+        assert_near(adjoint[k][0], quotients[k], 1e-9, "quotient");
     }
 }
