@@ -51,6 +51,8 @@ pub struct Closing {
     pub joint: usize,
     /// How it is hit, where it is a stop; what is locked stays closed.
     pub stop: Option<Stop>,
+    /// Place in v of a state to which the size of its impulses is added.
+    pub impulse: Option<usize>,
 }
 
 /// A stop, g <= 0 or g >= 0.

@@ -101,8 +101,7 @@ impl<S: RunScalar> Sample<S> {
                 *target.of([&mut self.at.v, &mut self.at.q]) = *value;
             }
             for own in step.impacts.iter().filter(|own| own.event == number) {
-                let factor = own.factor(p);
-                self.at.v.iter_mut().zip(&own.solve.unknowns.x).for_each(|(v, &x)| *v += x * factor);
+                own.add_to(&mut self.at.v, p, S::one());
             }
         }
     }

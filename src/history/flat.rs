@@ -206,7 +206,7 @@ flat! {
     Prediction<f64> { tracks }
     SideChange { switch, sides }
     SetNumber<f64> { event, target, value }
-    ImpactRecord<f64> { event, solve, dropped, restitution }
+    ImpactRecord<f64> { event, solve, dropped, restitution, impulse }
     StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }

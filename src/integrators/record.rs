@@ -86,10 +86,12 @@ pub struct ImpactRecord<S> {
     pub dropped: Vec<usize>,
     /// Place in p of the restitution e: velocities change by (1 + e) x; without one by x.
     pub restitution: Option<usize>,
+    /// Places in mu and in v of an impulse and of the state to which its size is added.
+    pub impulse: Option<[usize; 2]>,
 }
 
 clone_fields!(SolveRecord { t, equations, base, unknowns });
-clone_fields!(ImpactRecord { event, solve, dropped, restitution });
+clone_fields!(ImpactRecord { event, solve, dropped, restitution, impulse });
 clone_fields!(StageRecord { solve, known });
 clone_fields!(StepRecord {
     t,
@@ -114,6 +116,36 @@ impl<S: Scalar> ImpactRecord<S> {
     /// How much of x velocities change by.
     pub fn factor(&self, p: &[S]) -> S {
         self.restitution.map_or(S::one(), |place| p[place] + S::one())
+    }
+
+    /// Adds what it changes to velocities and states that are measured by a time that goes `pace` times as fast.
+    pub fn add_to(&self, v: &mut [S], p: &[S], pace: S) {
+        let factor = self.factor(p) * pace;
+        v.iter_mut().zip(&self.solve.unknowns.x).for_each(|(v, &x)| *v += x * factor);
+        if let Some((dof, size)) = self.size() {
+            v[dof] += size * factor;
+        }
+    }
+
+    /// The state to which the size of its impulse is added, and that without restitution.
+    fn size(&self) -> Option<(usize, S)> {
+        let [row, dof] = self.impulse?;
+        let own = self.solve.unknowns.mu[row];
+        Some((dof, if own.value() < 0.0 { -own } else { own }))
+    }
+}
+
+impl ImpactRecord<f64> {
+    /// Adds the adjoint of its multipliers by that of velocities and states, and that of the restitution.
+    pub fn add_transposed(&self, v_bar: &[f64], p: &[f64], mu_bar: &mut [f64], p_bar: &mut [f64]) {
+        let along: f64 = self.solve.unknowns.x.iter().zip(v_bar).map(|(x, bar)| x * bar).sum();
+        let impulse = self.size().zip(self.impulse);
+        if let Some(((dof, _), [row, _])) = impulse {
+            mu_bar[row] += self.factor(p) * self.solve.unknowns.mu[row].signum() * v_bar[dof];
+        }
+        if let Some(place) = self.restitution {
+            p_bar[place] += along + impulse.map_or(0.0, |((dof, size), _)| size * v_bar[dof]);
+        }
     }
 }
 

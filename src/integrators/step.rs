@@ -119,10 +119,6 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
     newton.release().map_err(|singular| RunError::of_pattern("start", singular))
 }
 
-fn add_times<S: RunScalar>(target: &mut [S], values: &[S], factor: S) {
-    target.iter_mut().zip(values).for_each(|(target, &value)| *target += value * factor);
-}
-
 /// Largest of some numbers, or one.
 fn size<S: RunScalar>(values: &[S]) -> f64 {
     values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()))
@@ -751,7 +747,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 changes.extend(Some(own).filter(|_| !is_made_again));
             }
         }
-        for Closing { joint, stop } in closes {
+        for Closing { joint, stop, impulse } in closes {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
             if !is_made_again {
                 self.check_hit(*joint, hit)?;
@@ -779,9 +775,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 let is_plastic = self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value();
                 restitution = (!is_plastic).then_some(*e);
             }
-            let impact = ImpactRecord { event: number, solve, dropped, restitution };
-            let factor = impact.factor(&self.p) * self.clock.map_or(S::one(), |clock| clock.length());
-            add_times(&mut self.between.carried[1], &impact.solve.unknowns.x, factor);
+            let impulse = impulse.map(|dof| [equations.start, dof]);
+            let impact = ImpactRecord { event: number, solve, dropped, restitution, impulse };
+            let pace = self.clock.map_or(S::one(), |clock| clock.length());
+            impact.add_to(&mut self.between.carried[1], &self.p, pace);
             let is_held = restitution.is_none();
             if !is_made_again {
                 changes.extend(Some(closing).filter(|_| is_held));

@@ -4,6 +4,7 @@ use super::arguments::ArgumentKind::{self, Coordinate, Side, Velocity};
 use super::formula::Formula;
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
+use super::switches::AHEAD;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ impl Formula {
     /// The formula with the sides of its comparisons, whole numbers, angles and tables with kinks as arguments behind the parameters of its part, for those that
     /// coordinates or velocities decide without accelerations. A side of 0 leaves the decision to the numbers, as in the formula itself. Of a comparison 1
     /// means that it holds, -1 that it does not; of the largest whole number n up to a number, n + 1 means n where it is not below zero, and n itself
-    /// below; of a table a side is a place in the piece that counts; of the angle of a point 1 means that it is above zero or pi, and goes on beyond that, -1 that it is below.
+    /// below; of a table a side is a place in the piece that counts; of the angle of a point 1 means that it is near pi or beyond, -1 near -pi, and 2 that it is neither.
     ///
     /// # Errors
     /// A formula that has no parameters of a part.
@@ -61,10 +62,12 @@ impl Formula {
                         let [own, y, x] = numbers[..] else { unreachable!("as many as were given") };
                         let (is_left, towards) = (graph.binary(Binary::Less, x, zero), graph.mul(side, y));
                         let has_passed = graph.binary(Binary::Less, towards, zero);
-                        let turn = graph.constant(TAU);
-                        let turn = graph.mul(turn, side);
-                        let [turn, is_beyond] = [graph.mul(turn, is_left), has_passed];
-                        let turn = graph.mul(turn, is_beyond);
+                        let (ahead, turn) = (graph.constant(AHEAD), graph.constant(TAU));
+                        let is_turned = graph.binary(Binary::Less, side, ahead);
+                        let mut turn = graph.mul(turn, side);
+                        for factor in [is_turned, is_left, has_passed] {
+                            turn = graph.mul(turn, factor);
+                        }
                         graph.add(own, turn)
                     }
                     _ => graph.binary(Binary::Less, zero, side),
@@ -184,9 +187,10 @@ mod tests {
     #[test]
     fn formulas_go_on_beyond_their_sides() {
         type Case = (fn(Recorded) -> Recorded, f64, f64, f64);
-        let cases: [Case; 6] = [
+        let cases: [Case; 7] = [
             (|x| x.sin().atan2(x.cos()), 3.0, PI + 0.5, PI + 0.5),
             (|x| x.sin().atan2(x.cos()), 3.5, 3.0, 3.0 - TAU),
+            (|x| x.sin().atan2(x.cos()), 0.5, -0.5, -0.5),
             (nearest, 3.0, 4.5, 3.5),
             (table, 0.5, -0.5, -0.25),
             (|x| x.max(Recorded::from(1.0)), 0.5, 2.0, 1.0),

@@ -6,7 +6,7 @@ use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
 use crate::scalar::{Curve, Scalar};
-use smallvec::smallvec;
+use smallvec::{SmallVec, smallvec};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
@@ -496,13 +496,27 @@ impl Excess {
 }
 
 impl Side {
+    /// What the number that passes through an end is made of, where it does.
+    fn weights(&self, own: &[f64]) -> [f64; 2] {
+        match self {
+            Side::Order => [1.0, -1.0],
+            Side::Angle => {
+                let (y, x) = (own[0], own[1]);
+                let ends = [[1.0, 0.0], [y.signum(), 1.0], [-y.signum(), 1.0]];
+                let size = |[first, second]: &[f64; 2]| (first * y + second * x).abs();
+                ends.into_iter().min_by(|one, other| size(one).total_cmp(&size(other))).unwrap_or([1.0, 0.0])
+            }
+            _ => [1.0, 0.0],
+        }
+    }
+
     /// The side as a number of [`Formula::with_sides`], by the numbers that tell it.
     fn told_by(&self, own: &[f64]) -> f64 {
         match self {
             Side::Whole => coded(own[0].floor()),
             Side::Piece(curve) => curve.within(curve.piece(own[0])),
-            Side::Angle if own[0] < 0.0 => -1.0,
-            Side::Angle => 1.0,
+            Side::Angle if own[1] > -own[0].abs() => AHEAD,
+            Side::Angle => 1f64.copysign(own[0]),
             _ if own[0] < own[1] => 1.0,
             _ => -1.0,
         }
@@ -530,10 +544,15 @@ impl Side {
                 Excess { by, rate, terms: number.abs() + knot.abs(), size: 0.0, other: curve.within(other) }
             }
             Side::Angle => {
-                // it leaps where x and y both point away from the side: y across zero, or x where y has changed before
-                let (beyond, terms) = ([-told * own[0], -own[1]], own[0].abs() + own[1].abs());
-                let (by, rate) = if beyond[0] < beyond[1] { (beyond[0], -told * rates[0]) } else { (beyond[1], -rates[1]) };
-                Excess { by, rate, terms, size: 0.0, other: -told }
+                let ([y, x], terms) = ([own[0], own[1]], own[0].abs() + own[1].abs());
+                let (by, rate, other) = if told == AHEAD {
+                    (-x - y.abs(), -rates[1] - y.signum() * rates[0], y.signum())
+                } else if x - told * y > -told * y && x > 0.0 {
+                    (x - told * y, rates[1] - told * rates[0], AHEAD)
+                } else {
+                    (-told * y, -told * rates[0], -told)
+                };
+                Excess { by, rate, terms, size: 0.0, other }
             }
             // a limit at infinity
             _ if number.is_infinite() => {
@@ -547,6 +566,9 @@ impl Side {
         }
     }
 }
+
+/// Side of an angle within 3/4 pi of zero, or, once it was, up to 1/4 pi: there nothing leaps.
+pub(super) const AHEAD: f64 = 2.0;
 
 /// A whole number as a side, which is not 0.
 fn coded(whole: f64) -> f64 {
@@ -579,32 +601,33 @@ impl Switches {
     pub fn number_in<S: Scalar>(&self, place: usize, inputs: &[S]) -> S {
         let mut numbers = vec![S::zero(); self.program.outputs()];
         self.program.run_in(inputs, &mut numbers, &mut ProgramWork::default());
-        self.number_of(place, &numbers)
+        let (side, own) = self.side(place);
+        let own = &numbers[own];
+        let values: SmallVec<[f64; 4]> = own.iter().map(|own| own.value()).collect();
+        let [first, second] = side.weights(&values);
+        if second == 0.0 { own[0] * S::from(first) } else { own[0] * S::from(first) + own[1] * S::from(second) }
     }
 
     /// Gradient of that number by all arguments.
     pub fn number_by_arguments(&self, place: usize, inputs: &[f64]) -> Vec<f64> {
-        let (reads, mut direction) = (self.reads(), vec![0.0; inputs.len()]);
+        let (reads, mut direction, mut numbers) = (self.reads(), vec![0.0; inputs.len()], Vec::new());
+        self.evaluate(inputs, &mut numbers, &mut ProgramWork::default());
+        let (side, own) = self.side(place);
+        let [first, second] = side.weights(&numbers[own.clone()]);
         let along = |input: usize| {
             if !reads[input] {
                 return 0.0;
             }
             direction.fill(0.0);
             direction[input] = 1.0;
-            self.number_of(place, &self.rates(inputs, &direction, &mut ProgramWork::default()))
+            let rates = &self.rates(inputs, &direction, &mut ProgramWork::default())[own.clone()];
+            if second == 0.0 { first * rates[0] } else { first * rates[0] + second * rates[1] }
         };
         (0..inputs.len()).map(along).collect()
     }
 
-    fn number_of<S: Scalar>(&self, place: usize, numbers: &[S]) -> S {
-        let mut all = self.sides();
-        let (side, own) = all.nth(place).unwrap_or_else(|| unreachable!("a switch of this formula"));
-        let own = &numbers[own];
-        match side {
-            Side::Order => own[0] - own[1],
-            Side::Angle if own[1].value().abs() < own[0].value().abs() => own[1],
-            _ => own[0],
-        }
+    fn side(&self, place: usize) -> (&Side, Range<usize>) {
+        self.sides().nth(place).unwrap_or_else(|| unreachable!("a switch of this formula"))
     }
 
     /// Numbers that tell the sides at some arguments.

@@ -504,7 +504,7 @@ impl<'m> Sweep<'m> {
             // it was set when the run was made
             let _ = self.events.reset((event, number), [&mut v, &mut q], step.end, &self.p, &mut Vec::new());
             for own in step.impacts.iter().filter(|own| own.event == number) {
-                add(&mut v, own.factor(&self.p), &own.solve.unknowns.x);
+                own.add_to(&mut v, &self.p, 1.0);
             }
             states.push([v, q]);
         }
@@ -540,9 +540,7 @@ impl<'m> Sweep<'m> {
         for back in &mut *back {
             let mut seed = SolutionSeed::zeros(x.len(), multipliers);
             add(&mut seed.x, factor, &back.carried[1]);
-            if let Some(place) = impact.restitution {
-                back.p[place] += x.iter().zip(&back.carried[1]).map(|(x, bar)| x * bar).sum::<f64>();
-            }
+            impact.add_transposed(&back.carried[1], &self.p, &mut seed.mu, &mut back.p);
             seeds.push(seed);
         }
         let bases = solver.through(&impact.solve, &self.p, &seeds, back, &mut self.counters)?;

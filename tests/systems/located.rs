@@ -209,7 +209,7 @@ fn an_elastic_impact_by_the_law_of_hertz_returns_the_velocity() {
     let scene = parsed(
         r#"
 version = 1
-settings = { end = 0.02, tolerance = 1e-11 }
+settings = { end = 0.02, tolerance = 1e-12 }
 variable.m = { initial = 0.5, bounds = [0.1, 10], unit = "kg" }
 variable.K = { initial = 1e6, bounds = [1e3, 1e9], unit = "N/m1.5" }
 variable.v = { initial = 2, bounds = [0.1, 10], unit = "m/s" }

@@ -46,6 +46,21 @@ pub enum StopLaw<S> {
     },
 }
 
+/// A number that only events change.
+struct KeptValue(&'static str);
+
+impl Quantity for KeptValue {
+    fn dofs(&self) -> usize {
+        1
+    }
+    fn unit(&self) -> &'static str {
+        self.0
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
+        s.v[0]
+    }
+}
+
 /// Time at which an event happened for the k-th time, of how often it has and of that time; not a number before.
 struct EventTime(usize);
 
@@ -160,7 +175,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 None
             }
         };
-        event.closes = vec![Closing { joint: joint.0, stop }];
+        event.closes = vec![Closing { joint: joint.0, stop, impulse: None }];
         let directions = match law {
             StopLaw::Stop { is_upper, .. } => [!is_upper, is_upper],
             StopLaw::Latch { strength: Some(_) } => [true, false],
@@ -206,7 +221,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let Some(event) = self.model.events.last_mut() else { return };
         event.opens.extend(removed.iter().map(|joint| joint.0));
-        event.closes.extend(added.iter().map(|joint| Closing { joint: joint.0, stop: None }));
+        event.closes.extend(added.iter().map(|joint| Closing { joint: joint.0, stop: None, impulse: None }));
     }
 
     /// What locks a joint needs one that is not there: says which are there all the time.
@@ -249,5 +264,19 @@ impl<S: Scalar> MechanismBuilder<S> {
             vec![count, is_it.select(t, v[1])]
         });
         self.functional(name, Over::Terminal, (&[node], &[]), EventTime(number), &[]);
+    }
+
+    /// The sum of the sizes of all impulses with which stops or latches are hit, by the events that hit them: of forces \[N s\], of an angle [N m s].
+    pub fn impulse_functional(&mut self, name: &str, hits: &[usize]) {
+        let known = hits.first().and_then(|&hit| self.model.events[hit].closes.first()?.impulse);
+        let node = match known.and_then(|dof| self.model.nodes.iter().position(|node| node.dofs.start == dof)) {
+            Some(place) => self.model.node_id(place),
+            None => self.kept(&format!("impulse of {name}"), &[S::zero()]),
+        };
+        let dof = self.model.nodes[node.0].dofs.start;
+        for &hit in hits {
+            self.model.events[hit].closes.iter_mut().for_each(|own| own.impulse = Some(dof));
+        }
+        self.functional(name, Over::Terminal, (&[node], &[]), KeptValue("N s"), &[]);
     }
 }

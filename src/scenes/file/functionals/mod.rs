@@ -12,7 +12,7 @@ use crate::elements::entries::Kind;
 use crate::functionals::Over;
 use crate::functionals::quantities::QUANTITIES;
 use of_elements::OF_ELEMENTS;
-use of_events::EVENT_TIME;
+use of_events::{EVENT_TIME, IMPULSE};
 use of_joints::OF_JOINTS;
 use of_sections::OF_SECTIONS;
 use over::{OVER, over};
@@ -38,8 +38,8 @@ const GROUP: Key = need(
 );
 
 /// What is measured, in the order of the reference page.
-const MEASURANDS: [Measurand; 2 + OF_JOINTS.len() + OF_ELEMENTS.len() + OF_SECTIONS.len()] =
-    joined(&[&[formula::FORMULA, EVENT_TIME], OF_JOINTS, OF_ELEMENTS, OF_SECTIONS]);
+const MEASURANDS: [Measurand; 3 + OF_JOINTS.len() + OF_ELEMENTS.len() + OF_SECTIONS.len()] =
+    joined(&[&[formula::FORMULA, EVENT_TIME, IMPULSE], OF_JOINTS, OF_ELEMENTS, OF_SECTIONS]);
 
 const FORMS: [Form; MEASURANDS.len()] = {
     let (mut forms, mut place) = ([MEASURANDS[0].form; MEASURANDS.len()], 0);

@@ -1,4 +1,4 @@
-//! When events happen.
+//! When events happen, and how hard stops are hit.
 
 use super::{Measurand, measurand};
 use crate::functionals::Over;
@@ -25,6 +25,22 @@ pub(super) const EVENT_TIME: Measurand = measurand(
         };
         let number = if e.has("number") { e.count("number") } else { 1 };
         m.event_time_functional(e.name(), *event, number);
+        Ok(())
+    },
+);
+
+pub(super) const IMPULSE: Measurand = measurand(
+    "impulse",
+    "the sum of the sizes of all impulses with which a stop or latch is hit [N s, N m s]; over = \"terminal\"",
+    &[need("event", Type::Item(&["stop", "latch"]), "name of a stop or latch")],
+    |e, over, m| {
+        if over != Over::Terminal {
+            return e.wrong_key("over", "impulses of a run are one number: write over = \"terminal\"");
+        }
+        if let Built::Stops(own) = e.built("event")? {
+            let hits: Vec<usize> = own.iter().map(|own| own.1).collect();
+            m.impulse_functional(e.name(), &hits);
+        }
         Ok(())
     },
 );
