@@ -10,6 +10,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Distances, as shares of the usual size, that count as no motion at all.
 const STILL: f64 = 1e-3;
+/// Steps from which on a run that asks for a hundred is taken for one that does not end.
+const MOST_STEPS: usize = 10_000;
 /// Potentials of a depth D beyond a limit, in parts of a size S with a stiffness K or a force F.
 const SOFT: [&str; 4] = [
     "0.5 * <K> * max(0, D)^2",
@@ -147,8 +149,13 @@ impl Growing {
             let scene = FileScene::parse("probe", text).ok()?;
             let settings = Settings { control: None, ..AnyScene::settings(&scene).without_method() };
             let prepared = Prepared::with(&scene, &DRAWN, Prepared::default_method(), settings).ok()?;
-            let forward = prepared.analysis().forward(&prepared.x).ok()?;
-            Some(take(&prepared, &forward))
+            let mut steps = 0;
+            let goes_on = |_: &StepRecord<f64>| {
+                steps += 1;
+                steps < MOST_STEPS
+            };
+            let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut Watch(goes_on)).ok()?;
+            stopped.is_none().then(|| take(&prepared, &forward))
         };
         // a panic is found where the scene itself is run
         catch_unwind(AssertUnwindSafe(run)).ok().flatten()
