@@ -173,7 +173,7 @@ impl Events {
 
     /// Conditions by forces of joints.
     fn releases(&self) -> impl Iterator<Item = &Part> {
-        self.parts.iter().filter(|part| part.places.iter().any(|place| matches!(place, Place::Mu(_))))
+        self.parts.iter().filter(|part| part.is_by_force())
     }
 
     /// An event that happens by a force of a joint that is there.
@@ -235,6 +235,11 @@ impl Events {
     /// Whether a switch is the condition of an event.
     pub fn is_event(&self, switch: usize) -> bool {
         self.part(switch).event.is_some()
+    }
+
+    /// Whether a switch is the condition of an event by a force.
+    pub fn is_release(&self, switch: usize) -> bool {
+        self.part(switch).is_by_force()
     }
 
     fn condition(&self, event: usize) -> Option<&Part> {
@@ -473,6 +478,10 @@ fn values_of<S: RunScalar>(reset: &Reset, places: &[Place], [v, q]: [&[S]; 2], t
 }
 
 impl Part {
+    fn is_by_force(&self) -> bool {
+        self.event.is_some() && self.places.iter().any(|place| matches!(place, Place::Mu(_)))
+    }
+
     fn inputs<S: RunScalar>(&self, moment: &Moment<S>, p: &[S]) -> Vec<S> {
         inputs(&self.places, moment, p)
     }

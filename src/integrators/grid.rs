@@ -303,12 +303,20 @@ impl TimeGrid {
         format!("step {} (t = {} s)", index + 1, shortest(t))
     }
 
-    /// Start and end of step `index` as elements see them: before a breakpoint the end is the last number below it.
+    /// Start and end of step `index` as elements see them: before a breakpoint the end is a number below it.
     pub fn span(&self, index: usize) -> (f64, f64) {
         let end = self.times[index + 1];
-        (self.times[index], if self.breakpoints.contains_key(&(index + 1)) { end.next_down() } else { end })
+        (self.times[index], if self.breakpoints.contains_key(&(index + 1)) { beside(end, -1.0) } else { end })
     }
 }
+
+/// A time by which a formula takes the piece before a breakpoint, or behind it for a side of 1, though it rounds what it makes of it.
+pub(super) fn beside(t: f64, side: f64) -> f64 {
+    t + side * ROUNDINGS * (t.next_up() - t)
+}
+
+/// Roundings of a time.
+const ROUNDINGS: f64 = 4.0;
 
 /// How many equal steps of at most `h` a length takes.
 fn count_of(length: f64, h: f64) -> f64 {

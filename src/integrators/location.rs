@@ -21,6 +21,9 @@ const BEYOND: usize = 4;
 const JUMPS: f64 = 1e-6;
 /// Share of a step within which a switch that has just changed its side cannot change back: the motion goes along it.
 const AT_ONCE: f64 = 1e-9;
+/// Share of a step within which one that does so again and again is as good as that, and how often it may.
+const CLOSE_BY: f64 = 1e-5;
+const MOST_CLOSE_BY: usize = 50;
 
 /// A switch that may change its side, after some time of the step \[s\].
 struct Candidate {
@@ -60,6 +63,9 @@ pub(super) fn locate<S: RunScalar>(
         let Candidate { switch, after, bracket: [low, high], .. } = own;
         trials += 1;
         if trials > MOST_TRIALS {
+            if let Some(failure) = unresolved(stepper, switch, t + made) {
+                return Err(failure);
+            }
             return Err(RunError::Input(format!(
                 "the time at which {} passes from one piece of its formula to another is not found: it jumps there by itself",
                 place(stepper, switch, t + made)
@@ -115,12 +121,17 @@ pub(super) fn locate<S: RunScalar>(
             own = earlier;
             continue;
         }
-        if made <= AT_ONCE * h && stepper.record().switched.iter().any(|change| change.switch == switch) {
+        let has_just = stepper.record().switched.iter().any(|change| change.switch == switch);
+        stepper.close_by = if has_just && made <= CLOSE_BY * h { stepper.close_by + 1 } else { 0 };
+        if has_just && made <= AT_ONCE * h || stepper.close_by > MOST_CLOSE_BY {
             return Err(goes_along(stepper, switch, t + made));
         }
         if stepper.events.as_ref().is_some_and(|events| events.is_event(switch)) {
             let moved = starts[switch].by.abs().max(whole[switch].by.abs());
             if is_closed && by.abs() > JUMPS * moved {
+                if let Some(failure) = unresolved(stepper, switch, t + made) {
+                    return Err(failure);
+                }
                 return Err(RunError::Input(format!(
                     "the formula of {} jumps instead of passing zero: write it so that it passes zero",
                     place(stepper, switch, t + made)
@@ -155,7 +166,25 @@ fn place<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> String {
     format!("\"{part}\" at t = {} s", shortest(t))
 }
 
+/// Why an event by a force is not found, where the switch is one.
+fn unresolved<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> Option<RunError> {
+    let is_release = stepper.events.as_ref().is_some_and(|events| events.is_release(switch));
+    is_release.then(|| {
+        RunError::Input(format!(
+            "{} is not found: the force that tells it leaps from step to step, as vibrations do that these do not resolve; take shorter steps, or damp what is stiff",
+            place(stepper, switch, t)
+        ))
+    })
+}
+
 fn goes_along<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> RunError {
+    if stepper.events.as_ref().is_some_and(|events| events.is_release(switch)) {
+        return RunError::Input(format!(
+            "{} happens again at once: the force that tells it is another one behind it, which these steps do not resolve; take shorter ones, or a method of \
+             higher order",
+            place(stepper, switch, t)
+        ));
+    }
     if stepper.events.as_ref().is_some_and(|events| events.is_event(switch)) {
         return RunError::Input(format!(
             "{} happens again at once: it follows itself ever faster, as the hits of what bounces do; give a stop a rest_speed, below which hits have no \

@@ -1,3 +1,4 @@
+use super::grid::beside;
 use super::{EndMoves, Scheme, SideChange, StepSizeState, Table, TimeGrid};
 
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
@@ -79,7 +80,7 @@ impl<'c> RunInterval<'c> {
             t + h
         };
         let at_breakpoint = end == target && self.stretches.breakpoints.contains_key(&self.target);
-        ((t, if at_breakpoint { end.next_down() } else { end }), end)
+        ((t, if at_breakpoint { beside(end, -1.0) } else { end }), end)
     }
 
     /// Which scheme of a table makes a step of about the size `h`.

@@ -3,7 +3,7 @@
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
 use super::events::{Events, Moment, SideChange};
-use super::grid::{Clocks, clock_at};
+use super::grid::{Clocks, beside, clock_at};
 use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
@@ -35,6 +35,8 @@ pub struct Stepper<'m, S> {
     /// Switches at which steps end, if there are any.
     pub(super) events: Option<Box<Events>>,
     constrained: bool,
+    /// How often in a row a switch has passed shortly behind itself.
+    pub(super) close_by: usize,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
     /// Solvers that were not used, without some equations each.
@@ -159,6 +161,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             p: problem.p.clone(),
             events: events.map(Box::new),
             constrained: system.is_constrained(),
+            close_by: 0,
             mu_before: Vec::new(),
             analyses: Vec::new(),
             acceleration,
@@ -1103,7 +1106,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         } else if solves {
             let first = InitialGuess::guided(guided.and_then(|step| step.restart.as_ref()));
             let mut solved = SolveRecord::default();
-            self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
+            let behind = if breakpoint { beside(t, 1.0) } else { t };
+            self.solve_acceleration((&state.carried[0], &state.carried[1]), behind, index, first, &mut solved)?;
             state.set_acceleration(&table.carried, &solved);
             record.restart = Some(solved);
         } else if breakpoint {
