@@ -21,6 +21,8 @@ const BEYOND: usize = 4;
 const JUMPS: f64 = 1e-6;
 /// Share of a step within which a switch that has just changed its side cannot change back: the motion goes along it.
 const AT_ONCE: f64 = 1e-9;
+/// Share of the time until which a number was expected on its side, up to which it is where it was not.
+const BACK: f64 = 0.1;
 /// Share of a step within which one that does so again and again is as good as that, and how often it may.
 const CLOSE_BY: f64 = 1e-5;
 const MOST_CLOSE_BY: usize = 50;
@@ -29,8 +31,9 @@ const MOST_CLOSE_BY: usize = 50;
 struct Candidate {
     switch: usize,
     after: f64,
-    /// Times between which it does, where they are known.
+    /// Times between which it does, where they are known, and which of them steps have shown.
     bracket: [f64; 2],
+    is_shown: [bool; 2],
     /// Whether it changes at the end of the step.
     is_sure: bool,
 }
@@ -58,6 +61,11 @@ pub(super) fn locate<S: RunScalar>(
     let Some(mut own) = first(&ends, h, &passed) else { return Ok(None) };
     let scheme = stepper.method.table.starting_scheme();
     let is_made = stepper.record().scheme == scheme;
+    let first = |ends: &[Excess], h: f64, passed: &[usize]| {
+        let own = first(ends, h, passed)?;
+        Some(Candidate { is_shown: [own.is_shown[0], own.is_shown[1] && is_made], ..own })
+    };
+    own.is_shown[1] &= is_made;
     let (mut made, mut trials) = (if is_made { h } else { f64::NAN }, 0);
     loop {
         let Candidate { switch, after, bracket: [low, high], .. } = own;
@@ -82,7 +90,8 @@ pub(super) fn locate<S: RunScalar>(
                 Ok(()) => {}
                 // formulas need not be defined beyond the end of a side
                 Err(failure) if failure.is_of_step() && next > low => {
-                    own = Candidate { after: 0.5 * (low + next), bracket: [low, next], is_sure: true, ..own };
+                    let is_shown = [own.is_shown[0], true];
+                    own = Candidate { after: 0.5 * (low + next), bracket: [low, next], is_shown, is_sure: true, ..own };
                     continue;
                 }
                 Err(failure) => return Err(failure),
@@ -93,8 +102,14 @@ pub(super) fn locate<S: RunScalar>(
         let Excess { by, rate, .. } = ends[switch];
         let near = ends[switch].round_off(t + made);
         let is_beyond = by > 0.0;
-        let [low, high] = if is_beyond { [low, made] } else { [made, high] };
+        let is_shown = [own.is_shown[0] || !is_beyond, own.is_shown[1] || is_beyond];
         let newton = made - by / rate;
+        let [low, high] = match if is_beyond { [low, made] } else { [made, high] } {
+            // the course was another one
+            [low, high] if !is_shown[0] && !(newton > low) => [BACK * low, high],
+            [low, high] if !is_shown[1] && newton >= high => [low, (2.0 * h).min(interval.next_breakpoint() - t).max(high)],
+            bracket => bracket,
+        };
         let is_closed = (t + low).next_up() >= t + high;
         let is_zero = by.abs() <= if trials > FEW { ends[switch].noise(t + made) } else { near };
         let is_last = is_zero || t + newton == t + made || is_closed;
@@ -109,7 +124,7 @@ pub(super) fn locate<S: RunScalar>(
                 continue;
             }
             let after = if is_within { newton } else { 0.5 * (low + high) };
-            own = Candidate { after, bracket: [low, high], is_sure: own.is_sure || is_beyond, ..own };
+            own = Candidate { after, bracket: [low, high], is_shown, is_sure: own.is_sure || is_beyond, ..own };
             continue;
         }
         // another one may have changed before, and even back again
@@ -276,15 +291,21 @@ fn candidate(switch: usize, (start, end): (&Excess, &Excess), (t, h): (f64, f64)
         let low = if by < 0.0 { 0.0 } else { turn.or(if start.rate < 0.0 { course.below() } else { None }).unwrap_or(0.0) };
         let high = course.turns().find(|&share| share > low && course.at(share) > 0.0).unwrap_or(1.0);
         let after = if by < 0.0 || low > 0.0 { h * course.root(low, high) } else { 0.0 };
-        return Some(Candidate { switch, after, bracket: [h * low, h], is_sure: true });
+        return Some(Candidate { switch, after, bracket: [h * low, h], is_shown: [by < 0.0, true], is_sure: true });
     }
     if (by < 0.0 || is_at_end && start.rate < 0.0) && end.rate < 0.0 {
         // in between it may have been beyond
         let near = OFF * h * (start.rate.abs() + end.rate.abs());
         let beyond = course.turns().find(|&share| course.at(share) > -near && (by < 0.0 || course.at(share) > 0.0))?;
-        return Some(Candidate { switch, after: h * beyond, bracket: [0.0, f64::INFINITY], is_sure: false });
+        return Some(Candidate {
+            switch,
+            after: h * beyond,
+            bracket: [0.0, f64::INFINITY],
+            is_shown: [true; 2],
+            is_sure: false,
+        });
     }
     let after = h - end.by / end.rate;
     let is_near = end.rate > 0.0 && after <= most;
-    is_near.then_some(Candidate { switch, after, bracket: [0.0, most], is_sure: false })
+    is_near.then_some(Candidate { switch, after, bracket: [0.0, most], is_shown: [true; 2], is_sure: false })
 }
