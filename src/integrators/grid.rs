@@ -148,8 +148,10 @@ impl TimeGrid {
                 Some(_) if self.asked > 0 => grid.add_stretch(end, h),
                 Some(event) => {
                     grid.times.extend_from_slice(&self.times[first + 1..event]);
-                    let size = |place: usize| self.times[place] - self.times[place - 1];
-                    grid.add_stretch(end, size(event).max(size((event + 1).min(last))));
+                    // the step that ends at the event may come to it later
+                    let (t, size) = (self.times[event - 1], self.times[event] - self.times[event - 1]);
+                    grid.times.extend(Some(t + 2.0 * size).filter(|beyond| beyond + size < end));
+                    grid.add_stretch(end, self.times[(event + 1).min(last)] - self.times[event.min(last - 1)]);
                 }
                 None => grid.times.extend_from_slice(&self.times[first + 1..=last]),
             }
