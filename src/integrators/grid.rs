@@ -181,14 +181,15 @@ impl TimeGrid {
         if self.is_fixed(end) {
             return 0.0;
         }
-        let [own, next] = [self.times[end] - self.times[end - 1], self.times[end + 1] - self.times[end]];
+        let [_, to] = self.stretch_of(end);
+        let (own, left) = (self.times[end] - self.times[end - 1], to - self.times[end - 1]);
         let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
         // steps that are all alike up to the end are no halves
-        let laid = match self.is_interrupted(end - 1) {
-            true => self.laid_size(end),
-            false => self.times[end - 1] - self.times[end - 2],
+        let laid = match self.asked == 0 && !self.is_interrupted(end - 1) {
+            true => self.times[end - 1] - self.times[end - 2],
+            false => self.laid_size(end),
         };
-        let is_half = self.is_fixed(end + 1) && !self.events.contains_key(&(end + 1)) && is_like(next) && !is_like(laid);
+        let is_half = is_like(0.5 * left) && !is_like(laid);
         if is_half { 0.5 } else { 1.0 }
     }
 
@@ -218,10 +219,15 @@ impl TimeGrid {
 
     /// Size of the equal steps that were laid in the stretch of an end of a step; not a number where they were chosen.
     fn laid_size(&self, place: usize) -> f64 {
+        let ([from, to], all) = (self.stretch_of(place), self.end() - self.times[0]);
+        if self.asked == 0 { f64::NAN } else { (to - from) / count_of(to - from, all / self.asked as f64) }
+    }
+
+    /// The times between which the steps of the stretch of an end of a step are laid.
+    fn stretch_of(&self, place: usize) -> [f64; 2] {
         let first = self.breakpoints.range(..place).next_back().map_or(0, |(place, _)| *place);
         let last = self.breakpoints.range(place..).next().map_or(self.steps(), |(place, _)| *place);
-        let ([from, to], all) = (self.ends_of(first, last), self.end() - self.times[0]);
-        if self.asked == 0 { f64::NAN } else { (to - from) / count_of(to - from, all / self.asked as f64) }
+        self.ends_of(first, last)
     }
 
     /// The times between which the steps of a stretch are laid.

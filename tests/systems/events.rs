@@ -440,3 +440,30 @@ fn impulses_are_those_of_the_hits() {
         assert_near(*own, exact, 1e-12, "derivative");
     }
 }
+
+/// The last two steps before the end of a run are halves of what is left, also where another event cuts the second of them.
+#[test]
+fn halves_that_events_cut_move_as_halves() {
+    let scene = parsed(
+        r#"
+        version = 1
+        variable.speed = { initial = 1, bounds = [0.5, 2], unit = "m/s" }
+        settings = { end = 1, steps = 5 }
+        coordinate = [{ name = "x", rate = "speed" }]
+        element = [{ name = "m", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2", potential = "3 * x.value^4 + cos(5 * x.value)" }]
+        number = [{ name = "a" }, { name = "b" }]
+        event = [
+            { name = "first", nodes = { x = "x", a = "a" }, when = "x.value - 0.5", set = { a = 1 }, once = true },
+            { name = "second", nodes = { x = "x", b = "b" }, when = "x.value - 0.62", direction = "falling", set = { b = 1 }, once = true },
+        ]
+        functional = [{ name = "x", type = "coordinate", on = "x", over = "terminal" }]
+        "#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("it runs");
+    let row = &analysis.adjoint(x, &forward).expect("it is smooth").rows[0];
+    let quotient = analysis.central_difference(x, &[1.0], 1e-4).expect("it runs");
+    assert_eq!(forward.grid.events.len(), 2);
+    assert_near(row[0], quotient[0], 1e-9, "quotient");
+}
