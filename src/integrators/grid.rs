@@ -150,8 +150,13 @@ impl TimeGrid {
                     grid.times.extend_from_slice(&self.times[first + 1..event]);
                     // the step that ends at the event may come to it later
                     let (t, size) = (self.times[event - 1], self.times[event] - self.times[event - 1]);
-                    grid.times.extend(Some(t + 2.0 * size).filter(|beyond| beyond + size < end));
-                    grid.add_stretch(end, self.times[(event + 1).min(last)] - self.times[event.min(last - 1)]);
+                    let beyond = t + 2.0 * size;
+                    if beyond + size < end {
+                        grid.times.push(beyond);
+                        grid.add_stretch(end, size);
+                    } else {
+                        grid.times.push(end);
+                    }
                 }
                 None => grid.times.extend_from_slice(&self.times[first + 1..=last]),
             }

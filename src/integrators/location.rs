@@ -27,6 +27,9 @@ const BACK: f64 = 0.1;
 const CLOSE_BY: f64 = 1e-5;
 const MOST_CLOSE_BY: usize = 50;
 
+/// What else there is to do about switches of formulas.
+const NOT_LOCATED: &str = "; take shorter steps where these do not resolve the motion; with locate = false in the settings steps do not end at switches";
+
 /// A switch that may change its side, after some time of the step \[s\].
 struct Candidate {
     switch: usize,
@@ -75,7 +78,7 @@ pub(super) fn locate<S: RunScalar>(
                 return Err(failure);
             }
             return Err(RunError::Input(format!(
-                "the time at which {} passes from one piece of its formula to another is not found: it jumps there by itself",
+                "the time at which {} passes from one piece of its formula to another is not found: it jumps there by itself{NOT_LOCATED}",
                 place(stepper, switch, t + made)
             )));
         }
@@ -209,7 +212,7 @@ fn goes_along<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> RunE
     }
     RunError::Input(format!(
         "{} changes back at once: the motion goes along the switch of its formula instead of passing it, as a body that sticks goes along the \
-         change of sign of its velocity; make the formula smooth there, by a slope over a small width",
+         change of sign of its velocity; make the formula smooth there, by a slope over a small width{NOT_LOCATED}",
         place(stepper, switch, t)
     ))
 }

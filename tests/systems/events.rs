@@ -355,10 +355,16 @@ fn a_run_that_ended_at_an_event_is_made_again_on_its_steps() {
 /// On the steps of a run that chose them neighbouring designs are run with steps behind an event that move with it.
 #[test]
 fn chosen_steps_behind_an_event_move_with_it() {
+    for end in ["3", "0.59"] {
+        chosen_steps_move(end);
+    }
+}
+
+fn chosen_steps_move(end: &str) {
     let scene = parsed(
-        r#"
+        &r#"
         version = 1
-        settings = { end = 3, tolerance = 1e-4 }
+        settings = { end = END, tolerance = 1e-4 }
         variable.stiffness = { initial = 3, bounds = [1, 10], unit = "N/m" }
         variable.speed = { initial = 1, bounds = [0.5, 2], unit = "m/s" }
         coordinate = [{ name = "x", rate = "speed" }]
@@ -366,7 +372,8 @@ fn chosen_steps_behind_an_event_move_with_it() {
         element = [{ name = "mass", nodes = { x = "x", mode = "mode" }, kinetic = "0.5 * x.rate^2", potential = "0.25 * stiffness * x.value^4", force = { x = "-mode.value * x.rate^3" } }]
         event = [{ name = "damped", nodes = { x = "x", mode = "mode" }, when = "x.value - 0.5", set = { mode = 1 }, once = true }]
         functional = [{ name = "x", type = "formula", nodes = { x = "x" }, value = "x.value", over = "terminal" }]
-        "#,
+        "#
+        .replace("END", end),
     );
     let prepared = Prepared::new(&scene).expect("it is sound");
     let (analysis, x) = (prepared.analysis(), &prepared.x);
