@@ -107,7 +107,7 @@ fn ground_resonance_grows_as_fast_as_hammonds_equations() {
 /// A mass that swings to and fro within a period of its own, through a law that jumps or has a kink in the middle.
 #[test]
 fn formulas_that_jump_on_the_way_are_refused_and_kinks_are_told() {
-    let swing = |force: &str| {
+    let swing = |force: &str, locate: bool| {
         let text = STILL
             .split("spring =")
             .next()
@@ -117,12 +117,15 @@ fn formulas_that_jump_on_the_way_are_refused_and_kinks_are_told() {
         let spring = r#"spring = [{ name = "law", type = "slide_law", between = ["ground", "mass"], axis = [1, 0, 0], "#;
         // 110 and 90 N/m by 2 kg in the two halves of the period of the kink
         let period = 0.5 * TAU * (55_f64.sqrt().recip() + 45_f64.sqrt().recip());
-        let text = text.replace("end = 0.3, steps = 150", &format!("end = {period}, steps = 400"));
+        let text = text.replace("end = 0.3, steps = 150", &format!("end = {period}, steps = 400, locate = {locate}"));
         periodic(&parsed(&format!("{text}{spring}{law} }}]\n")), 2)
     };
-    let kinked = swing("100 * s + 10 * abs(s)").unwrap();
+    let kinked = swing("100 * s + 10 * abs(s)", false).unwrap();
     assert!(kinked.kinks.iter().any(|kink| kink.part == "law"), "{:?}", kinked.kinks);
-    let why = swing("100 * s + 10 * if_less(s, 0, -1, 1)").unwrap_err();
+    // where steps end at it nothing grows or fades, to the error of the steps
+    let located = swing("100 * s + 10 * abs(s)", true).unwrap();
+    assert!(located.kinks.is_empty() && located.modes.iter().all(|mode| mode.growth.abs() < 1e-5), "{:?}", located.modes);
+    let why = swing("100 * s + 10 * if_less(s, 0, -1, 1)", false).unwrap_err();
     assert!(why.contains("\"law\" jumps"), "{why}");
 }
 

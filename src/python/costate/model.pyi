@@ -598,7 +598,7 @@ class Model:
         * ``newton`` ("round-off" or "residual" or "scaled", optional): when Newton's method stops, as for --newton; round-off
         * ``solver`` ("automatic" or "dense" or "multifrontal", optional): solver of the linear systems; automatic
         * ``start`` ("given" or "equilibrium" or "steady", optional): where the motion begins: at the coordinates that the parts give, at the equilibrium near them under the loads of t = 0, or at that in the frame that turns with what `[[spin]]` names; given
-        * ``locate`` (True or False, optional): end steps where springs, loads and other elements pass from one piece of their formulas to another: values keep the order of the method, and gradients are exact; false
+        * ``locate`` (True or False, optional): end steps where springs, loads and other elements pass from one piece of their formulas to another: values keep the order of the method, and gradients are exact; true
         * ``divide_steps`` (True or False, optional): halve steps that Newton's method cannot make; false
         * ``drop_redundant`` (True or False, optional): leave out redundant constraint equations instead of refusing them; false
         * ``project_start`` (True or False, optional): project an inconsistent start onto the constraints instead of refusing it: a run prints what was given and what is used; false
@@ -1249,6 +1249,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
     ) -> str:
@@ -1259,6 +1260,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         """
@@ -1270,6 +1272,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1281,6 +1284,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1293,6 +1297,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
     ) -> str:
@@ -1303,6 +1308,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         """
@@ -1314,6 +1320,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
     ) -> str:
         """B carried along by a as it stands.
@@ -1323,6 +1330,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         """
     def distance(
@@ -1333,6 +1341,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         points: Sequence[Vector] | None = None,
     ) -> str:
@@ -1343,6 +1352,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``points`` (list of vector, optional): where it takes hold of a and b; both nodes [m]
         """
@@ -1354,6 +1364,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1365,6 +1376,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1377,6 +1389,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1388,6 +1401,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1400,6 +1414,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         normal: Vector,
@@ -1411,6 +1426,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1423,6 +1439,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         pin_a: Vector,
@@ -1435,6 +1452,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``pin_a`` (vector): pin in a, at right angles to the other [-]
@@ -1448,6 +1466,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1460,6 +1479,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1473,6 +1493,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         axis: Vector,
@@ -1484,6 +1505,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1496,6 +1518,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         point: Vector | None = None,
         normal: Vector,
@@ -1507,6 +1530,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1519,6 +1543,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         radii: Sequence[Scalar],
     ) -> str:
@@ -1529,6 +1554,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``radii`` (list of 2 times number or formula): pitch radii; of one sign for external gears [m]
         """
@@ -1540,6 +1566,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         centre: Vector,
         contact: Vector,
@@ -1552,6 +1579,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 3 times text): carrier, pinion, rack
         * ``centre`` (vector): a point of the pinion's axis [m]
         * ``contact`` (vector): where the pitch circle touches the rack [m]
@@ -1565,6 +1593,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         holds: Literal['direction', 'vector'] | None = None,
     ) -> str:
@@ -1575,6 +1604,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``holds`` ("direction" or "vector", optional): the direction of its slope, or its stretch, too; direction
         """
@@ -1586,6 +1616,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         axis: Vector,
     ) -> str:
@@ -1596,6 +1627,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``axis`` (vector): axis in the world at the start, of any length [-]
         """
@@ -1607,6 +1639,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
     ) -> str:
         """Nodes of two cables welded to each other.
@@ -1616,6 +1649,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         """
     def formula(
@@ -1626,6 +1660,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         nodes: Table,
         define: Table | None = None,
         table: Table | None = None,
@@ -1639,6 +1674,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
@@ -1653,6 +1689,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         centre: Vector | None = None,
         normal: Vector,
@@ -1665,6 +1702,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``centre`` (vector, optional): centre of the sphere; the place of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1678,6 +1716,7 @@ class _Joint:
         stiffness: str | Sequence[Scalar] | None = None,
         damping: str | Sequence[Scalar] | None = None,
         present: bool | None = None,
+        strength: Scalar | None = None,
         between: Sequence[str],
         centre: Vector | None = None,
         axis: Vector,
@@ -1692,6 +1731,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
+        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``centre`` (vector, optional): centre of the disc; the place of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -2195,6 +2235,21 @@ class _Functional:
         * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
         * ``event`` (text): name of an event, or of a stop or latch that is hit
         * ``number`` (whole number, optional): for which time it happens, counted from 1; 1
+        """
+    def impulse(
+        self,
+        name: str,
+        /,
+        *,
+        over: Literal['initial', 'terminal', 'integral'] | Table,
+        event: str,
+    ) -> str:
+        """The sum of the sizes of all impulses with which a stop or latch is hit [N s, N m s]; over = "terminal".
+        A number that a run gives, with its gradient.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
+        * ``event`` (text): name of a stop or latch
         """
     def reaction(
         self,
