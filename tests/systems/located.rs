@@ -165,7 +165,7 @@ const ANGLES: &str = r#"
 version = 1
 variable.k = { initial = 9, bounds = [1, 1e3], unit = "N m/rad" }
 variable.start = { initial = -0.5, bounds = [-3, 3], unit = "rad" }
-settings = { end = 2, steps = 400 }
+settings = { end = 0.6, steps = 120 }
 coordinate = [{ name = "x", initial = "start", rate = 12 }, { name = "y", initial = "start", rate = 9 }]
 element = [
     { name = "masses", nodes = { x = "x", y = "y" }, kinetic = "0.5 * x.rate^2 + 0.5 * y.rate^2" },
