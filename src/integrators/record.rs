@@ -137,7 +137,7 @@ impl<S: Scalar> ImpactRecord<S> {
 
 impl ImpactRecord<f64> {
     /// Adds the adjoint of its multipliers by that of velocities and states, and that of the restitution.
-    pub fn add_transposed(&self, v_bar: &[f64], p: &[f64], mu_bar: &mut [f64], p_bar: &mut [f64]) {
+    pub fn go_back(&self, v_bar: &[f64], p: &[f64], mu_bar: &mut [f64], p_bar: &mut [f64]) {
         let along: f64 = self.solve.unknowns.x.iter().zip(v_bar).map(|(x, bar)| x * bar).sum();
         let impulse = self.size().zip(self.impulse);
         if let Some(((dof, _), [row, _])) = impulse {

@@ -540,7 +540,7 @@ impl<'m> Sweep<'m> {
         for back in &mut *back {
             let mut seed = SolutionSeed::zeros(x.len(), multipliers);
             add(&mut seed.x, factor, &back.carried[1]);
-            impact.add_transposed(&back.carried[1], &self.p, &mut seed.mu, &mut back.p);
+            impact.go_back(&back.carried[1], &self.p, &mut seed.mu, &mut back.p);
             seeds.push(seed);
         }
         let bases = solver.through(&impact.solve, &self.p, &seeds, back, &mut self.counters)?;
