@@ -109,7 +109,7 @@ pub(super) fn locate<S: RunScalar>(
         let newton = made - by / rate;
         let [low, high] = match if is_beyond { [low, made] } else { [made, high] } {
             // the course was another one
-            [low, high] if !is_shown[0] && !(newton > low) => [BACK * low, high],
+            [low, high] if !is_shown[0] && (newton <= low || newton.is_nan()) => [BACK * low, high],
             [low, high] if !is_shown[1] && newton >= high => [low, (2.0 * h).min(interval.next_breakpoint() - t).max(high)],
             bracket => bracket,
         };

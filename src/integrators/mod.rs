@@ -69,9 +69,9 @@ pub(crate) use events::{Events, Moment};
 #[doc(hidden)]
 pub use events::{SetNumber, SideChange};
 pub(crate) use given::{march, march_along, march_dividing, march_given};
-#[doc(hidden)]
 pub(crate) use grid::EndMoves;
 pub use grid::TimeGrid;
+#[doc(hidden)]
 pub use grid::{Clocks, MOST_STEPS, clock_at, moved_apart};
 pub(crate) use harmonic_response::{Response, Vibration, harmonic_response};
 pub use march::Method;
