@@ -45,7 +45,7 @@ use crate::elements::bodies::inertia_tensor::{self, Inadmissible};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::entries::{Given, Placed};
 use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
-use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over, Times};
+use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::integrators::Table;
 use crate::program::Recorded;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -519,7 +519,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let multipliers = constraints.iter().map(|id| equations(id).len()).sum();
         let (unit, mut quantity) = (quantity.unit(), MeasuredQuantity::new(quantity, multipliers));
         let mu = constraints.first().map_or(0..0, equations);
-        if over.times() == Times::Run && constraints.len() <= 1 {
+        // aggregates take kinks as they are
+        if over == Over::Integral && constraints.len() <= 1 {
             quantity = quantity.with_sides();
         }
         let sides = quantity.sides();
