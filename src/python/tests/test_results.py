@@ -216,7 +216,7 @@ def test_arrays_belong_to_whoever_got_them(five_bar):
 
 def test_what_speaks_against_a_run_is_a_warning():
     m = costate.Model("falls")
-    m.settings(end=1.0, steps=20)
+    m.settings(end=1.0, steps=20, locate=False)
     m.point("ball", position=[0, 0.5, 0], velocity=[0, -1, 0], mass=1.0)
     height = {"ball": "ball"}
     m.element("floor", nodes=height, force={"ball": ["0", "if_less(ball.position.y, 0, 5, 0)", "0"]}, breakpoints=[])
