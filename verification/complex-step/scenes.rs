@@ -318,6 +318,8 @@ impl Case {
             elements.chain(joints).find(|(range, _)| **range == places).map_or(Vec::new(), |(_, list)| list);
         let own = parameters.len() - self.function.len();
         let mut values = m.numbers.p[places].to_vec();
+        // without the sides of switches behind them
+        values.truncate(parameters.len());
         // nothing special: no unit vectors, right angles or closed loops that a wrong derivative could hide behind
         for (i, value) in values.iter_mut().take(own).enumerate() {
             let phase = i as f64;
