@@ -140,7 +140,7 @@ impl TimeGrid {
         let h = (self.end() - self.times[0]) / self.asked as f64;
         let places: Vec<usize> = self.boundaries().collect();
         for (first, last) in places.iter().copied().zip(places.iter().copied().skip(1)) {
-            let [_, end] = self.ends_of(first, last);
+            let end = self.laid_time(last);
             // where an event ended the run steps go on up to the end for which they were laid
             let is_ended = self.laid_end.is_some() && last == self.steps();
             let event = self.events.range(first + 1..last + usize::from(is_ended)).next().map(|(event, _)| *event);
@@ -186,7 +186,7 @@ impl TimeGrid {
         if self.is_fixed(end) {
             return 0.0;
         }
-        let [_, to] = self.stretch_of(end);
+        let [_, to] = self.ends_of(self.stretch_of(end));
         let (own, left) = (self.times[end] - self.times[end - 1], to - self.times[end - 1]);
         let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
         // steps that are all alike up to the end are no halves
@@ -204,9 +204,8 @@ impl TimeGrid {
         if self.breakpoints.contains_key(&place) {
             return EndMoves { by_event: 0.0, by_breakpoints: [(place, 1.0), (0, 0.0)] };
         }
-        let first = self.breakpoints.range(..place).next_back().map_or(0, |(place, _)| *place);
-        let last = self.breakpoints.range(place..).next().map_or(self.steps(), |(place, _)| *place);
-        let [from, to] = self.ends_of(first, last);
+        let [first, last] = self.stretch_of(place);
+        let [from, to] = self.ends_of([first, last]);
         let Some(event) = self.events.range(..=place).next_back().map(|(event, _)| *event).filter(|event| *event > first)
         else {
             let share = (self.times[place] - from) / (to - from);
@@ -224,20 +223,25 @@ impl TimeGrid {
 
     /// Size of the equal steps that were laid in the stretch of an end of a step; not a number where they were chosen.
     fn laid_size(&self, place: usize) -> f64 {
-        let ([from, to], all) = (self.stretch_of(place), self.end() - self.times[0]);
+        let ([from, to], all) = (self.ends_of(self.stretch_of(place)), self.end() - self.times[0]);
         if self.asked == 0 { f64::NAN } else { (to - from) / count_of(to - from, all / self.asked as f64) }
     }
 
-    /// The times between which the steps of the stretch of an end of a step are laid.
-    fn stretch_of(&self, place: usize) -> [f64; 2] {
+    /// Places of the breakpoints, or start and end of the run, between which an end of a step lies; the second may be that itself.
+    fn stretch_of(&self, place: usize) -> [usize; 2] {
         let first = self.breakpoints.range(..place).next_back().map_or(0, |(place, _)| *place);
         let last = self.breakpoints.range(place..).next().map_or(self.steps(), |(place, _)| *place);
-        self.ends_of(first, last)
+        [first, last]
     }
 
     /// The times between which the steps of a stretch are laid.
-    pub(super) fn ends_of(&self, first: usize, last: usize) -> [f64; 2] {
-        [self.times[first], if last == self.steps() { self.end() } else { self.times[last] }]
+    fn ends_of(&self, stretch: [usize; 2]) -> [f64; 2] {
+        stretch.map(|place| self.laid_time(place))
+    }
+
+    /// The time of an end of a stretch as it was laid \[s\]: that of the run may be behind an event that ended it.
+    pub(super) fn laid_time(&self, place: usize) -> f64 {
+        if place == self.steps() { self.end() } else { self.times[place] }
     }
 
     /// Whether an end of a step is that of a stretch between breakpoints.
@@ -291,7 +295,7 @@ impl TimeGrid {
         let places: Vec<usize> = self.boundaries().collect();
         let stretches = places.windows(2).zip(moves.windows(2));
         let clock = |(places, moves): (&[usize], &[S])| {
-            (places[0], Clock::new(self.ends_of(places[0], places[1]), [moves[0], moves[1]]))
+            (places[0], Clock::new(self.ends_of([places[0], places[1]]), [moves[0], moves[1]]))
         };
         Ok(stretches.map(clock).collect())
     }

@@ -56,19 +56,15 @@ pub(super) fn locate<S: RunScalar>(
     let whole = ends.clone();
     // those that come near the end of their sides without passing it
     let mut passed = Vec::new();
-    let first = |ends: &[Excess], h: f64, passed: &[usize]| {
-        let all = starts.iter().zip(ends).enumerate().filter(|(switch, _)| !passed.contains(switch));
-        let candidates = all.filter_map(|(switch, (start, end))| candidate(switch, (start, end), (t, h), most));
-        candidates.min_by(|one, other| one.after.total_cmp(&other.after))
-    };
-    let Some(mut own) = first(&ends, h, &passed) else { return Ok(None) };
     let scheme = stepper.method.table.starting_scheme();
     let is_made = stepper.record().scheme == scheme;
     let first = |ends: &[Excess], h: f64, passed: &[usize]| {
-        let own = first(ends, h, passed)?;
+        let all = starts.iter().zip(ends).enumerate().filter(|(switch, _)| !passed.contains(switch));
+        let candidates = all.filter_map(|(switch, (start, end))| candidate(switch, (start, end), (t, h), most));
+        let own = candidates.min_by(|one, other| one.after.total_cmp(&other.after))?;
         Some(Candidate { is_shown: [own.is_shown[0], own.is_shown[1] && is_made], ..own })
     };
-    own.is_shown[1] &= is_made;
+    let Some(mut own) = first(&ends, h, &passed) else { return Ok(None) };
     let (mut made, mut trials) = (if is_made { h } else { f64::NAN }, 0);
     loop {
         let Candidate { switch, after, bracket: [low, high], .. } = own;

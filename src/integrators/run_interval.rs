@@ -56,9 +56,7 @@ impl<'c> RunInterval<'c> {
     /// How the end of the next step moves, with the motion of the event before it and those of breakpoints at some times.
     pub fn moves_next(&self) -> (f64, [(f64, f64); 2]) {
         let EndMoves { by_event, by_breakpoints } = self.stretches.moves_of(self.target);
-        let at = |(place, share): (usize, f64)| {
-            (if place == self.stretches.steps() { self.stretches.end() } else { self.stretches.times[place] }, share)
-        };
+        let at = |(place, share): (usize, f64)| (self.stretches.laid_time(place), share);
         (by_event, by_breakpoints.map(at))
     }
 

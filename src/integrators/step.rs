@@ -864,10 +864,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn check_joints(&self, absent: &[usize], before: &[[f64; 2]], event: &str) -> Result<(), RunError> {
         let sizes = [0, 1].map(|order| CONSISTENT * size(&self.between.carried[order]));
         let holds = |own: f64, before: f64, size: f64| own.abs() <= before.abs() + size;
-        let mut all = self.violations(absent).into_iter().zip(before);
-        let violated = |(now, before): &([f64; 2], &[f64; 2])| (0..2).any(|k| !holds(now[k], before[k], sizes[k]));
-        let Some(row) = all.position(|own| violated(&own)) else { return Ok(()) };
-        let ([g, rate], joints) = (self.violations(absent)[row], &self.problem.model.constraints);
+        let mut all = self.violations(absent).into_iter().zip(before).enumerate();
+        let violated = all.find(|(_, (now, before))| (0..2).any(|k| !holds(now[k], before[k], sizes[k])));
+        let Some((row, ([g, rate], _))) = violated else { return Ok(()) };
+        let joints = &self.problem.model.constraints;
         let name = joints.iter().find(|own| own.equations.contains(&row)).map_or("", |own| &own.name);
         Err(RunError::Input(format!(
             "what event \"{event}\" sets at t = {} s violates joint \"{name}\", by {g:.3e} and {rate:.3e} 1/s: set coordinates and rates that its \

@@ -547,7 +547,7 @@ impl Side {
                 let ([y, x], terms) = ([own[0], own[1]], own[0].abs() + own[1].abs());
                 let (by, rate, other) = if told == AHEAD {
                     (-x - y.abs(), -rates[1] - y.signum() * rates[0], y.signum())
-                } else if x - told * y > -told * y && x > 0.0 {
+                } else if x > 0.0 {
                     (x - told * y, rates[1] - told * rates[0], AHEAD)
                 } else {
                     (-told * y, -told * rates[0], -told)

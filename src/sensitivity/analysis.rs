@@ -490,17 +490,8 @@ impl<'m> Analysis<'m> {
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
         let clocks = self.clocks(&numbers.p, forward)?;
-        self.values_along(&numbers, &clocks, forward)
-    }
-
-    pub(super) fn values_along<S: RunScalar>(
-        &self,
-        numbers: &ModelNumbers<S>,
-        clocks: &Clocks<S>,
-        forward: &Forward,
-    ) -> Result<(Vec<S>, Counters), RunError> {
         let mut values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals);
-        let counters = self.perturbed_run(numbers, clocks, forward, &mut values)?;
+        let counters = self.perturbed_run(&numbers, &clocks, forward, &mut values)?;
         Ok((values.finish().0, counters))
     }
 

@@ -474,3 +474,31 @@ fn halves_that_events_cut_move_as_halves() {
     assert_eq!(analysis.events(&forward).len(), 2);
     assert_near(row[0], quotient[0], 1e-9, "quotient");
 }
+
+/// The end of a ramp is a breakpoint that both of its sides round in their own way: adjoint and complex step take the same one.
+#[test]
+fn breakpoints_are_told_apart_beyond_their_rounding() {
+    for duration in ["0.18", "0.194006", "0.21", "0.3"] {
+        let scene = parsed(
+            &r#"
+            version = 1
+            variable.late = { initial = 1.0, bounds = [0.5, 2] }
+            settings = { end = 0.963824, steps = 20 }
+            body = [
+                { name = "a", mass = 2, inertia = [0.1, 0.2, 0.25] },
+                { name = "b", mass = 3, inertia = [0.3, 0.2, 0.4], mass_centre = [-0.01, -0.02, -0.03] },
+            ]
+            driver = [{ name = "turn", type = "rotation", between = ["a", "b"], axis = [0.4, -0.9, 0.2], angle = { type = "smooth_ramp", to = -0.7, duration = "DURATION * late" } }]
+            functional = [{ name = "distance", type = "distance", between = ["ground", "b"], points = [[1, 0, 0], [0, 1, 0]], over = "integral" }]
+            "#
+            .replace("DURATION", duration),
+        );
+        let prepared = Prepared::new(&scene).expect("it is sound");
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let forward = analysis.forward(x).expect("it runs");
+        let [adjoint, complex] = [Analysis::adjoint, Analysis::complex_step]
+            .map(|by| by(&analysis, x, &forward).expect("it is smooth").rows[0][0]);
+        assert!(adjoint.abs() > 1e-3, "{duration}: {adjoint}");
+        assert_near(adjoint, complex, 1e-12, duration);
+    }
+}

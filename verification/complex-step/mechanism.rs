@@ -326,7 +326,9 @@ impl Case {
             Beam(subject) => subject.part().unwrap_or(name),
             _ => name,
         };
-        let element = m.model.elements.iter().find(|e| e.name == subject).map(|e| e.parameters.clone());
+        let element = m.model.elements.iter().find(|e| e.name == subject);
+        // without the sides of its switches behind them
+        let element = element.map(|e| e.parameters.start..e.parameters.start + e.physics.parameter_list().len());
         let constraint = m.model.constraints.iter().find(|c| c.name == subject);
         let places = constraint.map_or(element.unwrap_or(0..0), |constraint| constraint.parameters.clone());
         let equations = constraint.map_or(3, |constraint| constraint.equations.len());

@@ -10,6 +10,7 @@ use costate::elements::joints::HeldSlope;
 use costate::elements::{NodeKind, TimeFunction};
 use costate::scalar::{Interpolant, Scalar};
 use costate::scenes::{DesignVariable, MechanismBuilder, Scene, Settings};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Length of every run [s].
@@ -294,7 +295,7 @@ impl Case {
         let places = self.mechanism(&START.map(|(_, value)| value), &beam::design(), &mut m).1;
         let elements = m.model.elements.iter().map(|e| (&e.parameters, e.physics.type_name()));
         let joints = m.model.constraints.iter().map(|c| (&c.parameters, c.physics.type_name()));
-        let subject = elements.chain(joints).filter(|(own, _)| **own == places && !places.is_empty());
+        let subject = elements.chain(joints).filter(|(own, _)| is_of(own, &places));
         let inside = m.model.nodes.iter().filter_map(|node| Some(node.kind.local_constraint()?.type_name()));
         subject.map(|(_, name)| name).chain(inside).collect()
     }
@@ -315,11 +316,9 @@ impl Case {
         let elements = model.elements.iter().map(|e| (&e.parameters, e.physics.parameter_list()));
         let joints = model.constraints.iter().map(|c| (&c.parameters, c.physics.parameter_list()));
         let mut parameters =
-            elements.chain(joints).find(|(range, _)| **range == places).map_or(Vec::new(), |(_, list)| list);
+            elements.chain(joints).find(|(own, _)| is_of(own, &places)).map_or(Vec::new(), |(_, list)| list);
         let own = parameters.len() - self.function.len();
         let mut values = m.numbers.p[places].to_vec();
-        // without the sides of switches behind them
-        values.truncate(parameters.len());
         // nothing special: no unit vectors, right angles or closed loops that a wrong derivative could hide behind
         for (i, value) in values.iter_mut().take(own).enumerate() {
             let phase = i as f64;
@@ -330,6 +329,11 @@ impl Case {
         }
         (values, parameters.drain(..).map(|parameter| parameter.name.into_owned()).collect())
     }
+}
+
+/// Whether some parameters are those of a part, behind which the sides of its switches may stand.
+fn is_of(own: &Range<usize>, places: &Range<usize>) -> bool {
+    own.start == places.start && !own.is_empty() && !places.is_empty()
 }
 
 /// Variables of every scene behind the parameters of its subject, with their values.

@@ -1260,7 +1260,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         """
@@ -1284,7 +1284,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1308,7 +1308,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         """
@@ -1330,7 +1330,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         """
     def distance(
@@ -1352,7 +1352,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``points`` (list of vector, optional): where it takes hold of a and b; both nodes [m]
         """
@@ -1376,7 +1376,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1401,7 +1401,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1426,7 +1426,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1452,7 +1452,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``pin_a`` (vector): pin in a, at right angles to the other [-]
@@ -1479,7 +1479,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1505,7 +1505,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]
@@ -1530,7 +1530,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``point`` (vector, optional): place in the world at the start; that of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1554,7 +1554,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``radii`` (list of 2 times number or formula): pitch radii; of one sign for external gears [m]
         """
@@ -1579,7 +1579,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 3 times text): carrier, pinion, rack
         * ``centre`` (vector): a point of the pinion's axis [m]
         * ``contact`` (vector): where the pitch circle touches the rack [m]
@@ -1604,7 +1604,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``holds`` ("direction" or "vector", optional): the direction of its slope, or its stretch, too; direction
         """
@@ -1627,7 +1627,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``axis`` (vector): axis in the world at the start, of any length [-]
         """
@@ -1649,7 +1649,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         """
     def formula(
@@ -1674,7 +1674,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``nodes`` (table): nodes, or points of them, by the names that the formulas give them
         * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
         * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
@@ -1702,7 +1702,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``centre`` (vector, optional): centre of the sphere; the place of b [m]
         * ``normal`` (vector): normal in the world at the start, of any length [-]
@@ -1731,7 +1731,7 @@ class _Joint:
         * ``stiffness`` (text, or list of number or formula, optional): of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid [N/m, N m/rad]
         * ``damping`` (text, or list of number or formula, optional): of a soft joint, of each of its equations; 0 [N s/m, N m s/rad]
         * ``present`` (True or False, optional): whether it is there at the start: an event may lock it later; true
-        * ``strength`` (number or formula, optional): size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none [N, N m]
+        * ``strength`` (number or formula, optional): size of its force, or of its moment where it has no forces, beyond which it opens for good; none [N, N m]
         * ``between`` (list of 2 times text): both nodes, a and b
         * ``centre`` (vector, optional): centre of the disc; the place of b [m]
         * ``axis`` (vector): axis in the world at the start, of any length [-]

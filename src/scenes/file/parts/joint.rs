@@ -35,7 +35,7 @@ const PRESENT: Key = may("present", Flag, "whether it is there at the start: an 
 const STRENGTH: Key = may(
     "strength",
     Number("N, N m", Positive),
-    "size of its force, or of the moment of a joint without forces, beyond which it opens for good, as its reaction in histories; none",
+    "size of its force, or of its moment where it has no forces, beyond which it opens for good; none",
 );
 
 pub(super) const JOINT: Section = Section {
