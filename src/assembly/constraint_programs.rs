@@ -110,11 +110,22 @@ pub(super) struct Asked {
     pub equations: Option<Order>,
     /// A^T mu.
     pub reactions: bool,
+    /// Whether friction follows mu.
+    pub friction: bool,
 }
 
 impl Asked {
     /// Of a part of the constraint at a level, with the scale of the equations.
-    pub fn of(part: ConstraintPart, equations: &Equations, nonholonomic: bool) -> (Self, f64) {
+    pub fn of(part: ConstraintPart, equations: &Equations, physics: &ConstraintPhysics) -> (Self, f64) {
+        Self::of_kind(part, equations, [physics.is_nonholonomic(), physics.has_friction()])
+    }
+
+    /// Of a part of a constraint inside a node.
+    pub fn inside(part: ConstraintPart, equations: &Equations) -> (Self, f64) {
+        Self::of_kind(part, equations, [false; 2])
+    }
+
+    fn of_kind(part: ConstraintPart, equations: &Equations, [nonholonomic, has_friction]: [bool; 2]) -> (Self, f64) {
         let (order, scale) = if nonholonomic {
             match equations.nonholonomic() {
                 None => (Order::Multiplier, 1.0),
@@ -130,7 +141,9 @@ impl Asked {
             (order, equations.row_scale())
         };
         let has_equations = !matches!(part, ConstraintPart::Reactions(_));
-        (Asked { equations: has_equations.then_some(order), reactions: part != ConstraintPart::Equations }, scale)
+        let reactions = part != ConstraintPart::Equations;
+        let friction = reactions && equations.friction && has_friction;
+        (Asked { equations: has_equations.then_some(order), reactions, friction }, scale)
     }
 
     /// A number for what is asked, and which of (a, v, q) move.
@@ -139,7 +152,8 @@ impl Asked {
     }
 
     pub fn code(&self) -> impl Iterator<Item = u32> {
-        [self.equations.map_or(9, |order| order as u32), u32::from(self.reactions)].into_iter()
+        let reactions = u32::from(self.reactions) + u32::from(self.friction);
+        [self.equations.map_or(9, |order| order as u32), reactions].into_iter()
     }
 }
 
@@ -156,8 +170,9 @@ impl Parts {
         graph: &mut Graph,
         (inputs, outputs): (&[Node], &[Node]),
         layout: ConstraintLayout,
-        (asked, nonholonomic): (Asked, bool),
+        (asked, physics): (Asked, &ConstraintPhysics),
     ) -> Self {
+        let nonholonomic = physics.is_nonholonomic();
         let of = |first: usize, count: usize| &inputs[first..first + count];
         let n = layout.n;
         let (v, q, a) = (of(0, n), of(n, n), of(layout.a(), n));
@@ -174,17 +189,19 @@ impl Parts {
             (Some(Order::Second), false) => scaled(&derivatives[2]),
         };
         let towards = if nonholonomic { v } else { q };
-        let reactions = if asked.reactions { graph.reverse(outputs, mu, towards) } else { Vec::new() };
+        let mut reactions = if asked.reactions { graph.reverse(outputs, mu, towards) } else { Vec::new() };
+        let friction = physics.formula().stages.iter().filter(|_| asked.friction).flat_map(|own| &own.forces);
+        reactions.iter_mut().zip(friction).for_each(|(own, &friction)| *own = graph.add(*own, friction));
         Parts { reactions, equations }
     }
 }
 
 /// Reactions, then equations.
 pub(super) fn values(physics: &ConstraintPhysics, asked: Asked) -> Arc<Program> {
-    let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
+    let layout = ConstraintLayout::of(physics);
     let extra = layout.extra() - layout.a();
     physics.formula().dense_program(("equations", asked.code().collect()), extra, |graph, inputs, outputs| {
-        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
+        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, physics));
         [reactions, equations].concat()
     })
 }
@@ -193,7 +210,7 @@ pub(super) fn values(physics: &ConstraintPhysics, asked: Asked) -> Arc<Program> 
 /// entries that are not zero, numbered by row + column times size. Behind the other arguments: gamma, beta, alpha, and the numbers of the
 /// nodes' bases.
 pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeReduction], moves: [bool; 3]) -> Arc<Program> {
-    let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
+    let layout = ConstraintLayout::of(physics);
     let code = nodes.iter().map(|node| node.code()).chain(asked.code()).chain(moves.map(u32::from));
     let own = Columns::count(nodes);
     let size = own + layout.equations;
@@ -201,7 +218,7 @@ pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeRed
     physics.formula().sparse_program(("constraint matrix", code.collect()), extra, |graph, inputs, outputs| {
         let rates = &inputs[layout.extra()..];
         let columns_of = Columns::new(graph, nodes, &rates[3..]);
-        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
+        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, physics));
         let zero = graph.zero();
         let mut block = vec![zero; size * size];
         let starts = [layout.a(), 0, layout.n];
@@ -228,11 +245,11 @@ pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeRed
 /// after the other: numbered as the arguments before mu, and so many further for the next set. Behind the arguments: lambda_F and lambda_G,
 /// each where it is asked for, of each set of adjoint variables.
 pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[bool], count: usize) -> Arc<Program> {
-    let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
+    let layout = ConstraintLayout::of(physics);
     let code = asked.code().chain(parameters.iter().map(|&asked| u32::from(asked))).chain([count as u32]);
     let extra = layout.extra() - layout.a() + count * weights(layout, asked);
     physics.formula().sparse_program(("constraint products", code.collect()), extra, |graph, inputs, outputs| {
-        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
+        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, physics));
         let all = [reactions, equations].concat();
         let places = || {
             let asked_for = (layout.p()..layout.t()).filter(|place| parameters[place - layout.p()]);

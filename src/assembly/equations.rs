@@ -52,6 +52,8 @@ pub struct Equations {
     /// The metric of a projection instead of the equation of motion: R less R at the base point, or M x where the unknowns move
     /// accelerations alone.
     pub metric: bool,
+    /// Whether friction follows the multipliers: they are forces or impulses.
+    pub friction: bool,
     /// A step of a variational integrator instead of the equation of motion.
     pub variational: Option<Variational>,
 }
@@ -82,12 +84,19 @@ impl Equations {
     /// An equilibrium, whose unknowns are displacements.
     pub const EQUILIBRIUM: Self = {
         let shift = StageCoefficients::new(0.0, 0.0, 1.0);
-        Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
+        Equations {
+            residual: shift,
+            constraint: shift,
+            level: Level::Position,
+            metric: false,
+            friction: true,
+            variational: None,
+        }
     };
 
     /// The equation of motion at a stage: both points move together.
     pub fn stage(shift: StageCoefficients, level: Level) -> Self {
-        Equations { residual: shift, constraint: shift, level, metric: false, variational: None }
+        Equations { residual: shift, constraint: shift, level, metric: false, friction: true, variational: None }
     }
 
     /// A step of a variational integrator; the acceleration is what functionals read, in the first step that of half a step.
@@ -95,14 +104,15 @@ impl Equations {
         let Variational { alpha, h, first } = step;
         let residual = StageCoefficients::new(if first { 2.0 } else { 1.0 }, h, alpha * h * h);
         let constraint = StageCoefficients::new(0.0, 0.0, h * h);
-        Equations { residual, constraint, level: Level::Position, metric: false, variational: Some(step) }
+        Equations { residual, constraint, level: Level::Position, metric: false, friction: true, variational: Some(step) }
     }
 
     /// Whether they are the others but for the round-off of their steps.
     pub(crate) fn is_nearly(&self, other: &Self) -> bool {
         self.residual.is_nearly(&other.residual)
             && self.constraint.is_nearly(&other.constraint)
-            && (self.level, self.metric, self.variational) == (other.level, other.metric, other.variational)
+            && (self.level, self.metric, self.friction, self.variational)
+                == (other.level, other.metric, other.friction, other.variational)
     }
 
     /// Whether constraints and reactions are evaluated at the point of R.
@@ -136,7 +146,7 @@ impl Equations {
     }
 
     fn projection(residual: StageCoefficients, constraint: StageCoefficients, level: Level) -> Self {
-        Equations { residual, constraint, level, metric: true, variational: None }
+        Equations { residual, constraint, level, metric: true, friction: false, variational: None }
     }
 
     /// Projection of q onto g = 0 in the metric of a stage's matrix.
@@ -163,6 +173,11 @@ impl Equations {
     /// Projection of an initial v onto dg/dt = 0 in the mass metric, x = w: M w + A^T nu = 0, A (v + w) + g_t = 0.
     pub fn initial_velocity_projection() -> Self {
         Self::projection(StageCoefficients::new(1.0, 0.0, 0.0), StageCoefficients::new(0.0, 1.0, 0.0), Level::Velocity)
+    }
+
+    /// An impact: the same, with friction that follows its impulses nu.
+    pub fn impact() -> Self {
+        Equations { friction: true, ..Self::initial_velocity_projection() }
     }
 
     /// What a nonholonomic constraint h = 0 is asked for here, and the factor of its rows: h at every level but that of accelerations;

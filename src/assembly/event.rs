@@ -5,6 +5,7 @@ use crate::elements::split_arguments;
 use crate::program::ArgumentKind::{self, Coordinate, Multiplier, Parameter, Time, Velocity};
 use crate::program::{Formula, Recorded};
 use crate::scalar::Scalar;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Rates and coordinates of some nodes, parameters and the time \[s\], as formulas of an event see them. The value z of a state of first order
@@ -14,7 +15,7 @@ pub struct EventArguments<'x> {
     pub v: &'x [Recorded],
     /// Coordinates.
     pub q: &'x [Recorded],
-    /// Multipliers of the joint whose force is looked at.
+    /// Multipliers of the joints whose forces are looked at.
     pub mu: &'x [Recorded],
     /// Parameters.
     pub p: &'x [Recorded],
@@ -25,8 +26,10 @@ pub struct EventArguments<'x> {
 /// An instant at which the number of a condition passes zero, and what happens there. Steps end at it, g(q, v, p, t) = 0.
 #[derive(Clone)]
 pub struct Event {
-    /// Its formula of (v, q, p, side, t): 1 where the number is below zero on the side that is told.
+    /// Its formula of (v, q, mu, p, side, t): 1 where the number is below zero on the side that is told.
     pub condition: Attached<Arc<Formula>>,
+    /// Equations whose multipliers it reads.
+    pub multipliers: Vec<usize>,
     /// Whether it happens where the number rises through zero, and where it falls.
     pub directions: [bool; 2],
     /// Whether it happens no second time.
@@ -68,6 +71,30 @@ impl Stop {
     /// Whether it pushes with a multiplier, of which its force on g is -mu.
     pub fn pushes(&self, mu: f64) -> bool {
         if self.is_upper { mu > 0.0 } else { mu < 0.0 }
+    }
+}
+
+/// Friction of a joint: its surfaces slip in a direction d that events choose, or a second joint holds them.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct JointFriction {
+    /// The joint with friction, and the one that sticks.
+    pub joints: [usize; 2],
+    /// Events at which slip ends, and at which it begins.
+    pub events: [usize; 2],
+    /// Places in p of d, as the joint and the event at which slip ends read it.
+    pub direction: [Range<usize>; 2],
+    /// Place in p of the speed at which slip in two directions ends, behind d.
+    pub speed: Option<usize>,
+    /// Places in p of the slip that an impact keeps.
+    pub kept: Range<usize>,
+    /// Places in p of what is 1 but in impacts, where limits without a load count for nothing.
+    pub forces: [usize; 2],
+}
+
+impl JointFriction {
+    /// How many numbers tell the direction: one, or two and the speed at which slip ends.
+    pub fn sides(&self) -> usize {
+        self.kept.len() + usize::from(self.speed.is_some())
     }
 }
 
@@ -143,8 +170,8 @@ impl Model {
         })
     }
 
-    /// Adds an event whose number is a formula of some nodes, of the multipliers of a joint and of `parameters` numbers; its own side stands behind
-    /// these.
+    /// Adds an event whose number is a formula of some nodes, of the multipliers of some joints and of `parameters` numbers; its own side stands
+    /// behind these.
     ///
     /// # Errors
     /// A formula that cannot be recorded.
@@ -152,19 +179,18 @@ impl Model {
         &mut self,
         name: &str,
         nodes: &[NodeId],
-        joint: Option<usize>,
+        joints: &[usize],
         parameters: usize,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Result<&mut Event, String> {
-        let equations = joint.map_or(0..0, |joint| self.constraints[joint].equations.clone());
-        let less =
-            self.record_instant(nodes, [equations.len(), parameters], |all| vec![number(all).less(Recorded::default())])?;
-        let physics = less.with_side_of_result()?;
+        let multipliers: Vec<usize> = joints.iter().flat_map(|&joint| self.constraints[joint].equations.clone()).collect();
+        let below = |all: EventArguments| vec![number(all).less(Recorded::default())];
+        let physics = self.record_instant(nodes, [multipliers.len(), parameters], below)?.with_side_of_result()?;
         let places = self.add_parameters(parameters + 1);
-        let condition = Attached { name: name.into(), nodes: nodes.into(), parameters: places, equations, physics };
+        let condition = Attached { name: name.into(), nodes: nodes.into(), parameters: places, equations: 0..0, physics };
         let (directions, resets, opens, closes) = ([true; 2], Vec::new(), Vec::new(), Vec::new());
         let (once, ends_run, while_joint) = (false, false, None);
-        self.events.push(Event { condition, directions, once, ends_run, while_joint, resets, opens, closes });
+        self.events.push(Event { condition, multipliers, directions, once, ends_run, while_joint, resets, opens, closes });
         let last = self.events.len() - 1;
         Ok(&mut self.events[last])
     }

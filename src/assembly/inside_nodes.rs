@@ -43,7 +43,7 @@ impl<S: RunScalar> InsideNodes<S> {
         if keep_values && S::PARTS == 0 {
             return;
         }
-        let (asked, scale) = Asked::of(ConstraintPart::Equations, equations, false);
+        let (asked, scale) = Asked::inside(ConstraintPart::Equations, equations);
         let StageCoefficients { gamma, beta, alpha } = equations.constraint;
         let InsideNodes { work, gaps, before } = self;
         gaps.clear();

@@ -451,7 +451,7 @@ impl PartsAt<'_> {
         }
         for taken in system.taken_constraints(own) {
             let (batch, physics) = (taken.parts, system.constraint_of(taken.whole));
-            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics), which.factor());
             // behind those of residuals
             let code = asked.short_code(moves) | 1 << 31;
             let make = || constraint_programs::matrix(physics, asked, &batch.nodes, moves);

@@ -47,7 +47,7 @@ pub use equations::{Equations, Level, StageCoefficients, StageSystem, Unknowns, 
 pub(crate) use equations::{clone_fields, empty_fields};
 pub(crate) use evaluation::{BatchWork, run_lanes};
 #[doc(hidden)]
-pub use event::{Closing, Event, EventArguments, Reset, Stop, Target};
+pub use event::{Closing, Event, EventArguments, JointFriction, Reset, Stop, Target};
 pub(crate) use gather_map::Starts;
 pub use jacobian::Jacobian;
 #[doc(hidden)]

@@ -1,4 +1,4 @@
-use super::Event;
+use super::{Event, JointFriction};
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
 use crate::program::Formula;
 use std::any::TypeId;
@@ -84,6 +84,8 @@ pub struct Model {
     pub(crate) measured: Vec<Attached<Arc<Formula>>>,
     /// What happens at instants of the motion.
     pub(crate) events: Vec<Event>,
+    /// Joints with friction.
+    pub(crate) frictions: Vec<JointFriction>,
     /// Joints that come and go, and whether they are there at the start.
     pub(crate) presence: Vec<(usize, bool)>,
     /// What turns steadily where a motion begins.
@@ -210,6 +212,14 @@ impl Model {
         self.equations = equations.end;
         self.constraints.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations, physics });
         ConstraintId(self.constraints.len() - 1, self.identity)
+    }
+
+    /// Puts another law with as many equations in the place of that of a constraint, with new places of its parameters.
+    pub(crate) fn replace_constraint(&mut self, id: ConstraintId, physics: Arc<dyn AnyConstraint>) {
+        let physics = ConstraintPhysics::new(physics);
+        let parameters = self.add_parameters(physics.parameter_count());
+        let own = &mut self.constraints[id.0];
+        (own.parameters, own.physics) = (parameters, physics);
     }
 
     /// Adds what holds parts in the equilibrium at the start; the caller has checked the number of coordinates.

@@ -35,7 +35,7 @@ fn program(
 pub(super) fn correction(physics: &ConstraintPhysics, layout: ConstraintLayout, asked: Asked) -> Arc<Program> {
     let (n, key) = (layout.n, ("node correction", asked.code().collect()));
     program(physics, layout, key, 3 + n, |graph, inputs, outputs| {
-        let equations = Parts::new(graph, (inputs, outputs), layout, (asked, false)).equations;
+        let equations = Parts::new(graph, (inputs, outputs), layout, (asked, physics)).equations;
         let motion = motion(inputs, layout);
         let (rates, unknowns) = inputs[layout.extra()..].split_at(3);
         let columns = columns_of(graph, (inputs, layout), &equations, rates);
@@ -105,7 +105,7 @@ pub(super) fn products(
     let n = layout.n;
     let key = ("node products", asked.code().chain([u32::from(parts_reactions)]).collect());
     program(physics, layout, key, 6 + 8 * n, |graph, inputs, outputs| {
-        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, false));
+        let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, physics));
         let (rates, lists) = inputs[layout.extra()..].split_at(6);
         let (lambda, lists) = lists.split_at(n);
         let (unknowns, seeds) = lists.split_at(n);

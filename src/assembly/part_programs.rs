@@ -32,7 +32,7 @@ impl System<'_> {
         let moves = numbers_of(equations.constraint).1;
         let constraints = self.constraint_batches().iter().map(|batch| {
             let physics = self.constraint_of(batch);
-            let (asked, _) = Asked::of(ConstraintPart::Both, equations, physics.is_nonholonomic());
+            let (asked, _) = Asked::of(ConstraintPart::Both, equations, physics);
             PartPrograms {
                 residual: constraint_programs::values(physics, asked),
                 matrix: constraint_programs::matrix(physics, asked, &batch.nodes, moves),

@@ -278,7 +278,7 @@ impl<S: RunScalar> Products<S> {
         for Selection { batch, asked: parameters, parts, own, chosen, programs } in selections {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
-            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics), which.factor());
             let n = layout.n;
             let all = own.as_ref().unwrap_or(&batch.places);
             chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
@@ -353,7 +353,7 @@ impl Products {
         at: &VectorsAvq<f64>,
         functionals: &mut [NodeSeeds],
     ) {
-        let (asked, scale) = Asked::of(ConstraintPart::Both, equations, false);
+        let (asked, scale) = Asked::inside(ConstraintPart::Both, equations);
         let parts_reactions = equations.parts_reactions();
         let code = PRODUCTS | asked.short_code([parts_reactions, false, false]);
         let rates = [equations.residual, equations.constraint].map(|shift| numbers_of(shift).0).concat();

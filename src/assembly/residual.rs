@@ -342,7 +342,7 @@ impl<S: RunScalar> Residual<S> {
     ) {
         for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
-            let ((asked, scale), factor) = (Asked::of(which, equations, physics.is_nonholonomic()), which.factor());
+            let ((asked, scale), factor) = (Asked::of(which, equations, physics), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
             let Residual { f, g, at, constraint_at, reaction_at, has_one_point, work, last_bits, .. } = self;
             let constraint_at = of_constraints(*has_one_point, at, constraint_at);

@@ -22,11 +22,11 @@ fn law<P>(part: &Attached<P>, own: Digest) -> Digest {
 }
 
 fn law_of_event(own: &Event) -> Digest {
-    let Event { condition, directions, once, ends_run, while_joint, resets, opens, closes } = own;
+    let Event { condition, multipliers, directions, once, ends_run, while_joint, resets, opens, closes } = own;
     let resets: Vec<_> = resets.iter().map(|own| (law(&own.values, own.values.physics.digest()), &own.targets)).collect();
     Digest::of(&(
         law(condition, condition.physics.digest()),
-        directions,
+        (multipliers, directions),
         (once, ends_run, while_joint),
         resets,
         opens,

@@ -149,7 +149,7 @@ mod tests {
         for level in [Level::Position, Level::Velocity, Level::Acceleration] {
             let shift = StageCoefficients { gamma: 0.9, beta: 0.3, alpha: 0.2 };
             let equations = Equations::stage(shift, level);
-            let (asked, scale) = Asked::of(ConstraintPart::Equations, &equations, false);
+            let (asked, scale) = Asked::inside(ConstraintPart::Equations, &equations);
             let point = [&base.v[..], &base.q, &[0.0], &base.a, &none, &[scale]];
             let own = [&point.concat()[..], &[shift.gamma, shift.beta, shift.alpha], &x].concat();
             let found = results(&node_programs::correction(&physics, LAYOUT, asked), &physics, &own);

@@ -1,3 +1,4 @@
+use super::joints::Surfaces;
 use super::{NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -23,6 +24,10 @@ pub trait Constraint: Send + Sync + 'static {
     }
     /// g(q, p, t), into `g`, which holds zeros before; scale the rows so that they are lengths or angles.
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
+    /// How its surfaces slip on each other, where friction of them is known: its first parameters are those of [`Surfaces`](super::joints::Surfaces).
+    fn surfaces(&self) -> Option<Surfaces> {
+        None
+    }
     /// Whether it drives: its points are places to measure from and to, where pictures draw neither a link nor ground.
     fn is_driver(&self) -> bool {
         false

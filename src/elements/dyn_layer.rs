@@ -1,6 +1,7 @@
 //! Elements and constraints with their types erased: what the framework sees of them are recorded formulas.
 
 use super::at_rest::AtRest;
+use super::joints::Surfaces;
 use super::lagrangian::{
     self, ElementFormulas, Energies, impulse, is_linear_in, is_steady_in, power, residual, shorter_power_serves, sizes,
     strain_course, stress_deviation, stress_force, stresses, told,
@@ -11,7 +12,7 @@ use crate::program::ArgumentKind::{
     Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
 };
 use crate::program::{
-    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramWork, Recorded, continued, gradient_of,
+    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramWork, Recorded, Stages, continued, gradient_of,
 };
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
 use crate::tolerances::LONG_SUM;
@@ -551,24 +552,39 @@ pub trait AnyConstraint: Send + Sync {
     fn parameter_list(&self) -> Vec<Parameter>;
     /// g or h of recorded numbers (v, q, p) and t.
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
+    /// How its surfaces slip.
+    fn surfaces(&self) -> Option<Surfaces> {
+        None
+    }
+    /// Whether it has friction.
+    fn has_friction(&self) -> bool {
+        false
+    }
+    /// Forces of friction that follow its multipliers, of recorded numbers (v, q, mu, p) and t: one for each coordinate; none without friction.
+    fn friction_forces(&self, _numbers: [&[Recorded]; 4], _t: Recorded) -> Vec<Recorded> {
+        Vec::new()
+    }
 }
 
 /// Arguments of g or h: (v, q), of which g reads no velocity, parameters, time.
-fn of_constraint(constraint: &dyn AnyConstraint) -> [(ArgumentKind, usize); 4] {
+fn of_constraint(constraint: &dyn AnyConstraint, has_friction: bool) -> [(ArgumentKind, usize); 4] {
     let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
-    let rates = if constraint.is_nonholonomic() { Velocity } else { Unread };
+    let rates = if constraint.is_nonholonomic() || has_friction { Velocity } else { Unread };
     [(rates, n), (Coordinate, n), (OfPart, m), (Time, 1)]
 }
 
-/// Records g or h as a function of (v, q, p, t).
-fn record(constraint: &dyn AnyConstraint) -> Recording {
+/// Records g or h as a function of (v, q, p, t), beside it forces of friction, which read multipliers where programs of constraints have them.
+fn record(constraint: &dyn AnyConstraint, has_friction: bool) -> Recording {
     let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
     let mut linear = true;
-    let formula = Formula::record(of_constraint(constraint), |x| {
+    let formula = Formula::record_in_stages(of_constraint(constraint, has_friction), |x| {
         let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
         let equations = constraint.evaluate([v, q, p], t[0]);
         linear = !constraint.is_nonholonomic() || is_linear_in(&equations, v);
-        equations
+        let first = multipliers_behind(n, m);
+        let mu: Vec<Recorded> = (first..first + equations.len()).map(Recorded::argument).collect();
+        let friction = has_friction.then(|| constraint.friction_forces([v, q, &mu, p], t[0]));
+        (equations, friction.map(|forces| Stages { numbers: Default::default(), forces }))
     })?;
     if linear { Ok(formula) } else { Err("its equations are not linear in the velocities".into()) }
 }
@@ -585,6 +601,9 @@ impl<C: Constraint> AnyConstraint for C {
     }
     fn is_driver(&self) -> bool {
         Constraint::is_driver(self)
+    }
+    fn surfaces(&self) -> Option<Surfaces> {
+        Constraint::surfaces(self)
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
@@ -614,6 +633,11 @@ impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
         self.0.h(v, q, p, t, &mut h);
         h
     }
+}
+
+/// Place of the multipliers among the arguments of programs of a constraint with `n` coordinates and `m` parameters: behind (v, q, p, t, a).
+pub fn multipliers_behind(n: usize, m: usize) -> usize {
+    3 * n + m + 1
 }
 
 /// Derivatives of order 0, 1, 2 of some results along (q, v)' = (v, a), t' = 1.
@@ -646,6 +670,7 @@ struct ConstraintRecording {
     parameters: usize,
     /// Which parameters are lengths.
     lengths: Vec<usize>,
+    has_friction: bool,
     formula: OnceLock<Recording>,
     is_balanced: OnceLock<bool>,
 }
@@ -661,10 +686,16 @@ impl ConstraintPhysics {
         let (dofs, equations, list) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list());
         let lengths = (0..list.len()).filter(|&place| list[place].unit == "m").collect();
         let (parameters, formula, is_balanced) = (list.len(), OnceLock::new(), OnceLock::new());
-        let recording = ConstraintRecording { own, dofs, equations, parameters, lengths, formula, is_balanced };
+        let has_friction = own.has_friction();
+        let recording =
+            ConstraintRecording { own, dofs, equations, parameters, lengths, has_friction, formula, is_balanced };
         ConstraintPhysics(Arc::new(recording))
     }
 
+    /// What it was made of.
+    pub(crate) fn part(&self) -> Arc<dyn AnyConstraint> {
+        Arc::clone(&self.0.own)
+    }
     /// Path of its type.
     pub fn type_name(&self) -> &'static str {
         self.0.own.type_name()
@@ -695,7 +726,7 @@ impl ConstraintPhysics {
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
-        self.0.formula.get_or_init(|| record(&*self.0.own)).as_ref().err().map(String::as_str)
+        self.0.formula.get_or_init(|| record(&*self.0.own, self.0.has_friction)).as_ref().err().map(String::as_str)
     }
     /// What it does: its formula, or why it has none.
     pub(crate) fn law(&self) -> Digest {
@@ -703,7 +734,7 @@ impl ConstraintPhysics {
     }
     /// g or h of (v, q, p, t).
     pub fn formula(&self) -> &Arc<Formula> {
-        checked(self.0.formula.get_or_init(|| record(&*self.0.own)))
+        checked(self.0.formula.get_or_init(|| record(&*self.0.own, self.0.has_friction)))
     }
 
     /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.
@@ -734,11 +765,16 @@ impl ConstraintPhysics {
         work.run(self.formula().values(), zeros.chain(q.iter().chain(p).copied()).chain([t]))
     }
 
-    /// Whether its reactions do no work on any motion that it allows: g(q, p) without time.
+    /// Whether it has friction.
+    pub fn has_friction(&self) -> bool {
+        self.0.has_friction
+    }
+
+    /// Whether its reactions do no work on any motion that it allows: g(q, p) without time or friction.
     pub fn is_scleronomic(&self) -> bool {
-        let mut is_steady = !self.is_nonholonomic();
+        let mut is_steady = !self.is_nonholonomic() && !self.0.has_friction;
         let (n, m) = (self.0.dofs, self.0.parameters);
-        let recorded = Formula::record(of_constraint(&*self.0.own), |x| {
+        let recorded = Formula::record(of_constraint(&*self.0.own, false), |x| {
             let [v, q, p, t] = split_arguments(x, [n, n, m, 1]);
             let equations = self.0.own.evaluate([v, q, p], t[0]);
             is_steady &= is_steady_in(&equations, t[0]);
@@ -918,7 +954,7 @@ impl ConstraintPhysics {
     /// recording.
     pub fn is_separable(&self, nodes: &[usize]) -> bool {
         let (n, first) = (self.0.dofs, 2 * self.0.dofs + self.0.parameters + 1);
-        if self.is_nonholonomic() {
+        if self.is_nonholonomic() || self.0.has_friction {
             return false;
         }
         self.formula().inspect(|graph, outputs| {
@@ -935,10 +971,15 @@ impl ConstraintPhysics {
         })
     }
 
-    /// A^T mu in recorded numbers (v, q, mu, p) and t.
+    /// A^T mu, and what friction adds, in recorded numbers (v, q, mu, p) and t.
     pub(crate) fn recorded_reaction(&self, [v, q, mu, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
         let equations = self.0.own.evaluate([v, q, p], t);
-        gradient_of(&equations, mu, if self.is_nonholonomic() { v } else { q })
+        let mut reaction = gradient_of(&equations, mu, if self.is_nonholonomic() { v } else { q });
+        if self.0.has_friction {
+            let friction = self.0.own.friction_forces([v, q, mu, p], t);
+            reaction.iter_mut().zip(friction).for_each(|(own, friction)| *own += friction);
+        }
+        reaction
     }
 }
 

@@ -4,6 +4,7 @@
 //! * [`Field`]: the same at points of interpolated fields, for flexible elements
 //! * [`Constraint`]: g(q, p, t) = 0 and nothing else
 //! * [`NonholonomicConstraint`]: h(v, q, p, t) = 0, linear in v, and nothing else
+//! * [`Friction`]: velocities at which surfaces slip, and limits by the multipliers of a joint
 //!
 //! Sign: the residual is inertia + internal - applied = 0; a constraint adds A^T mu with A = dg/dq, so the force of the
 //! constraint on the bodies is -A^T mu.
@@ -15,6 +16,7 @@ pub(crate) mod dyn_layer;
 mod element;
 mod field;
 mod frame;
+mod friction;
 mod lagrangian;
 mod node_kind;
 mod nonholonomic;
@@ -44,6 +46,8 @@ pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
+pub use friction::{AnyFriction, Friction};
+pub(crate) use friction::{Slipping, Sticking, speed_along};
 pub(crate) use lagrangian::paired;
 pub use node_kind::NodeKind;
 pub(crate) use node_kind::NodePair;

@@ -17,7 +17,7 @@ pub struct Values<'f, S> {
     functionals: &'f [Functional],
     model: &'f Model,
     table: &'f Table,
-    /// Parameters, with the sides of switches of functionals in the step that is made.
+    /// Parameters, with the sides of switches of functionals, and directions of slip, in the step that is made.
     p: Vec<S>,
     /// These sides and where they stand, if there are any.
     sides: Vec<f64>,
@@ -53,7 +53,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             table,
             p: p.to_vec(),
             sides: Vec::new(),
-            switches: (!model.measured.is_empty()).then(|| Events::new(model)),
+            switches: (!model.measured.is_empty() || !model.frictions.is_empty()).then(|| Events::new(model)),
             following: true,
             offsets: functionals.iter().map(|functional| functional.over.first_offset()).collect(),
             seen: vec![None; functionals.len()],

@@ -3,8 +3,8 @@
 use crate::assembly::{Equations, Level, StageCoefficients, Target, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause, Prediction,
-    Renewal, Scheme, SetNumber, SideChange, SolveRecord, Stability, StabilityCourse, StartRecord, StepError, StepErrors,
-    StepSizeState, StepState, Track,
+    Renewal, Scheme, SetNumber, SideChange, SlipBefore, SolveRecord, Stability, StabilityCourse, StartRecord, StepError,
+    StepErrors, StepSizeState, StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -198,7 +198,7 @@ macro_rules! flat {
 flat! {
     StageCoefficients { gamma, beta, alpha }
     Variational { alpha, h, first }
-    Equations { residual, constraint, level, metric, variational }
+    Equations { residual, constraint, level, metric, friction, variational }
     VectorsAvq<f64> { a, v, q }
     Unknowns<f64> { x, mu, local_mu }
     SolveRecord<f64> { t, equations, base, unknowns }
@@ -206,7 +206,8 @@ flat! {
     Prediction<f64> { tracks }
     SideChange { switch, sides }
     SetNumber<f64> { event, target, value }
-    ImpactRecord<f64> { event, solve, dropped, restitution, impulse }
+    ImpactRecord<f64> { event, solve, dropped, restitution, impulse, set, kept }
+    SlipBefore<f64> { friction, slip }
     StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }

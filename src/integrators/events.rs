@@ -9,7 +9,7 @@
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I, II.6; Galan, Feehery, Barton, Appl. Numer. Math. 31 (1999), for the derivatives.
 
 use super::crossings::Place;
-use crate::assembly::{Attached, Closing, Event, Model, Reset, Stop, Target};
+use crate::assembly::{Attached, Closing, Event, JointFriction, Model, Reset, Stop, Target};
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::program::{Excess, Formula, ProgramWork, Reads, Switches};
@@ -20,8 +20,8 @@ use std::sync::Arc;
 /// A side that changes between two steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideChange {
-    /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, and one for
-    /// each joint that comes and goes, 1 where it is there.
+    /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, one for each
+    /// joint that comes and goes, 1 where it is there, and the directions in which joints with friction slip, 0 where they do not.
     pub switch: usize,
     /// The side before, and behind.
     pub sides: [f64; 2],
@@ -66,6 +66,7 @@ pub struct Events {
     events: Vec<Happening>,
     /// Joints that come and go, their equations, and whether they are there at the start.
     joints: Vec<(usize, Range<usize>, bool)>,
+    frictions: Vec<Slip>,
     /// Where the sides stand in p.
     places: Vec<usize>,
     work: ProgramWork<f64>,
@@ -84,6 +85,16 @@ struct Happening {
     closes: Vec<Closing>,
 }
 
+/// How a joint with friction slips.
+struct Slip {
+    own: JointFriction,
+    /// Place of its direction among all sides.
+    first: usize,
+    /// Its slip as a formula, and places of the arguments.
+    formula: Arc<Formula>,
+    places: Vec<Place>,
+}
+
 /// A part before its switches are known.
 type Switching<'m, P> = (&'m Attached<P>, &'m Arc<Formula>, usize);
 
@@ -92,17 +103,18 @@ impl Events {
         let mut events = Events::default();
         let mut known = HashMap::new();
         for own in model.elements.iter().filter(|own| own.physics.sides() > 0) {
-            events.add(model, &mut known, (own, own.physics.residual(), own.physics.sides()), OF_ELEMENT, None);
+            events.add(model, &mut known, (own, own.physics.residual(), own.physics.sides()), (OF_ELEMENT, &[]), None);
         }
         for own in &model.measured {
-            events.add(model, &mut known, (own, &own.physics, own.physics.sides()), OF_ELEMENT, None);
+            events.add(model, &mut known, (own, &own.physics, own.physics.sides()), (OF_ELEMENT, &[]), None);
         }
         let equations = |joint: usize| model.constraints[joint].equations.clone();
         events.joints = model.presence.iter().map(|&(joint, is_there)| (joint, equations(joint), is_there)).collect();
         for (number, own) in model.events.iter().enumerate() {
-            let Event { condition, directions, once, ends_run, while_joint, resets, opens, closes } = own.clone();
+            let Event { condition, multipliers, directions, once, ends_run, while_joint, resets, opens, closes } =
+                own.clone();
             let condition = &condition;
-            events.add(model, &mut known, (condition, &condition.physics, 1), OF_EVENT, Some(number));
+            events.add(model, &mut known, (condition, &condition.physics, 1), (OF_EVENT, &multipliers), Some(number));
             let place = |joint: usize| model.presence.iter().position(|own| own.0 == joint);
             let places = |own: &Reset| super::crossings::places(model, OF_EVENT, &own.values.nodes, &own.values.parameters);
             let resets = resets
@@ -115,6 +127,13 @@ impl Events {
             let condition = while_joint.and_then(|(joint, is_there)| Some((place(joint)?, f64::from(u8::from(is_there)))));
             events.events.push(Happening { directions, once, ends_run, condition, resets, opens, closes });
         }
+        let mut first = events.switches() + events.events.len() + events.joints.len();
+        for own in &model.frictions {
+            let sticking = &model.constraints[own.joints[1]];
+            let places = super::crossings::places(model, OF_EVENT, &sticking.nodes, &sticking.parameters);
+            events.frictions.push(Slip { own: own.clone(), first, formula: Arc::clone(sticking.physics.formula()), places });
+            first += own.sides();
+        }
         events
     }
 
@@ -123,7 +142,7 @@ impl Events {
         model: &Model,
         known: &mut HashMap<*const Formula, Option<Switches>>,
         (own, formula, count): Switching<P>,
-        lists: &[fn(usize) -> Place],
+        (lists, multipliers): (&[fn(usize) -> Place], &[usize]),
         event: Option<usize>,
     ) {
         let switches = known.entry(Arc::as_ptr(formula)).or_insert_with(|| formula.switches(Reads::Located, false));
@@ -133,7 +152,7 @@ impl Events {
         self.places.extend(own.parameters.end - count..own.parameters.end);
         let mut places = super::crossings::places(model, lists, &own.nodes, &own.parameters);
         let state = places.len() - own.parameters.len() - 1;
-        places.splice(state..state, own.equations.clone().map(Place::Mu));
+        places.splice(state..state, multipliers.iter().copied().map(Place::Mu));
         self.parts.push(Part { name: own.name.clone(), switches, places, event, first, count });
     }
 
@@ -142,9 +161,96 @@ impl Events {
         self.places.len()
     }
 
-    /// Number of all sides: of switches, of events that have happened, and of joints.
+    /// Number of all sides: of switches, of events that have happened, of joints, and directions of slip.
     pub fn sides_count(&self) -> usize {
-        self.switches() + self.events.len() + self.joints.len()
+        let directions: usize = self.frictions.iter().map(|own| own.own.sides()).sum();
+        self.switches() + self.events.len() + self.joints.len() + directions
+    }
+
+    /// The frictions of all joints.
+    pub fn frictions(&self) -> impl ExactSizeIterator<Item = &JointFriction> {
+        self.frictions.iter().map(|own| &own.own)
+    }
+
+    /// One of them.
+    pub fn friction(&self, friction: usize) -> &JointFriction {
+        &self.frictions[friction].own
+    }
+
+    /// Whether a joint is there, if it comes and goes.
+    pub fn presence_of(&self, joint: usize, sides: &[f64]) -> Option<bool> {
+        let first = self.switches() + self.events.len();
+        let place = self.joints.iter().position(|own| own.0 == joint)?;
+        Some(sides[first + place] > 0.0)
+    }
+
+    /// The joint whose presence stands at a place among all sides.
+    pub fn joint_of(&self, switch: usize) -> usize {
+        self.joints[switch - self.switches() - self.events.len()].0
+    }
+
+    /// Parameters of all frictions in an impact, by their places.
+    pub fn set_in_impact(&self, sides: &[f64]) -> Vec<(usize, f64)> {
+        let mut all = Vec::new();
+        for Slip { own, first, .. } in &self.frictions {
+            let direction = &sides[*first..][..own.kept.len()];
+            all.extend(own.forces.map(|place| (place, 0.0)));
+            all.extend(own.direction.iter().flat_map(|places| places.clone().zip(direction.iter().copied())));
+        }
+        all
+    }
+
+    /// Which way the surfaces of a friction slip; zero where they stick or are apart.
+    pub fn direction<'s>(&self, friction: usize, sides: &'s [f64]) -> &'s [f64] {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        &sides[*first..first + own.kept.len()]
+    }
+
+    /// The changes to another direction of slip, and in two directions to the speed at which it ends.
+    pub fn turn(&self, friction: usize, direction: &[f64], speed: f64, sides: &[f64]) -> Vec<SideChange> {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        let values = direction.iter().copied().chain([speed]).take(own.sides()).enumerate();
+        let changes = values.map(|(k, value)| SideChange { switch: first + k, sides: [sides[first + k], value] });
+        changes.filter(|own| own.sides[0] != own.sides[1]).collect()
+    }
+
+    /// The change to the side on which surfaces slip, of the switch at which slip ends; or on which they stick, of that at which it begins.
+    pub fn rubbing(&self, friction: usize, sticks: bool, sides: &[f64]) -> Option<SideChange> {
+        let switch = self.condition(self.frictions[friction].own.events[usize::from(sticks)])?.first;
+        // 1: below zero
+        let side = if sticks { 1.0 } else { -1.0 };
+        (sides[switch] != side).then_some(SideChange { switch, sides: [sides[switch], side] })
+    }
+
+    /// The velocities of slip.
+    pub fn slip<S: RunScalar>(&self, friction: usize, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<S> {
+        let Slip { formula, places, .. } = &self.frictions[friction];
+        let mut slip = vec![S::zero(); formula.outputs.len()];
+        let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
+        S::run(formula.values(), &inputs, &mut slip, &mut ProgramWork::default());
+        slip
+    }
+
+    /// Goes back through these, by their adjoints: to those of rates, coordinates and parameters, and the one of the time, which is returned.
+    pub fn slip_back(
+        &self,
+        friction: usize,
+        [v, q]: [&[f64]; 2],
+        (t, p): (f64, &[f64]),
+        bars: &[f64],
+        seeds: [&mut [f64]; 3],
+    ) -> f64 {
+        let Slip { formula, places, .. } = &self.frictions[friction];
+        let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
+        results_back(formula, places, &inputs, bars.iter().copied().enumerate(), seeds)
+    }
+
+    /// Whether what surfaces that stick would have to hold is more than friction can, by multipliers of which so much is none.
+    pub fn exceeds(&self, friction: usize, moment: Moment<f64>, p: &[f64], none: f64) -> bool {
+        let JointFriction { events, kept, .. } = &self.frictions[friction].own;
+        let Some(part) = self.condition(events[1]) else { return false };
+        let none = none.max(NOTHING * largest(moment.mu[0])).powi(kept.len() as i32);
+        part.switches.number_in(0, &part.inputs(&moment, p)) > none
     }
 
     /// Place of the side of a joint that comes and goes.
@@ -186,14 +292,26 @@ impl Events {
         let Some(event) = part.event else { return true };
         let first = self.switches() + self.events.len();
         let is_there = |(joint, side): (usize, f64)| sides.get(first + joint).is_none_or(|own| *own == side);
+        let is_still = |own: &Slip| {
+            let direction = sides.get(own.first..own.first + own.own.kept.len());
+            own.own.events[0] == event && direction.is_some_and(|own| own.iter().all(|d| *d == 0.0))
+        };
+        if self.frictions.iter().any(is_still) {
+            return false;
+        }
         let has_been = sides.get(self.switches() + event).is_some_and(|own| *own > 0.0);
         !has_been && self.events[event].condition.is_none_or(is_there)
     }
 
     /// The joint that a force removes first behind what has happened, as the change of the switch at which it does, by the multipliers there; `present`
     /// are the joints there, `no_force` is what counts as none.
-    pub fn released(&self, (sides, present): (&[f64], &[f64]), mu: &[f64], p: &[f64], no_force: f64) -> Option<SideChange> {
-        let moment = Moment { a: &[], v: &[], q: &[], mu: [mu, &[]], t: 0.0 };
+    pub fn released(
+        &self,
+        (sides, present): (&[f64], &[f64]),
+        moment: Moment<f64>,
+        p: &[f64],
+        no_force: f64,
+    ) -> Option<SideChange> {
         let held = self.releases().filter(|part| self.may_happen(part, present));
         // 1: below zero
         let beyond = |part: &Part| sides[part.first] * part.switches.number_in(0, &part.inputs(&moment, p));
@@ -350,20 +468,8 @@ impl Events {
             let take = |target: &Target| std::mem::take(target.of([&mut *v_bar, &mut *q_bar]));
             let bars: Vec<f64> = reset.targets.iter().map(take).collect();
             let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
-            for (result, bar) in bars.into_iter().enumerate().filter(|(_, bar)| *bar != 0.0) {
-                let program = reset.values.physics.gradient(&[result]);
-                let mut entries = vec![0.0; program.outputs()];
-                program.run(&inputs, &mut entries, &mut ProgramWork::default());
-                for (&label, &entry) in program.labels().iter().zip(&entries) {
-                    match places[label as usize] {
-                        Place::V(dof) => v_bar[dof] += bar * entry,
-                        Place::Q(dof) => q_bar[dof] += bar * entry,
-                        Place::P(index) => p_bar[index] += bar * entry,
-                        Place::Time => t_bar += bar * entry,
-                        Place::A(_) | Place::Mu(_) => {}
-                    }
-                }
-            }
+            let (bars, seeds) = (bars.into_iter().enumerate(), [&mut *v_bar, &mut *q_bar, &mut *p_bar]);
+            t_bar += results_back(&reset.values.physics, places, &inputs, bars, seeds);
         }
         t_bar
     }
@@ -375,6 +481,18 @@ impl Events {
     /// Writes sides to where they stand in p.
     pub fn write<S: RunScalar>(&self, sides: &[f64], p: &mut [S]) {
         self.places.iter().zip(sides).for_each(|(&place, &side)| p[place] = S::from(side));
+        self.write_directions(sides, p);
+    }
+
+    /// Writes directions of slip to where they stand in p.
+    pub fn write_directions<S: RunScalar>(&self, sides: &[f64], p: &mut [S]) {
+        for Slip { own, first, .. } in &self.frictions {
+            let (direction, behind) = sides[*first..][..own.sides()].split_at(own.kept.len());
+            for places in &own.direction {
+                p[places.clone()].iter_mut().zip(direction).for_each(|(p, &side)| *p = S::from(side));
+            }
+            own.speed.iter().zip(behind).for_each(|(&place, &side)| p[place] = S::from(side));
+        }
     }
 
     /// The sides at a moment: by the numbers, and where these are at the end of a side by their rates.
@@ -392,6 +510,7 @@ impl Events {
         }
         sides.extend(self.events.iter().map(|_| 0.0));
         sides.extend(self.joints.iter().map(|own| f64::from(u8::from(own.2))));
+        sides.resize(self.sides_count(), 0.0);
         sides
     }
 
@@ -466,6 +585,32 @@ fn inputs<S: RunScalar>(places: &[Place], moment: &Moment<S>, p: &[S]) -> Vec<S>
         Place::Mu(row) => moment.mu[0].get(row).copied().unwrap_or_else(S::zero),
     };
     places.iter().map(value).collect()
+}
+
+/// Goes back through a formula from adjoints of its results to those of rates, coordinates and parameters, and the one of the time, which is returned.
+fn results_back(
+    formula: &Formula,
+    places: &[Place],
+    inputs: &[f64],
+    bars: impl Iterator<Item = (usize, f64)>,
+    [v_bar, q_bar, p_bar]: [&mut [f64]; 3],
+) -> f64 {
+    let mut t_bar = 0.0;
+    for (result, bar) in bars.filter(|(_, bar)| *bar != 0.0) {
+        let program = formula.gradient(&[result]);
+        let mut entries = vec![0.0; program.outputs()];
+        program.run(inputs, &mut entries, &mut ProgramWork::default());
+        for (&label, &entry) in program.labels().iter().zip(&entries) {
+            match places[label as usize] {
+                Place::V(dof) => v_bar[dof] += bar * entry,
+                Place::Q(dof) => q_bar[dof] += bar * entry,
+                Place::P(index) => p_bar[index] += bar * entry,
+                Place::Time => t_bar += bar * entry,
+                Place::A(_) | Place::Mu(_) => {}
+            }
+        }
+    }
+    t_bar
 }
 
 /// Values that a reset gives to its targets.

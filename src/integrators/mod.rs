@@ -37,6 +37,7 @@ mod restart;
 mod resting_start;
 mod round_off;
 mod run_interval;
+mod slipping;
 mod stability;
 mod start;
 mod steady_turn;
@@ -83,7 +84,7 @@ pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 #[doc(hidden)]
-pub use record::ImpactRecord;
+pub use record::{ImpactRecord, SlipBefore};
 pub(crate) use record::{Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;

@@ -1,5 +1,5 @@
 use super::{Pause, RunError, Scheme, SetNumber, SideChange, StepRule};
-use crate::assembly::{Clock, Equations, Unknowns, VectorsAvq, clone_fields};
+use crate::assembly::{Clock, Equations, JointFriction, Unknowns, VectorsAvq, clone_fields};
 use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
@@ -88,10 +88,24 @@ pub struct ImpactRecord<S> {
     pub restitution: Option<usize>,
     /// Places in mu and in v of an impulse and of the state to which its size is added.
     pub impulse: Option<[usize; 2]>,
+    /// Parameters that are others in it, by their places: which surfaces slip where.
+    pub set: Vec<(usize, f64)>,
+    /// Slip that sticking surfaces have in it, so that with restitution none is left.
+    pub kept: Vec<SlipBefore<S>>,
+}
+
+/// Slip before an impact.
+#[derive(Debug, PartialEq)]
+pub struct SlipBefore<S> {
+    /// Number of the friction.
+    pub friction: usize,
+    /// Its velocities.
+    pub slip: Vec<S>,
 }
 
 clone_fields!(SolveRecord { t, equations, base, unknowns });
-clone_fields!(ImpactRecord { event, solve, dropped, restitution, impulse });
+clone_fields!(ImpactRecord { event, solve, dropped, restitution, impulse, set, kept });
+clone_fields!(SlipBefore { friction, slip });
 clone_fields!(StageRecord { solve, known });
 clone_fields!(StepRecord {
     t,
@@ -116,6 +130,15 @@ impl<S: Scalar> ImpactRecord<S> {
     /// How much of x velocities change by.
     pub fn factor(&self, p: &[S]) -> S {
         self.restitution.map_or(S::one(), |place| p[place] + S::one())
+    }
+
+    /// Writes the parameters that are others in it: with restitution velocities change by (1 + e) x, so that e / (1 + e) of a slip is left behind x.
+    pub fn set_parameters(&self, frictions: &[JointFriction], p: &mut [S]) {
+        let share = self.restitution.map_or(S::zero(), |place| p[place] / (p[place] + S::one()));
+        self.set.iter().for_each(|&(place, value)| p[place] = S::from(value));
+        for SlipBefore { friction, slip } in &self.kept {
+            p[frictions[*friction].kept.clone()].iter_mut().zip(slip).for_each(|(p, &slip)| *p = share * slip);
+        }
     }
 
     /// Adds what it changes to velocities and states that are measured by a time that goes `pace` times as fast.

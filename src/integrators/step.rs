@@ -31,7 +31,7 @@ pub struct Stepper<'m, S> {
     pub(super) problem: &'m Problem<'m, S>,
     pub(super) method: &'m Method,
     /// Parameters, with the sides of switches.
-    p: Vec<S>,
+    pub(super) p: Vec<S>,
     /// Switches at which steps end, if there are any.
     pub(super) events: Option<Box<Events>>,
     constrained: bool,
@@ -39,6 +39,8 @@ pub struct Stepper<'m, S> {
     pub(super) close_by: usize,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
+    /// Multipliers by which events at the end of the step made last happen.
+    pub(super) forces: Vec<f64>,
     /// Solvers that were not used, without some equations each.
     analyses: Vec<(Vec<usize>, Newton<'m, S>)>,
     acceleration: Newton<'m, S>,
@@ -52,14 +54,14 @@ pub struct Stepper<'m, S> {
     /// Work done with other choices of redundant equations.
     earlier: Counters,
     pub(super) between: StepState<S>,
-    record: StepRecord<S>,
+    pub(super) record: StepRecord<S>,
     resolution: Resolution<S>,
     drives: Option<RealDrives>,
     difference: Vec<S>,
     /// How time goes, where derivative parts move the ends of steps, and the clock by which what is carried is measured; that of the next step, where
     /// it starts or ends at an event.
     pub(super) clocks: Clocks<S>,
-    clock: Option<Clock<S>>,
+    pub(super) clock: Option<Clock<S>>,
     pub(super) own_clock: Option<Clock<S>>,
 }
 
@@ -87,7 +89,7 @@ const WATCHED_EVERY: usize = 5;
 /// Most events that follow each other at one time.
 const MOST_AT_ONCE: usize = 100;
 /// Share of the force that makes an impact within a step, below which what is hit is not pushed away from.
-const NO_FORCE: f64 = 1e-9;
+pub(super) const NO_FORCE: f64 = 1e-9;
 /// Share of the estimated error of a step that its systems may leave, where round-off is not asked for.
 const LEFT: f64 = 1e-2;
 /// Largest coefficient with which dropped equations may follow from the kept ones.
@@ -122,11 +124,11 @@ fn release<S: RunScalar>(newton: &mut Newton<S>) -> Result<(), RunError> {
 }
 
 /// Largest of some numbers, or one.
-fn size<S: RunScalar>(values: &[S]) -> f64 {
+pub(super) fn size<S: RunScalar>(values: &[S]) -> f64 {
     values.iter().fold(1.0, |size: f64, own| size.max(own.value().abs()))
 }
 
-fn real<S: RunScalar>(values: &[S]) -> Vec<f64> {
+pub(super) fn real<S: RunScalar>(values: &[S]) -> Vec<f64> {
     values.iter().map(|value| value.value()).collect()
 }
 
@@ -163,6 +165,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             constrained: system.is_constrained(),
             close_by: 0,
             mu_before: Vec::new(),
+            forces: Vec::new(),
             analyses: Vec::new(),
             acceleration,
             stage,
@@ -343,11 +346,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.check_method(&events, sides)?;
         let [a, mu] = [&first.unknowns.x, &first.unknowns.mu].map(|values| real(values));
         let [q, v, p] = [q, v, &self.p].map(real);
-        let excesses = events.excesses(Moment { a: &a, v: &v, q: &q, mu: [&mu, &[]], t }, &p, sides);
+        let moment = Moment { a: &a, v: &v, q: &q, mu: [&mu, &[]], t };
+        let excesses = events.excesses(moment, &p, sides);
         let passed = excesses.into_iter().enumerate().filter(|(_, own)| own.by.abs() <= own.noise(t) && own.rate > 0.0);
         let passed: Vec<(usize, f64)> = passed.map(|(switch, own)| (switch, own.other)).collect();
         passed.iter().for_each(|(switch, other)| sides[*switch] = *other);
-        if let Some(own) = events.released((sides, sides), &mu, &p, NO_FORCE * size(&first.unknowns.mu)) {
+        if let Some(own) = events.released((sides, sides), moment, &p, NO_FORCE * size(&first.unknowns.mu)) {
             let name = events.part_of(own.switch);
             return Err(RunError::Input(format!("the {name} is due at the start: its force is beyond the strength there")));
         }
@@ -399,22 +403,46 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             )));
         }
         self.between.dropped.clone_from(&plan.dropped);
-        let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
+        let mut sticking = self.frictions_at_start(&events, (q, v), t, (sides, &closed));
         let dropped = loop {
+            let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
+            let held = closed.iter().map(|own| own.0).chain(sticking.iter().map(|own| events.friction(*own).joints[1]));
+            let held: Vec<usize> = held.flat_map(rows).collect();
             let mut dropped = plan.dropped.clone();
-            dropped.retain(|row| closed.iter().all(|own| !rows(own.0).contains(row)));
-            if closed.is_empty() {
+            dropped.retain(|row| !held.contains(row));
+            if held.is_empty() {
                 break dropped;
             }
+            events.write_directions(sides, &mut self.p);
             let mu = self.forces_at((q, v), t, &dropped)?;
-            match closed.iter().position(|(joint, stop)| !stop.pushes(mu[rows(*joint).start])) {
-                Some(place) => closed.remove(place),
+            let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
+            if let Some(place) = closed.iter().position(|(joint, stop)| !stop.pushes(mu[rows(*joint).start])) {
+                let (joint, _) = closed.remove(place);
+                for friction in (0..events.frictions().len()).filter(|own| events.friction(*own).joints[0] == joint) {
+                    sticking.retain(|own| *own != friction);
+                    let none = vec![0.0; events.friction(friction).kept.len()];
+                    events.turn(friction, &none, 0.0, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
+                }
+                continue;
+            }
+            let state = [real(v), real(q)];
+            let p = real(&self.p);
+            let moment = Moment { a: &[], v: &state[0], q: &state[1], mu: [&mu, &[]], t };
+            let exceeds = |own: &usize| events.exceeds(*own, moment, &p, 0.0);
+            match sticking.iter().position(exceeds) {
+                Some(place) => {
+                    let friction = sticking.remove(place);
+                    self.slips(&events, friction, &mu, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
+                }
                 None => break dropped,
-            };
+            }
         };
         for (joint, stop) in closed {
             sides[events.presence(joint)] = 1.0;
             events.pushing(joint, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
+        }
+        for friction in sticking {
+            self.sticks(&events, friction, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
         }
         self.events = Some(events);
         Ok(dropped)
@@ -667,6 +695,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
         let before = self.between.sides.clone();
+        self.forces = real(&self.between.last.mu);
         // joints as far as it has come
         let mut present = before.clone();
         let (switch, located) = self.located_number(&mut events, &changes);
@@ -748,38 +777,29 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if let Some(own) = events.presence_change(joint, false, sides) {
                 sides[own.switch] = own.sides[1];
                 changes.extend(Some(own).filter(|_| !is_made_again));
+                self.opened(events, joint, (sides, changes), is_made_again);
             }
         }
         for Closing { joint, stop, impulse } in closes {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
+            if self.goes_on_slipping(events, *joint, (sides, changes), is_made_again) {
+                continue;
+            }
             if !is_made_again {
                 self.check_hit(*joint, hit)?;
-            }
-            let equations = self.problem.model.constraints[*joint].equations.clone();
-            let dropped_now = |own: &Self, sides: &[f64]| {
-                let mut dropped = own.dropped_with(&events.absent(sides));
-                dropped.retain(|row| !equations.contains(row));
-                dropped
-            };
-            let mut dropped = dropped_now(self, sides);
-            let mut solve = self.impact(*joint, &dropped)?;
-            // what is held at a stop may be torn off by the impact
-            while let Some(torn) = events.torn(sides, (*joint, &real(&solve.unknowns.mu))) {
-                sides[torn.switch] = torn.sides[1];
-                changes.extend(Some(torn).filter(|_| !is_made_again));
-                dropped = dropped_now(self, sides);
-                solve = self.impact(*joint, &dropped)?;
-            }
-            if stop.is_none() && !is_made_again {
-                self.check_closing(*joint)?;
             }
             let mut restitution = None;
             if let Some(Stop { parameters: [e, least], .. }) = stop {
                 let is_plastic = self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value();
                 restitution = (!is_plastic).then_some(*e);
             }
-            let impulse = impulse.map(|dof| [equations.start, dof]);
-            let impact = ImpactRecord { event: number, solve, dropped, restitution, impulse };
+            let first = self.problem.model.constraints[*joint].equations.start;
+            let impulse = impulse.map(|dof| [first, dof]);
+            let impact = ImpactRecord { event: number, restitution, impulse, ..ImpactRecord::default() };
+            let impact = self.close(events, (*joint, stop.as_ref()), impact, (sides, changes), is_made_again)?;
+            if stop.is_none() && !is_made_again {
+                self.check_closing(*joint)?;
+            }
             let pace = self.clock.map_or(S::one(), |clock| clock.length());
             impact.add_to(&mut self.between.carried[1], &self.p, pace);
             let is_held = restitution.is_none();
@@ -812,7 +832,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
         let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.last.mu));
         let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
-        Ok(events.released((&sides, present), &mu, &real(&self.p), NO_FORCE * most))
+        let [v, q] = [&v, &q].map(|own| real(own));
+        let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: self.record.end };
+        let change = events.released((&sides, present), moment, &real(&self.p), NO_FORCE * most);
+        self.forces = mu;
+        Ok(change)
     }
 
     /// Adds the switches of formulas whose numbers are beyond their sides once others have changed, on which they depend.
@@ -889,7 +913,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Equations that are left out where these are not there.
-    fn dropped_with(&self, absent: &[usize]) -> Vec<usize> {
+    pub(super) fn dropped_with(&self, absent: &[usize]) -> Vec<usize> {
         let mut dropped = self.between.dropped.clone();
         dropped.retain(|row| !self.problem.model.comes_and_goes(*row));
         dropped.extend(absent);
@@ -897,15 +921,15 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         dropped
     }
 
-    /// The impact by which the equations of a joint come to rest: M x + A^T mu = 0, A (v + x) + g_t = 0.
-    fn impact(&mut self, joint: usize, dropped: &[usize]) -> Result<SolveRecord<S>, RunError> {
+    /// The impact by which the equations of a joint come to rest, without some: M x + A^T mu = 0, A (v + x) + g_t = 0.
+    pub(super) fn impact(&mut self, joint: usize, dropped: &[usize]) -> Result<SolveRecord<S>, RunError> {
         let (end, t) = (self.record.end, self.record.t);
         let mut newton = self.analysis(dropped)?;
         newton.residual.clock = self.clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
         let pace = self.clock.map_or(S::one(), |clock| clock.pace());
         let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
         let v = v.iter().map(|&v| v * pace).collect();
-        let mut own = SolveRecord { t: end, equations: Equations::initial_velocity_projection(), ..SolveRecord::default() };
+        let mut own = SolveRecord { t: end, equations: Equations::impact(), ..SolveRecord::default() };
         own.base = VectorsAvq { a: vec![S::zero(); q.len()], v, q: q.clone() };
         let name = &self.problem.model.constraints[joint].name;
         let place = || format!("impact of \"{name}\" (t = {} s)", shortest(end));
@@ -933,7 +957,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Multipliers of the accelerations of a state, without some equations.
-    fn forces_at(&mut self, (q, v): (&[S], &[S]), t: f64, dropped: &[usize]) -> Result<Vec<f64>, RunError> {
+    pub(super) fn forces_at(&mut self, (q, v): (&[S], &[S]), t: f64, dropped: &[usize]) -> Result<Vec<f64>, RunError> {
         let mut newton = self.analysis(dropped)?;
         let mut own = SolveRecord { t, equations: Equations::acceleration(), ..SolveRecord::default() };
         own.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
@@ -944,7 +968,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Rate of the equation of a stop.
-    fn approach(&self, joint: usize) -> f64 {
+    pub(super) fn approach(&self, joint: usize) -> f64 {
         self.equations_behind(joint)[0][1]
     }
 
@@ -966,7 +990,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// A solver without those equations, whose pattern was analysed once.
-    fn analysis(&mut self, dropped: &[usize]) -> Result<Newton<'m, S>, RunError> {
+    pub(super) fn analysis(&mut self, dropped: &[usize]) -> Result<Newton<'m, S>, RunError> {
         let known = self.analyses.iter().position(|own| own.0 == dropped);
         let place = match known {
             Some(place) => place,

@@ -15,7 +15,7 @@ use crate::functionals::{
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError,
-    SideChange, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
+    SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
 };
 use crate::program::Formula;
 use smallvec::SmallVec;
@@ -523,6 +523,8 @@ impl<'m> Sweep<'m> {
 
     /// Back through an impact, by which velocities change by (1 + e) x.
     fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
+        let mut p = self.p.clone();
+        impact.set_parameters(&self.problem.model.frictions, &mut p);
         let place = match self.impacts.iter().position(|own| own.system.options.dropped == impact.dropped) {
             Some(place) => place,
             None => {
@@ -543,9 +545,28 @@ impl<'m> Sweep<'m> {
             impact.go_back(&back.carried[1], &self.p, &mut seed.mu, &mut back.p);
             seeds.push(seed);
         }
-        let bases = solver.through(&impact.solve, &self.p, &seeds, back, &mut self.counters)?;
+        let bases = solver.through(&impact.solve, &p, &seeds, back, &mut self.counters)?;
         carry(bases, back);
+        self.kept_back(impact, back);
         Ok(())
+    }
+
+    /// Back through the slip that an impact keeps, e / (1 + e) of that before.
+    fn kept_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) {
+        let Some(place) = impact.restitution else { return };
+        let e = self.p[place];
+        let ([v, q], t) = ([&impact.solve.base.v[..], &impact.solve.base.q], impact.solve.t);
+        for SlipBefore { friction, slip } in &impact.kept {
+            let places = self.problem.model.frictions[*friction].kept.clone();
+            for back in &mut *back {
+                let bars: Vec<f64> = places.clone().map(|place| std::mem::take(&mut back.p[place])).collect();
+                back.p[place] += bars.iter().zip(slip).map(|(bar, slip)| bar * slip).sum::<f64>() / ((1.0 + e) * (1.0 + e));
+                let bars: Vec<f64> = bars.iter().map(|bar| bar * e / (1.0 + e)).collect();
+                let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
+                let seeds = [&mut v_bar[..], q_bar, &mut back.p];
+                back.moves[1] += self.events.slip_back(*friction, [v, q], (t, &self.p), &bars, seeds);
+            }
+        }
     }
 
     /// Velocities and accelerations between two steps are carried into the time of one, or out of it: (1 + s) times as large for each of their

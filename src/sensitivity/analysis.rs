@@ -346,6 +346,8 @@ impl<'m> Analysis<'m> {
         }
         let mut active = chain.active_parameters();
         active.iter_mut().zip(also).for_each(|(active, also)| *active |= also);
+        let kept = self.model.frictions.iter().flat_map(|own| own.kept.clone());
+        kept.for_each(|place| active[place] = true);
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();

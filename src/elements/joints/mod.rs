@@ -20,6 +20,7 @@ mod revolute;
 mod rigid_link;
 mod rolling;
 mod spherical;
+mod surfaces;
 mod tied_node;
 mod universal;
 
@@ -39,6 +40,8 @@ pub(crate) mod types {
 pub use cable_end::HeldSlope;
 pub use held_node::Freedom;
 pub(crate) use rolling::{ROLLING, contact_and_rolling};
+pub use surfaces::Surfaces;
+pub(crate) use surfaces::{Apart, JointSurfaces, SphereFriction};
 pub(crate) use types::*;
 
 use super::dyn_layer::instantiate_here;

@@ -1,4 +1,4 @@
-use super::{components, gap, points, vectors};
+use super::{Surfaces, components, gap, points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -17,6 +17,9 @@ impl Constraint for PointOnLine {
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w"])).collect()
+    }
+    fn surfaces(&self) -> Option<Surfaces> {
+        Some(Surfaces::Slide)
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

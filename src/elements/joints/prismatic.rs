@@ -1,4 +1,4 @@
-use super::{RELATIVE_ROTATION, components, points, remaining_rotation, vectors};
+use super::{RELATIVE_ROTATION, Surfaces, components, points, remaining_rotation, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -21,6 +21,9 @@ impl Constraint for PrismaticJoint {
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w"])).chain(RELATIVE_ROTATION).collect()
+    }
+    fn surfaces(&self) -> Option<Surfaces> {
+        Some(Surfaces::Slide)
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

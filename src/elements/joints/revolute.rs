@@ -1,4 +1,4 @@
-use super::{points, vectors};
+use super::{Surfaces, points, vectors};
 use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, NodePair, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -20,6 +20,9 @@ impl Constraint for RevoluteJoint {
     }
     fn parameters(&self) -> Vec<Parameter> {
         points().into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
+    }
+    fn surfaces(&self) -> Option<Surfaces> {
+        Some(Surfaces::Bearing)
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

@@ -1,11 +1,15 @@
 //! Events, and numbers that they alone change.
 
 use super::MechanismBuilder;
-use crate::assembly::{Closing, ConstraintId, Event, EventArguments, NodeId, Stop, Target};
-use crate::elements::{Constraint, Element, NodeKind, Output, Parameter, State};
+use crate::assembly::{Closing, ConstraintId, Event, EventArguments, JointFriction, NodeId, Stop, Target};
+use crate::elements::joints::{Apart, JointSurfaces, PointInPlane, SphereFriction, Surfaces};
+use crate::elements::{
+    AnyFriction, Constraint, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking, speed_along,
+};
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, SpatialVector, Vector3};
+use std::sync::Arc;
 
 /// States that do not change by themselves, dz/dt = 0.
 struct Kept(usize);
@@ -101,14 +105,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         p: &[S],
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
-        self.add_event(name, nodes, None, p, number)
+        self.add_event(name, nodes, &[], p, number)
     }
 
     fn add_event(
         &mut self,
         name: &str,
         nodes: &[NodeId],
-        joint: Option<usize>,
+        joints: &[usize],
         p: &[S],
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
@@ -118,7 +122,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         // its side is that which the numbers tell
         self.numbers.p.extend_from_slice(p);
         self.numbers.p.push(S::zero());
-        match self.model.add_event(name, nodes, joint, p.len(), number) {
+        match self.model.add_event(name, nodes, joints, p.len(), number) {
             Ok(event) => Some(event),
             Err(why) => {
                 self.mistakes.push(format!("event \"{name}\": {why}"));
@@ -181,7 +185,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             StopLaw::Latch { strength: Some(_) } => [true, false],
             StopLaw::Latch { strength: None } => return Some((joint, hit)),
         };
-        let release = self.add_event(&format!("release of {name}"), &[], Some(joint.0), &of_release, |own| {
+        let release = self.add_event(&format!("release of {name}"), &[], &[joint.0], &of_release, |own| {
             own.p.first().map_or(own.mu[0], |&strength| own.mu[0].abs() - strength)
         })?;
         (release.directions, release.opens) = (directions, vec![joint.0]);
@@ -197,11 +201,142 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.comes_and_goes(joint, true);
         }
         let (equations, _) = self.forces_of(joint);
-        let release = self.add_event(&name, &[], Some(joint.0), &[strength], |EventArguments { mu, p, .. }| {
+        let release = self.add_event(&name, &[], &[joint.0], &[strength], |EventArguments { mu, p, .. }| {
             equations.iter().map(|&own| mu[own] * mu[own]).sum::<Recorded>() - p[0] * p[0]
         });
         let Some(release) = release else { return };
         (release.directions, release.opens, release.while_joint) = ([true, false], vec![joint.0], Some((joint.0, true)));
+    }
+
+    /// Coulomb friction of a revolute, prismatic or point-on-line joint, by its [surfaces](JointSurfaces): sliding and static coefficient [-], preload \[N\],
+    /// and of a revolute joint the radius of its bearing \[m\].
+    pub fn joint_friction(
+        &mut self,
+        joint: ConstraintId,
+        [sliding, sticking, preload]: [S; 3],
+        radius: Option<S>,
+    ) -> Option<[usize; 2]> {
+        let own = self.model.find_constraint(joint).cloned()?;
+        let nodes: Vec<NodeKind> = own.nodes.iter().map(|&node| self.model.node(node).kind).collect();
+        let (Some(surfaces), &[a, b]) = (own.physics.part().surfaces(), &nodes[..]) else {
+            let name = &own.name;
+            self.mistakes.push(format!(
+                "\"{name}\" has no friction: only revolute, prismatic and point_on_line joints, contacts and clutches do"
+            ));
+            return None;
+        };
+        if radius.is_some() != (surfaces == Surfaces::Bearing) {
+            let name = &own.name;
+            self.mistakes.push(format!(
+                "friction of \"{name}\": a revolute joint needs the radius of its bearing, and others have none"
+            ));
+            return None;
+        }
+        let (forces, _) = self.forces_of(joint);
+        let geometry = self.numbers.p[own.parameters][..JointSurfaces::GEOMETRY].to_vec();
+        let p = [geometry, vec![sliding, sticking, preload, radius.unwrap_or_else(S::one)]].concat();
+        self.friction(joint, JointSurfaces { nodes: [a, b], surfaces, forces }, &p)
+    }
+
+    /// Friction that has a capacity of its own, between nodes that nothing holds together: returns the numbers of the events at which they stick and slip.
+    pub fn clutch(&mut self, name: &str, nodes: &[NodeId], friction: impl Friction, p: &[S]) -> Option<[usize; 2]> {
+        let joint = self.constraint(name, nodes, Apart(friction.nodes()), &[]);
+        self.friction(joint, friction, p)
+    }
+
+    /// A sphere that may touch a plane of another body: nodes (plane, sphere), world centre \[m\], a point of the plane and its normal towards the sphere,
+    /// radius \[m\], 0 of a point. It hits with a restitution, below the rest speed [m/s] without, and has sliding and static friction where these are
+    /// given. Returns the contact, the event that hits it, and those at which it sticks and slips.
+    pub fn sphere_on_plane(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        (centre, radius): (Vector3<S>, S),
+        (point, normal): (Vector3<S>, Vector3<S>),
+        [restitution, rest_speed]: [S; 2],
+        friction: Option<[S; 2]>,
+    ) -> Option<(ConstraintId, usize, Option<[usize; 2]>)> {
+        let mut given = self.given(name, &nodes, vec![("normal", normal.into())]);
+        let (kinds, normal) = (given.body_and_guided(), given.unit("normal"));
+        let touching = point + normal * radius;
+        let geometry = [given.local_points([0, 1], [touching, centre]), given.local_directions(0, [normal])].concat();
+        let [u, w] = normal.perpendiculars();
+        let (of_centre, axes) =
+            (given.node(1).local_point(centre).components().to_vec(), given.local_directions(0, [u, w, normal]));
+        let wrong = given.mistakes();
+        if !wrong.is_empty() {
+            self.keep_mistakes(name, wrong);
+            return None;
+        }
+        let law = StopLaw::Stop { is_upper: false, restitution, rest_speed };
+        let (joint, hit) = self.stop(name, &nodes, PointInPlane(kinds), &geometry, law)?;
+        let of_friction = friction.and_then(|own| {
+            let p = [of_centre, axes, vec![radius], own.to_vec()].concat();
+            self.friction(joint, SphereFriction(kinds), &p)
+        });
+        Some((joint, hit, of_friction))
+    }
+
+    /// Friction of a joint or stop: its surfaces stick, or slip with a force. Returns the numbers of the events at which they stick and slip.
+    pub fn friction(&mut self, joint: ConstraintId, friction: impl Friction, p: &[S]) -> Option<[usize; 2]> {
+        let own = self.model.find_constraint(joint).cloned()?;
+        let (name, nodes) = (&own.name, &own.nodes);
+        let friction: Arc<dyn AnyFriction> = Arc::new(friction);
+        let directions = friction.direction_count();
+        let is_sound = self.check_parameters(name, friction.parameter_list().len(), p.len())
+            & self.check_nodes(name, nodes, &friction.node_kinds());
+        if !is_sound || !(1..=2).contains(&directions) {
+            return None;
+        }
+        let (still, two) = (vec![S::zero(); directions], directions == 2);
+        let slipping = Slipping { joint: own.physics.part(), friction: Arc::clone(&friction) };
+        let known = self.numbers.p[own.parameters.clone()].to_vec();
+        self.numbers.p.extend([&known, p, &[S::one()], &still].into_iter().flatten());
+        self.model.replace_constraint(joint, Arc::new(slipping));
+        let sticks = [p, &still].concat();
+        let stick =
+            self.add_constraint(&format!("sticking of {name}"), nodes, Box::new(Sticking(Arc::clone(&friction))), &sticks);
+        self.model.set_presence(stick.0, false);
+        let (first, count) = (self.model.events.len(), p.len());
+        let of_stick = [&sticks[..], &still[..usize::from(two)]].concat();
+        let law = Arc::clone(&friction);
+        let event = self.event(&format!("stick of {name}"), nodes, &of_stick, |EventArguments { v, q, p, t, .. }| {
+            let (p, own) = p.split_at(count);
+            let (d, least) = own.split_at(directions);
+            speed_along(&law.slip_of([v, q, p], t), d) - least.iter().copied().sum::<Recorded>()
+        });
+        let event = event?;
+        let of_event = event.condition.parameters.start + count;
+        (event.directions, event.while_joint) = ([false, true], Some((stick.0, false)));
+        event.closes = vec![Closing { joint: stick.0, stop: None, impulse: None }];
+        let (of_slip, equations) = ([p, &[S::one()]].concat(), own.equations.len());
+        let event = self.add_event(
+            &format!("slip of {name}"),
+            nodes,
+            &[joint.0, stick.0],
+            &of_slip,
+            |EventArguments { v, q, mu, p, t }| {
+                let (mu, pull) = mu.split_at(equations);
+                let [_, limit] = friction.limits_of([v, q, mu, &p[..count]], t, p[count]);
+                match pull {
+                    [pull] => pull.abs() - limit,
+                    _ => pull.iter().map(|&pull| pull * pull).sum::<Recorded>() - limit * limit,
+                }
+            },
+        );
+        let event = event?;
+        let flag = event.condition.parameters.start + count;
+        (event.directions, event.while_joint, event.opens) = ([true, false], Some((stick.0, true)), vec![stick.0]);
+        let [slips, sticks] = [joint, stick].map(|own| self.model.constraints[own.0].parameters.end);
+        self.model.frictions.push(JointFriction {
+            joints: [joint.0, stick.0],
+            events: [first, first + 1],
+            direction: [slips - directions..slips, of_event..of_event + directions],
+            speed: two.then_some(of_event + directions),
+            kept: sticks - directions..sticks,
+            forces: [slips - directions - 1, flag],
+        });
+        Some([first, first + 1])
     }
 
     /// A joint that is not there at the start, or that events remove.

@@ -4,6 +4,7 @@ use super::fields::{Each, Fields, Item, NodePlace, Per, Value};
 use super::formula::{Formula, Quantity, SHARE_PLACE};
 use super::mistake::Mistake;
 use super::own_parts::OwnParts;
+use super::parts::Shape;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::design::shortest;
 use crate::elements::entries::{FUNCTION, Range, Type};
@@ -27,6 +28,11 @@ pub(super) enum Built {
     Event(usize),
     /// Stops or a latch, each with the number of the event that hits it.
     Stops(Vec<(ConstraintId, usize)>),
+    Shape(Shape),
+    /// Places that touch, each with the number of the event that hits it, and those at which it sticks and slips.
+    Contacts(Vec<(ConstraintId, usize, Option<[usize; 2]>)>),
+    /// Friction, with the numbers of the events at which it sticks and slips.
+    Friction([usize; 2]),
     /// Springs and dampers, without multipliers.
     SoftJoint,
     Beam(BeamMember),

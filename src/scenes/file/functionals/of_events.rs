@@ -8,7 +8,16 @@ pub(super) const EVENT_TIME: Measurand = measurand(
     "event_time",
     "the time at which an event happens [s]; over = \"terminal\"",
     &[
-        need("event", Type::Item(&["event", "stop", "latch"]), "name of an event, or of a stop or latch that is hit"),
+        need(
+            "event",
+            Type::Item(&["event", "stop", "latch", "contact", "friction", "clutch"]),
+            "name of an event, of a stop, latch or contact that is hit, of a friction or clutch",
+        ),
+        may(
+            "which",
+            Choice(&["stick", "slip"]),
+            "where surfaces come to stick, or where they begin to slip; of a friction or clutch needed, of a contact where it is hit",
+        ),
         may("number", Count(1, 1_000_000), "for which time it happens, counted from 1; 1"),
     ],
     |e, over, m| {
@@ -17,6 +26,29 @@ pub(super) const EVENT_TIME: Measurand = measurand(
         }
         let event = match e.built("event")? {
             Built::Event(event) => event,
+            Built::Contacts(own) if own.len() > 1 => {
+                return e.wrong_key(
+                    "event",
+                    "these shapes touch in several places: write a contact for each to tell their events apart",
+                );
+            }
+            Built::Contacts(own) => match (own.first(), e.text("which")) {
+                (Some((_, hit, _)), None) => hit,
+                (Some((_, _, Some([stick, slip]))), Some(which)) => {
+                    if which == "stick" {
+                        stick
+                    } else {
+                        slip
+                    }
+                }
+                (Some(_), Some(_)) => return e.wrong_key("which", "this contact has no friction: it only slips"),
+                (None, _) => return Ok(()),
+            },
+            Built::Friction([stick, slip]) => match e.text("which") {
+                Some("stick") => stick,
+                Some(_) => slip,
+                None => return e.wrong_key("event", "of a friction, tell which: stick or slip"),
+            },
             Built::Stops(own) if own.len() == 1 => &own[0].1,
             Built::Stops(_) => {
                 return e.wrong_key("event", "this stop has two limits: write one stop for each to tell their hits apart");
@@ -32,13 +64,17 @@ pub(super) const EVENT_TIME: Measurand = measurand(
 pub(super) const IMPULSE: Measurand = measurand(
     "impulse",
     "the sum of the sizes of all impulses with which a stop or latch is hit [N s, N m s]; over = \"terminal\"",
-    &[need("event", Type::Item(&["stop", "latch"]), "name of a stop or latch")],
+    &[need("event", Type::Item(&["stop", "latch", "contact"]), "name of a stop, latch or contact")],
     |e, over, m| {
         if over != Over::Terminal {
             return e.wrong_key("over", "impulses of a run are one number: write over = \"terminal\"");
         }
-        if let Built::Stops(own) = e.built("event")? {
-            let hits: Vec<usize> = own.iter().map(|own| own.1).collect();
+        let hits: Vec<usize> = match e.built("event")? {
+            Built::Stops(own) => own.iter().map(|own| own.1).collect(),
+            Built::Contacts(own) => own.iter().map(|own| own.1).collect(),
+            _ => Vec::new(),
+        };
+        if !hits.is_empty() {
             m.impulse_functional(e.name(), &hits);
         }
         Ok(())

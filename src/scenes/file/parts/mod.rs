@@ -3,10 +3,12 @@
 mod beam;
 mod body;
 mod cable;
+mod contact;
 mod coordinate;
 mod drawing;
 mod element;
 mod event;
+mod friction;
 mod group;
 mod hold;
 mod joint;
@@ -28,6 +30,8 @@ mod stop;
 mod thin_walls;
 mod tie;
 mod variable;
+
+pub(super) use contact::Shape;
 
 use super::functionals;
 use super::section::Section;
@@ -62,6 +66,10 @@ const BEFORE_LOADS: &[Section] = &[
     springs::DAMPER,
     element::SECTION,
     stop::STOP,
+    friction::FRICTION,
+    friction::CLUTCH,
+    contact::SHAPE,
+    contact::CONTACT,
     stop::LATCH,
     event::EVENT,
 ];

@@ -1,0 +1,263 @@
+//! Surfaces that slip and stick: in impacts, at the start, and where events change between both.
+//!
+//! Surfaces stick by a joint of their own, s = 0, and slip by forces along a direction that events choose: where they stick and its multipliers are
+//! beyond the static limit, they slip in the direction in which these pull; where slip comes to zero they stick. In impacts impulses keep the same law.
+//!
+//! Source: Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts, chapters 5 and 8.
+
+use super::RunError;
+use super::events::{Events, Moment, SideChange};
+use super::record::{ImpactRecord, SlipBefore};
+use super::step::{NO_FORCE, Stepper, real, size};
+use crate::assembly::Stop;
+use crate::design::shortest;
+use crate::elements::RunScalar;
+use crate::tolerances::CONSISTENT;
+
+/// Share of the speeds of a model at which slip in two directions ends.
+const STILL: f64 = 1e-9;
+/// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
+const TURNS: f64 = 1e-3;
+/// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
+const MOST_CHANGES: usize = 20;
+
+fn length(values: &[f64]) -> f64 {
+    values.iter().map(|own| own * own).sum::<f64>().sqrt()
+}
+
+fn unit(values: &[f64]) -> Vec<f64> {
+    let length = length(values);
+    values.iter().map(|own| own / length).collect()
+}
+
+fn set(changes: &[SideChange], sides: &mut [f64]) {
+    changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
+}
+
+/// Sides as far as what happens has come, and all that change.
+type Sides<'s> = (&'s mut [f64], &'s mut Vec<SideChange>);
+
+impl<S: RunScalar> Stepper<'_, S> {
+    /// Rates and coordinates at the end of the step made last, and its time.
+    fn state(&self) -> ([Vec<S>; 2], S) {
+        let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
+        let pace = self.clock.map_or(S::one(), |clock| clock.pace());
+        let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));
+        ([v.iter().map(|&v| v * pace).collect(), q.clone()], t)
+    }
+
+    fn slip(&self, events: &Events, friction: usize) -> Vec<S> {
+        let ([v, q], t) = self.state();
+        events.slip(friction, [&v, &q], t, &self.p)
+    }
+
+    /// Speed at which slip in two directions ends.
+    fn still(&self) -> f64 {
+        let largest = |own: &[S]| own.iter().fold(0.0, |most: f64, own| most.max(own.value().abs()));
+        let v = self.between.carried.get(1).map_or(0.0, |v| largest(v));
+        STILL * v.max(self.record.h * largest(&self.between.last.x))
+    }
+
+    /// The changes by which surfaces that stuck slip, as their multipliers pull them.
+    pub(super) fn slips(&self, events: &Events, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<SideChange> {
+        let joint = events.friction(friction).joints[1];
+        let direction = unit(&mu[self.problem.model.constraints[joint].equations.clone()]);
+        self.turns(events, friction, &direction, sides)
+    }
+
+    /// The changes by which surfaces slip in a direction.
+    fn turns(&self, events: &Events, friction: usize, direction: &[f64], sides: &[f64]) -> Vec<SideChange> {
+        let turn = events.turn(friction, direction, self.still(), sides);
+        turn.into_iter().chain(events.rubbing(friction, false, sides)).collect()
+    }
+
+    /// The changes by which surfaces stick.
+    pub(super) fn sticks(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<SideChange> {
+        let mut all = self.stands(events, friction, sides);
+        all.extend(events.presence_change(events.friction(friction).joints[1], true, sides));
+        all.extend(events.rubbing(friction, true, sides));
+        all
+    }
+
+    /// The changes by which surfaces do not slip.
+    fn stands(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<SideChange> {
+        events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], 0.0, sides)
+    }
+
+    /// Of surfaces that are together at the start, those that stick if they can; the others slip.
+    pub(super) fn frictions_at_start(
+        &mut self,
+        events: &Events,
+        (q, v): (&[S], &[S]),
+        t: f64,
+        (sides, closed): (&mut [f64], &[(usize, &Stop)]),
+    ) -> Vec<usize> {
+        let mut sticking = Vec::new();
+        for (friction, own) in events.frictions().enumerate() {
+            let joint = own.joints[0];
+            let is_closed = closed.iter().any(|own| own.0 == joint);
+            if !is_closed && events.presence_of(joint, sides) == Some(false) {
+                continue;
+            }
+            let slip = real(&events.slip(friction, [v, q], t.into(), &self.p));
+            if length(&slip) <= CONSISTENT * size(v) {
+                sticking.push(friction);
+            } else {
+                set(&self.turns(events, friction, &unit(&slip), sides), sides);
+            }
+        }
+        sticking
+    }
+
+    /// What becomes of surfaces whose joint, or what made them stick, has been opened.
+    pub(super) fn opened(&mut self, events: &Events, joint: usize, (sides, changes): Sides, is_made_again: bool) {
+        for (friction, own) in events.frictions().enumerate() {
+            let mut all = Vec::new();
+            if own.joints[0] == joint {
+                all.extend(events.presence_change(own.joints[1], false, sides));
+                all.extend(self.stands(events, friction, sides));
+            } else if own.joints[1] == joint {
+                all = self.slips(events, friction, &self.forces, sides);
+            }
+            self.change(events, &all, (sides, changes), is_made_again);
+        }
+    }
+
+    fn change(&mut self, events: &Events, all: &[SideChange], (sides, changes): Sides, is_made_again: bool) {
+        set(all, sides);
+        events.write_directions(sides, &mut self.p);
+        if !is_made_again {
+            changes.extend(all);
+        }
+    }
+
+    /// Whether surfaces do not stick where their slip along a direction has come to its end, but slip on in another one; turns to it.
+    pub(super) fn goes_on_slipping(
+        &mut self,
+        events: &Events,
+        joint: usize,
+        (sides, changes): Sides,
+        is_made_again: bool,
+    ) -> bool {
+        let Some(friction) = events.frictions().position(|own| own.joints[1] == joint) else { return false };
+        let slip = real(&self.slip(events, friction));
+        let [v, q] = [1, 0].map(|order| &self.record.carried[order][..]);
+        let before = real(&events.slip(friction, [v, q], self.record.t.into(), &self.p));
+        if slip.len() == 1 || length(&slip) <= TURNS * length(&before) {
+            return false;
+        }
+        let all = self.turns(events, friction, &unit(&slip), sides);
+        self.change(events, &all, (sides, changes), is_made_again);
+        true
+    }
+
+    /// The impact by which a joint is closed: what is held at stops may be torn off, surfaces stick as far as friction lets them.
+    pub(super) fn close(
+        &mut self,
+        events: &Events,
+        (joint, stop): (usize, Option<&Stop>),
+        mut impact: ImpactRecord<S>,
+        (sides, changes): Sides,
+        is_made_again: bool,
+    ) -> Result<ImpactRecord<S>, RunError> {
+        let model = self.problem.model;
+        let own = events.frictions().position(|own| own.joints[0] == joint);
+        let before = sides.to_vec();
+        let mut now = before.clone();
+        now[events.presence(joint)] = 1.0;
+        if let Some(friction) = events.frictions().position(|own| own.joints.contains(&joint)) {
+            set(&self.sticks(events, friction, &now), &mut now);
+        }
+        for _ in 0..MOST_CHANGES {
+            impact.dropped = self.dropped_with(&events.absent(&now));
+            impact.set = events.set_in_impact(&now);
+            impact.kept = Vec::new();
+            let is_kept =
+                |own: &usize| impact.restitution.is_some() && now[events.presence(events.friction(*own).joints[1])] > 0.0;
+            for friction in own.into_iter().filter(is_kept) {
+                impact.kept.push(SlipBefore { friction, slip: self.slip(events, friction) });
+            }
+            let p = self.p.clone();
+            impact.set_parameters(&model.frictions, &mut self.p);
+            let solved = self.impact(joint, &impact.dropped);
+            let of_impact = std::mem::replace(&mut self.p, p);
+            impact.solve = solved?;
+            let mu = real(&impact.solve.unknowns.mu);
+            if let Some(torn) = events.torn(&now, (joint, &mu)) {
+                now[torn.switch] = torn.sides[1];
+                let torn = events.joint_of(torn.switch);
+                for friction in (0..model.frictions.len()).filter(|own| model.frictions[*own].joints[0] == torn) {
+                    now[events.presence(model.frictions[friction].joints[1])] = 0.0;
+                    set(&self.stands(events, friction, &now), &mut now);
+                }
+                continue;
+            }
+            match self.violated_friction(events, (joint, &impact), &of_impact, &now) {
+                None => {
+                    let pushes = |stop: &Stop| stop.pushes(mu[model.constraints[joint].equations.start]);
+                    if own.is_some() && !stop.is_none_or(pushes) {
+                        return Err(self.no_law(joint));
+                    }
+                    // what bounces neither sticks nor slips behind it
+                    if let Some(own) = own.filter(|_| impact.restitution.is_some()) {
+                        now[events.presence(model.frictions[own].joints[1])] = 0.0;
+                        set(&self.stands(events, own, &now), &mut now);
+                    }
+                    now[events.presence(joint)] = before[events.presence(joint)];
+                    let changed = (0..now.len()).filter(|&switch| now[switch] != before[switch]);
+                    let all: Vec<SideChange> =
+                        changed.map(|switch| SideChange { switch, sides: [before[switch], now[switch]] }).collect();
+                    self.change(events, &all, (sides, changes), is_made_again);
+                    return Ok(impact);
+                }
+                Some(all) => set(&all, &mut now),
+            }
+        }
+        Err(self.no_law(joint))
+    }
+
+    fn no_law(&self, joint: usize) -> RunError {
+        RunError::Input(format!(
+            "the impact of \"{}\" at t = {} s has no solution that keeps Coulomb's law with these coefficients of friction, or more than one, as \
+             Painleve's rod has: take less friction there, or a soft contact",
+            self.problem.model.constraints[joint].name,
+            shortest(self.record.end)
+        ))
+    }
+
+    /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, and what
+    /// slips against it.
+    fn violated_friction(
+        &self,
+        events: &Events,
+        (joint, impact): (usize, &ImpactRecord<S>),
+        p: &[S],
+        now: &[f64],
+    ) -> Option<Vec<SideChange>> {
+        let (mut state, t) = self.state();
+        impact.add_to(&mut state[0], p, S::one());
+        let ([v, q], mu, p) = (state.each_ref().map(|own| real(own)), real(&impact.solve.unknowns.mu), real(p));
+        let none = NO_FORCE * self.record.h * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: t.value() };
+        for (friction, own) in events.frictions().enumerate() {
+            let stick = events.presence(own.joints[1]);
+            let direction = events.direction(friction, now);
+            // what has come to stand needs no impulse
+            let stands = own.joints[1] == joint;
+            if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
+                let mut all = self.slips(events, friction, &mu, now);
+                all.extend(events.presence_change(own.joints[1], false, now));
+                return Some(all);
+            }
+            if direction.iter().all(|own| *own == 0.0) {
+                continue;
+            }
+            let slip = events.slip(friction, [&v[..], &q], t.value(), &p);
+            let along: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
+            if along < -CONSISTENT * size(&v) {
+                return Some(self.sticks(events, friction, now));
+            }
+        }
+        None
+    }
+}
