@@ -81,21 +81,12 @@ pub struct JointFriction {
     pub joints: [usize; 2],
     /// Events at which slip ends, and at which it begins.
     pub events: [usize; 2],
-    /// Places in p of d, as the joint and the event at which slip ends read it.
+    /// Places in p of d, as the joint and the event at which slip ends read it; the joint of two velocities a speed near which slip ends beside it.
     pub direction: [Range<usize>; 2],
-    /// Place in p of the speed at which slip in two directions ends, behind d.
-    pub speed: Option<usize>,
     /// Places in p of the slip that an impact keeps.
     pub kept: Range<usize>,
     /// Places in p of what is 1 but in impacts, where limits without a load count for nothing.
     pub forces: [usize; 2],
-}
-
-impl JointFriction {
-    /// How many numbers tell the direction: one, or two and the speed at which slip ends.
-    pub fn sides(&self) -> usize {
-        self.kept.len() + usize::from(self.speed.is_some())
-    }
 }
 
 /// Coordinates and rates that get other values, all of them from those before.

@@ -84,21 +84,31 @@ pub struct Slipping {
     pub friction: Arc<dyn AnyFriction>,
 }
 
+/// Least speed whose square is a number.
+pub(crate) const LEAST_SPEED: f64 = 1e-150;
+
+/// How many numbers tell a direction of slip: of two velocities a speed beside it, near which slip ends.
+pub(crate) fn directed_by(directions: usize) -> usize {
+    if directions == 1 { 1 } else { 3 }
+}
+
 /// The velocity s along a direction d.
 pub(crate) fn speed_along(s: &[Recorded], d: &[Recorded]) -> Recorded {
     s.iter().zip(d).map(|(&s, &d)| s * d).sum()
 }
 
-/// The direction in which friction is overcome: that of slip, also where a step goes on beyond the end of it; zero where d is.
+/// The direction in which friction is overcome, zero where d is: that of slip, of two velocities d where they are still, for which it counts as much as
+/// slip at a speed near which it ends. A step may go on beyond the end of slip.
 fn direction(s: &[Recorded], d: &[Recorded]) -> Vec<Recorded> {
-    if s.len() == 1 {
-        return d.to_vec();
-    }
+    let &[first, second, still] = d else { return d.to_vec() };
     let (zero, one) = (Recorded::from(0.0), Recorded::from(1.0));
-    let sticks = d.iter().map(|&d| d * d).sum::<Recorded>().less(Recorded::from(0.5));
-    let along = speed_along(s, d).less(zero).select(-one, one);
-    let size = sticks.select(one, s.iter().map(|&s| s * s).sum()).sqrt();
-    s.iter().map(|&s| sticks.select(zero, along * s / size)).collect()
+    let sticks = still.less(Recorded::from(LEAST_SPEED));
+    let least = sticks.select(one, still * still);
+    let share = least / (s[0] * s[0] + s[1] * s[1] + least).sqrt();
+    let own = [s[0] + share * first, s[1] + share * second];
+    let along = (own[0] * first + own[1] * second).less(zero).select(-one, one);
+    let size = sticks.select(one, own[0] * own[0] + own[1] * own[1]).sqrt();
+    own.into_iter().map(|own| sticks.select(zero, along * own / size)).collect()
 }
 
 impl AnyConstraint for Slipping {
@@ -118,7 +128,8 @@ impl AnyConstraint for Slipping {
         self.joint.is_driver()
     }
     fn parameter_list(&self) -> Vec<Parameter> {
-        let own = ["are forces", "slip 1", "slip 2"].into_iter().take(1 + self.friction.direction_count());
+        let own =
+            ["are forces", "slip 1", "slip 2", "still"].into_iter().take(1 + directed_by(self.friction.direction_count()));
         let own = own.map(|name| Parameter::named(name.to_string(), ""));
         self.joint.parameter_list().into_iter().chain(self.friction.parameter_list()).chain(own).collect()
     }

@@ -132,7 +132,7 @@ impl Events {
             let sticking = &model.constraints[own.joints[1]];
             let places = super::crossings::places(model, OF_EVENT, &sticking.nodes, &sticking.parameters);
             events.frictions.push(Slip { own: own.clone(), first, formula: Arc::clone(sticking.physics.formula()), places });
-            first += own.sides();
+            first += own.direction[0].len();
         }
         events
     }
@@ -163,7 +163,7 @@ impl Events {
 
     /// Number of all sides: of switches, of events that have happened, of joints, and directions of slip.
     pub fn sides_count(&self) -> usize {
-        let directions: usize = self.frictions.iter().map(|own| own.own.sides()).sum();
+        let directions: usize = self.frictions.iter().map(|own| own.own.direction[0].len()).sum();
         self.switches() + self.events.len() + self.joints.len() + directions
     }
 
@@ -193,9 +193,8 @@ impl Events {
     pub fn set_in_impact(&self, sides: &[f64]) -> Vec<(usize, f64)> {
         let mut all = Vec::new();
         for Slip { own, first, .. } in &self.frictions {
-            let direction = &sides[*first..][..own.kept.len()];
             all.extend(own.forces.map(|place| (place, 0.0)));
-            all.extend(own.direction.iter().flat_map(|places| places.clone().zip(direction.iter().copied())));
+            all.extend(own.direction.iter().flat_map(|places| places.clone().zip(sides[*first..].iter().copied())));
         }
         all
     }
@@ -209,7 +208,7 @@ impl Events {
     /// The changes to another direction of slip, and in two directions to the speed at which it ends.
     pub fn turn(&self, friction: usize, direction: &[f64], speed: f64, sides: &[f64]) -> Vec<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];
-        let values = direction.iter().copied().chain([speed]).take(own.sides()).enumerate();
+        let values = direction.iter().copied().chain([speed]).take(own.direction[0].len()).enumerate();
         let changes = values.map(|(k, value)| SideChange { switch: first + k, sides: [sides[first + k], value] });
         changes.filter(|own| own.sides[0] != own.sides[1]).collect()
     }
@@ -487,11 +486,9 @@ impl Events {
     /// Writes directions of slip to where they stand in p.
     pub fn write_directions<S: RunScalar>(&self, sides: &[f64], p: &mut [S]) {
         for Slip { own, first, .. } in &self.frictions {
-            let (direction, behind) = sides[*first..][..own.sides()].split_at(own.kept.len());
             for places in &own.direction {
-                p[places.clone()].iter_mut().zip(direction).for_each(|(p, &side)| *p = S::from(side));
+                p[places.clone()].iter_mut().zip(&sides[*first..]).for_each(|(p, &side)| *p = S::from(side));
             }
-            own.speed.iter().zip(behind).for_each(|(&place, &side)| p[place] = S::from(side));
         }
     }
 

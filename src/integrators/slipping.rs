@@ -8,14 +8,15 @@
 use super::RunError;
 use super::events::{Events, Moment, SideChange};
 use super::record::{ImpactRecord, SlipBefore};
+use super::redundancy::dependent_equations;
 use super::step::{NO_FORCE, Stepper, real, size};
 use crate::assembly::Stop;
 use crate::design::shortest;
-use crate::elements::RunScalar;
+use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
 
-/// Share of the speeds of a model at which slip in two directions ends.
-const STILL: f64 = 1e-9;
+/// Share of the speeds of a model near which slip in two directions ends: its square is an error of these.
+const STILL: f64 = 1e-6;
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
@@ -37,6 +38,14 @@ fn set(changes: &[SideChange], sides: &mut [f64]) {
 /// Sides as far as what happens has come, and all that change.
 type Sides<'s> = (&'s mut [f64], &'s mut Vec<SideChange>);
 
+fn no_solution(what: &str, how_many: &str, t: f64) -> RunError {
+    RunError::Input(format!(
+        "{what} has {how_many} solution by Coulomb's law at t = {} s, as Painleve's rod: the friction there is too large for rigid bodies; take less, or a \
+         soft contact",
+        shortest(t)
+    ))
+}
+
 impl<S: RunScalar> Stepper<'_, S> {
     /// Rates and coordinates at the end of the step made last, and its time.
     fn state(&self) -> ([Vec<S>; 2], S) {
@@ -51,11 +60,11 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.slip(friction, [&v, &q], t, &self.p)
     }
 
-    /// Speed at which slip in two directions ends.
+    /// Speed near which slip in two directions ends.
     fn still(&self) -> f64 {
         let largest = |own: &[S]| own.iter().fold(0.0, |most: f64, own| most.max(own.value().abs()));
         let v = self.between.carried.get(1).map_or(0.0, |v| largest(v));
-        STILL * v.max(self.record.h * largest(&self.between.last.x))
+        (STILL * v.max(self.record.h * largest(&self.between.last.x))).max(2.0 * LEAST_SPEED)
     }
 
     /// The changes by which surfaces that stuck slip, as their multipliers pull them.
@@ -179,7 +188,13 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             let p = self.p.clone();
             impact.set_parameters(&model.frictions, &mut self.p);
-            let solved = self.impact(joint, &impact.dropped);
+            let mut solved = self.impact(joint, &impact.dropped);
+            if solved.is_err() {
+                // surfaces that stick may hold what others hold
+                let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+                impact.dropped = dependent_equations(self.problem, &impact.dropped, (&q, &v), self.record.end, None);
+                solved = self.impact(joint, &impact.dropped);
+            }
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
@@ -217,12 +232,47 @@ impl<S: RunScalar> Stepper<'_, S> {
     }
 
     fn no_law(&self, joint: usize) -> RunError {
-        RunError::Input(format!(
-            "the impact of \"{}\" at t = {} s has no solution that keeps Coulomb's law with these coefficients of friction, or more than one, as \
-             Painleve's rod has: take less friction there, or a soft contact",
-            self.problem.model.constraints[joint].name,
-            shortest(self.record.end)
-        ))
+        let what = format!("the impact of \"{}\"", self.problem.model.constraints[joint].name);
+        no_solution(&what, "no", self.record.end)
+    }
+
+    /// Whether surfaces that are together at stops keep Coulomb's law by these forces alone: those that slip would part without their contact or be
+    /// held by it as well, or would not part without it and cannot be held.
+    pub(super) fn check_contacts(
+        &mut self,
+        events: &Events,
+        sides: &[f64],
+        (q, v): (&[S], &[S]),
+        t: f64,
+    ) -> Result<(), RunError> {
+        let sizes = [size(q), size(v)];
+        for (friction, own) in events.frictions().enumerate() {
+            let [joint, stick] = own.joints;
+            let Some((_, _, stop)) = events.stops().find(|stop| stop.1 == joint) else { continue };
+            let (is_closed, sticks) = (sides[events.presence(joint)] > 0.0, sides[events.presence(stick)] > 0.0);
+            let [g, rate, _] = self.equations_of(joint, (&[], v, q), t)[0];
+            if sticks || g.abs() > CONSISTENT * sizes[0] || rate.abs() > CONSISTENT * sizes[1] {
+                continue;
+            }
+            let mut without = sides.to_vec();
+            without[events.presence(joint)] = 0.0;
+            set(&self.stands(events, friction, sides), &mut without);
+            let p = self.p.clone();
+            events.write_directions(&without, &mut self.p);
+            let made = self.accelerations_at((q, v), t, &self.dropped_with(&events.absent(&without)));
+            self.p = p;
+            let a = made?.x;
+            let [_, _, parting] = self.equations_of(joint, (&a, v, q), t)[0];
+            let parting = if stop.is_upper { -parting } else { parting };
+            let nothing = CONSISTENT * size(&a);
+            let what = format!("the contact \"{}\", which slips,", self.problem.model.constraints[joint].name);
+            if is_closed && parting > nothing {
+                return Err(no_solution(&what, "more than one", t));
+            } else if !is_closed && parting < -nothing {
+                return Err(no_solution(&what, "no", t));
+            }
+        }
+        Ok(())
     }
 
     /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, and what

@@ -370,7 +370,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let Some(events) = self.events.take() else { return Ok(plan.dropped.clone()) };
         let mut closed = Vec::new();
         for (event, joint, stop) in events.stops() {
-            let [g, rate, _] = self.equations_of(joint, (q, v), t)[0];
+            let [g, rate, _] = self.equations_of(joint, (&[], v, q), t)[0];
             let is_there = g.abs() <= CONSISTENT * size(q);
             if is_there {
                 events.free(event, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
@@ -395,7 +395,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         if let Some(joint) = events.latches().find(|joint| {
             let is_at = |own: &[f64; 3]| own[0].abs() <= CONSISTENT * size(q);
-            sides[events.presence(*joint)] == 0.0 && self.equations_of(*joint, (q, v), t).iter().all(is_at)
+            sides[events.presence(*joint)] == 0.0 && self.equations_of(*joint, (&[], v, q), t).iter().all(is_at)
         }) {
             let name = &self.problem.model.constraints[joint].name;
             return Err(RunError::Input(format!(
@@ -444,6 +444,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         for friction in sticking {
             self.sticks(&events, friction, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
         }
+        self.between.dropped.clone_from(&plan.dropped);
+        events.write_directions(sides, &mut self.p);
+        self.check_contacts(&events, sides, (q, v), t)?;
         self.events = Some(events);
         Ok(dropped)
     }
@@ -748,6 +751,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         self.between.switched.clone_from(&changes);
         self.check_method(&events, &present)?;
+        if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
+            let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+            let sides = self.between.sides.clone();
+            events.write(&sides, &mut self.p);
+            self.check_contacts(&events, &sides, (&q, &v), self.record.end)?;
+        }
         let now = events.absent(&self.between.sides);
         if events.absent(&before) != now {
             self.between.dropped = self.dropped_with(&now);
@@ -957,14 +966,24 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// Multipliers of the accelerations of a state, without some equations.
-    pub(super) fn forces_at(&mut self, (q, v): (&[S], &[S]), t: f64, dropped: &[usize]) -> Result<Vec<f64>, RunError> {
+    pub(super) fn forces_at(&mut self, state: (&[S], &[S]), t: f64, dropped: &[usize]) -> Result<Vec<f64>, RunError> {
+        Ok(real(&self.accelerations_at(state, t, dropped)?.mu))
+    }
+
+    /// The accelerations of a state with their multipliers, without some equations.
+    pub(super) fn accelerations_at(
+        &mut self,
+        (q, v): (&[S], &[S]),
+        t: f64,
+        dropped: &[usize],
+    ) -> Result<Unknowns<S>, RunError> {
         let mut newton = self.analysis(dropped)?;
         let mut own = SolveRecord { t, equations: Equations::acceleration(), ..SolveRecord::default() };
         own.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
         let place = || format!("forces at stops (t = {} s)", shortest(t));
         solve(&mut newton, &mut own, InitialGuess::Zero, &self.p, &place)?;
         self.earlier += newton.counters;
-        Ok(real(&own.unknowns.mu))
+        Ok(own.unknowns)
     }
 
     /// Rate of the equation of a stop.
@@ -975,18 +994,19 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Values and rates of the equations of a joint behind the step made last.
     fn equations_behind(&self, joint: usize) -> Vec<[f64; 3]> {
         let carried = &self.between.carried;
-        self.equations_of(joint, (&carried[0], &carried[1]), self.record.end)
+        self.equations_of(joint, (&[], &carried[1], &carried[0]), self.record.end)
     }
 
-    fn equations_of(&self, joint: usize, (q, v): (&[S], &[S]), t: f64) -> Vec<[f64; 3]> {
+    /// Of a state without accelerations, or with them.
+    pub(super) fn equations_of(&self, joint: usize, (a, v, q): (&[S], &[S], &[S]), t: f64) -> Vec<[f64; 3]> {
         let own = &self.problem.model.constraints[joint];
         let gather = |values: &[S]| -> Vec<f64> {
             let dofs = own.nodes.iter().flat_map(|node| self.problem.model.nodes[node.0].dofs.clone());
-            dofs.map(|dof| values[dof].value()).collect()
+            dofs.map(|dof| values.get(dof).map_or(0.0, |own| own.value())).collect()
         };
-        let [q, v] = [q, v].map(gather);
+        let [a, v, q] = [a, v, q].map(gather);
         let p: Vec<f64> = self.p[own.parameters.clone()].iter().map(|p| p.value()).collect();
-        own.physics.motion(State { a: &vec![0.0; q.len()], v: &v, q: &q }, &p, t)
+        own.physics.motion(State { a: &a, v: &v, q: &q }, &p, t)
     }
 
     /// A solver without those equations, whose pattern was analysed once.

@@ -135,6 +135,8 @@ impl<'m> Sweep<'m> {
         if !rerun.grid.events.is_empty() {
             // of the number that is zero at an event
             back.push(zero());
+        }
+        if !rerun.grid.events.is_empty() || !model.frictions.is_empty() {
             self.sides = history.start_record().map_or_else(Vec::new, |start| start.sides.clone());
             let changes = rerun.grid.events.values().flatten();
             changes.for_each(|change| self.sides[change.switch] = change.sides[1]);
@@ -545,6 +547,9 @@ impl<'m> Sweep<'m> {
             impact.go_back(&back.carried[1], &self.p, &mut seed.mu, &mut back.p);
             seeds.push(seed);
         }
+        // at other times nothing is kept
+        let kept = self.problem.model.frictions.iter().flat_map(|own| own.kept.clone());
+        kept.for_each(|place| back.iter_mut().for_each(|back| back.p[place] = 0.0));
         let bases = solver.through(&impact.solve, &p, &seeds, back, &mut self.counters)?;
         carry(bases, back);
         self.kept_back(impact, back);

@@ -79,6 +79,9 @@ impl Friction for JointSurfaces {
     }
 }
 
+/// Place of the radius among the parameters of [`RollingSphere`].
+const RADIUS: usize = 12;
+
 /// Coulomb friction of a sphere on a plane, or of a point, a sphere of radius 0: s is the slip of [`RollingSphere`], the load the force of the contact.
 ///
 /// * `centre` .. `radius`  of [`RollingSphere`], the radius at least 0
@@ -90,8 +93,10 @@ impl Friction for SphereFriction {
         self.0.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
-        let own = ["sliding", "static"].map(|name| Parameter::new(name, "-"));
-        RollingSphere(self.0).parameters().into_iter().chain(own).collect()
+        let mut all = RollingSphere(self.0).parameters();
+        // that of a point is zero
+        all[RADIUS] = Parameter::new("radius", "m");
+        all.into_iter().chain(["sliding", "static"].map(|name| Parameter::new(name, "-"))).collect()
     }
     fn directions(&self) -> usize {
         2
@@ -100,10 +105,11 @@ impl Friction for SphereFriction {
         RollingSphere(self.0).h(v, q, p, t, s);
     }
     fn load<S: Scalar>(&self, mu: &[S], _q: &[S], _p: &[S], _t: S) -> S {
-        mu[0].abs()
+        // the multiplier pushes where it is below zero
+        -mu[0]
     }
     fn limits<S: Scalar>(&self, load: S, _state: State<S>, p: &[S], _t: S) -> [S; 2] {
-        [p[13] * load, p[14] * load]
+        [p[RADIUS + 1] * load, p[RADIUS + 2] * load]
     }
 }
 

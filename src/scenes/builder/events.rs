@@ -4,7 +4,8 @@ use super::MechanismBuilder;
 use crate::assembly::{Closing, ConstraintId, Event, EventArguments, JointFriction, NodeId, Stop, Target};
 use crate::elements::joints::{Apart, JointSurfaces, PointInPlane, SphereFriction, Surfaces};
 use crate::elements::{
-    AnyFriction, Constraint, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking, speed_along,
+    AnyFriction, Constraint, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking, directed_by,
+    speed_along,
 };
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
@@ -288,22 +289,20 @@ impl<S: Scalar> MechanismBuilder<S> {
         if !is_sound || !(1..=2).contains(&directions) {
             return None;
         }
-        let (still, two) = (vec![S::zero(); directions], directions == 2);
+        let (still, told) = (vec![S::zero(); directions], vec![S::zero(); directed_by(directions)]);
         let slipping = Slipping { joint: own.physics.part(), friction: Arc::clone(&friction) };
         let known = self.numbers.p[own.parameters.clone()].to_vec();
-        self.numbers.p.extend([&known, p, &[S::one()], &still].into_iter().flatten());
+        self.numbers.p.extend([&known, p, &[S::one()], &told].into_iter().flatten());
         self.model.replace_constraint(joint, Arc::new(slipping));
         let sticks = [p, &still].concat();
         let stick =
             self.add_constraint(&format!("sticking of {name}"), nodes, Box::new(Sticking(Arc::clone(&friction))), &sticks);
         self.model.set_presence(stick.0, false);
         let (first, count) = (self.model.events.len(), p.len());
-        let of_stick = [&sticks[..], &still[..usize::from(two)]].concat();
         let law = Arc::clone(&friction);
-        let event = self.event(&format!("stick of {name}"), nodes, &of_stick, |EventArguments { v, q, p, t, .. }| {
-            let (p, own) = p.split_at(count);
-            let (d, least) = own.split_at(directions);
-            speed_along(&law.slip_of([v, q, p], t), d) - least.iter().copied().sum::<Recorded>()
+        let event = self.event(&format!("stick of {name}"), nodes, &sticks, |EventArguments { v, q, p, t, .. }| {
+            let (p, d) = p.split_at(count);
+            speed_along(&law.slip_of([v, q, p], t), d)
         });
         let event = event?;
         let of_event = event.condition.parameters.start + count;
@@ -331,10 +330,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.model.frictions.push(JointFriction {
             joints: [joint.0, stick.0],
             events: [first, first + 1],
-            direction: [slips - directions..slips, of_event..of_event + directions],
-            speed: two.then_some(of_event + directions),
+            direction: [slips - told.len()..slips, of_event..of_event + directions],
             kept: sticks - directions..sticks,
-            forces: [slips - directions - 1, flag],
+            forces: [slips - told.len() - 1, flag],
         });
         Some([first, first + 1])
     }
