@@ -84,8 +84,8 @@ pub struct Slipping {
     pub friction: Arc<dyn AnyFriction>,
 }
 
-/// Least speed whose square is a number.
-pub(crate) const LEAST_SPEED: f64 = 1e-150;
+/// Speed near which slip ends where nothing moves [m/s].
+pub(crate) const LEAST_SPEED: f64 = 1e-12;
 
 /// How many numbers tell a direction of slip: of two velocities a speed beside it, near which slip ends.
 pub(crate) fn directed_by(directions: usize) -> usize {
@@ -102,7 +102,7 @@ pub(crate) fn speed_along(s: &[Recorded], d: &[Recorded]) -> Recorded {
 fn direction(s: &[Recorded], d: &[Recorded]) -> Vec<Recorded> {
     let &[first, second, still] = d else { return d.to_vec() };
     let (zero, one) = (Recorded::from(0.0), Recorded::from(1.0));
-    let sticks = still.less(Recorded::from(LEAST_SPEED));
+    let sticks = (first * first + second * second).less(Recorded::from(0.5));
     let least = sticks.select(one, still * still);
     let share = least / (s[0] * s[0] + s[1] * s[1] + least).sqrt();
     let own = [s[0] + share * first, s[1] + share * second];

@@ -327,13 +327,13 @@ impl Events {
         rows
     }
 
-    /// A stop at which the motion is held and that an impact of another joint would tear off, by its impulses.
-    pub fn torn(&self, sides: &[f64], (joint, mu): (usize, &[f64])) -> Option<SideChange> {
+    /// A stop at which the motion is held and that an impact of another joint would tear off, by its impulses, of which so much is none.
+    pub fn torn(&self, sides: &[f64], (joint, mu): (usize, &[f64]), none: f64) -> Option<SideChange> {
         let held = self.stops().filter(|(_, own, _)| *own != joint && sides[self.presence(*own)] > 0.0);
         held.into_iter().find_map(|(_, own, stop)| {
             let (_, rows, _) = self.joints.iter().find(|known| known.0 == own)?;
             let impulse = mu[rows.start];
-            let is_torn = impulse != 0.0 && !stop.pushes(impulse) && impulse.abs() > NOTHING * largest(mu);
+            let is_torn = impulse != 0.0 && !stop.pushes(impulse) && impulse.abs() > none.max(NOTHING * largest(mu));
             is_torn.then(|| self.presence_change(own, false, sides)).flatten()
         })
     }

@@ -64,19 +64,19 @@ impl<S: RunScalar> Stepper<'_, S> {
     fn still(&self) -> f64 {
         let largest = |own: &[S]| own.iter().fold(0.0, |most: f64, own| most.max(own.value().abs()));
         let v = self.between.carried.get(1).map_or(0.0, |v| largest(v));
-        (STILL * v.max(self.record.h * largest(&self.between.last.x))).max(2.0 * LEAST_SPEED)
+        (STILL * v.max(self.record.h * largest(&self.between.last.x))).max(LEAST_SPEED)
     }
 
     /// The changes by which surfaces that stuck slip, as their multipliers pull them.
     pub(super) fn slips(&self, events: &Events, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<SideChange> {
         let joint = events.friction(friction).joints[1];
         let direction = unit(&mu[self.problem.model.constraints[joint].equations.clone()]);
-        self.turns(events, friction, &direction, sides)
+        self.turns(events, friction, (&direction, self.still()), sides)
     }
 
     /// The changes by which surfaces slip in a direction.
-    fn turns(&self, events: &Events, friction: usize, direction: &[f64], sides: &[f64]) -> Vec<SideChange> {
-        let turn = events.turn(friction, direction, self.still(), sides);
+    fn turns(&self, events: &Events, friction: usize, (direction, still): (&[f64], f64), sides: &[f64]) -> Vec<SideChange> {
+        let turn = events.turn(friction, direction, still, sides);
         turn.into_iter().chain(events.rubbing(friction, false, sides)).collect()
     }
 
@@ -112,7 +112,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             if length(&slip) <= CONSISTENT * size(v) {
                 sticking.push(friction);
             } else {
-                set(&self.turns(events, friction, &unit(&slip), sides), sides);
+                let still = (STILL * length(&slip)).max(LEAST_SPEED);
+                set(&self.turns(events, friction, (&unit(&slip), still), sides), sides);
             }
         }
         sticking
@@ -155,7 +156,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         if slip.len() == 1 || length(&slip) <= TURNS * length(&before) {
             return false;
         }
-        let all = self.turns(events, friction, &unit(&slip), sides);
+        let all = self.turns(events, friction, (&unit(&slip), self.still()), sides);
         self.change(events, &all, (sides, changes), is_made_again);
         true
     }
@@ -198,7 +199,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
-            if let Some(torn) = events.torn(&now, (joint, &mu)) {
+            if let Some(torn) = events.torn(&now, (joint, &mu), self.no_impulse()) {
                 now[torn.switch] = torn.sides[1];
                 let torn = events.joint_of(torn.switch);
                 for friction in (0..model.frictions.len()).filter(|own| model.frictions[*own].joints[0] == torn) {
@@ -275,6 +276,11 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(())
     }
 
+    /// What counts as no impulse: a share of that of the forces within a step.
+    fn no_impulse(&self) -> f64 {
+        NO_FORCE * self.record.h * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
+    }
+
     /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, and what
     /// slips against it.
     fn violated_friction(
@@ -287,7 +293,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let (mut state, t) = self.state();
         impact.add_to(&mut state[0], p, S::one());
         let ([v, q], mu, p) = (state.each_ref().map(|own| real(own)), real(&impact.solve.unknowns.mu), real(p));
-        let none = NO_FORCE * self.record.h * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let none = self.no_impulse();
         let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: t.value() };
         for (friction, own) in events.frictions().enumerate() {
             let stick = events.presence(own.joints[1]);

@@ -29,8 +29,8 @@ pub(super) enum Built {
     /// Stops or a latch, each with the number of the event that hits it.
     Stops(Vec<(ConstraintId, usize)>),
     Shape(Shape),
-    /// Places that touch, each with the number of the event that hits it, and those at which it sticks and slips.
-    Contacts(Vec<(ConstraintId, usize, Option<[usize; 2]>)>),
+    /// A contact, with the number of the event that hits it, and of those at which it sticks and slips.
+    Contact(ConstraintId, usize, Option<[usize; 2]>),
     /// Friction, with the numbers of the events at which it sticks and slips.
     Friction([usize; 2]),
     /// Springs and dampers, without multipliers.
@@ -364,7 +364,7 @@ impl<'k> Entry<'k> {
 
     pub fn joint(&self) -> Result<ConstraintId> {
         match self.built("joint")? {
-            Built::Joint(joint) => Ok(*joint),
+            Built::Joint(joint) | Built::Contact(joint, ..) => Ok(*joint),
             Built::Stops(own) if own.len() == 1 => Ok(own[0].0),
             Built::Stops(_) => {
                 let text =

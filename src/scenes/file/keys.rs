@@ -13,7 +13,7 @@ pub(super) const MOST: usize = 10_000;
 /// Sections whose entries have elements.
 pub(super) const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.
-pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver", "stop", "latch"];
+pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver", "stop", "latch", "contact"];
 /// Sections whose entries have mass: weight follows them.
 pub(super) const WITH_MASS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries are shells with faces and edges to which others are joined.

@@ -26,23 +26,11 @@ pub(super) const EVENT_TIME: Measurand = measurand(
         }
         let event = match e.built("event")? {
             Built::Event(event) => event,
-            Built::Contacts(own) if own.len() > 1 => {
-                return e.wrong_key(
-                    "event",
-                    "these shapes touch in several places: write a contact for each to tell their events apart",
-                );
-            }
-            Built::Contacts(own) => match (own.first(), e.text("which")) {
-                (Some((_, hit, _)), None) => hit,
-                (Some((_, _, Some([stick, slip]))), Some(which)) => {
-                    if which == "stick" {
-                        stick
-                    } else {
-                        slip
-                    }
-                }
-                (Some(_), Some(_)) => return e.wrong_key("which", "this contact has no friction: it only slips"),
-                (None, _) => return Ok(()),
+            Built::Contact(_, hit, friction) => match (e.text("which"), friction) {
+                (None, _) => hit,
+                (Some("stick"), Some([stick, _])) => stick,
+                (Some(_), Some([_, slip])) => slip,
+                (Some(_), None) => return e.wrong_key("which", "this contact has no friction: it does not stick"),
             },
             Built::Friction([stick, slip]) => match e.text("which") {
                 Some("stick") => stick,
@@ -71,7 +59,7 @@ pub(super) const IMPULSE: Measurand = measurand(
         }
         let hits: Vec<usize> = match e.built("event")? {
             Built::Stops(own) => own.iter().map(|own| own.1).collect(),
-            Built::Contacts(own) => own.iter().map(|own| own.1).collect(),
+            Built::Contact(_, hit, _) => vec![*hit],
             _ => Vec::new(),
         };
         if !hits.is_empty() {

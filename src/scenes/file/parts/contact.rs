@@ -3,10 +3,11 @@
 use crate::assembly::NodeId;
 use crate::scenes::file::describing::*;
 
-/// What of a body touches others.
+/// What of a node touches others.
+#[derive(Clone, Copy)]
 pub(in crate::scenes::file) enum Shape {
-    /// Spheres of one radius: a sphere, a point, the ends of a capsule, the corners of a box.
-    Spheres(NodeId, Vec<Vector3<Recorded>>, Recorded),
+    /// A sphere, or a point, whose radius is 0.
+    Sphere(NodeId, Vector3<Recorded>, Recorded),
     /// A plane, by a point and its normal.
     Plane(NodeId, [Vector3<Recorded>; 2]),
 }
@@ -14,32 +15,9 @@ pub(in crate::scenes::file) enum Shape {
 const ON: Key = need("on", Node, "node, or ground");
 const CENTRE: Key = may("centre", Vector("m"), "its centre in the world at the start; the place of the node");
 
-const FORMS: [Form; 5] = [
+const FORMS: [Form; 3] = [
     Form { name: "point", doc: "a point", keys: &[ON, CENTRE] },
     Form { name: "sphere", doc: "a sphere", keys: &[ON, CENTRE, need("radius", Number("m", Positive), "radius")] },
-    Form {
-        name: "capsule",
-        doc: "a cylinder with half spheres at both ends: on a plane, these touch",
-        keys: &[
-            ON,
-            need("ends", exactly(2, &Vector("m")), "centres of the half spheres in the world at the start"),
-            need("radius", Number("m", Positive), "radius"),
-        ],
-    },
-    Form {
-        name: "box",
-        doc: "a box: on a plane, its corners touch",
-        keys: &[
-            ON,
-            CENTRE,
-            need(
-                "axes",
-                exactly(2, &Vector("-")),
-                "directions of its first two edges in the world at the start, at right angles",
-            ),
-            need("size", Vector("m"), "lengths of its edges"),
-        ],
-    },
     Form {
         name: "plane",
         doc: "a plane, with all that is behind it",
@@ -59,33 +37,29 @@ pub(super) const SHAPE: Section = Section {
         let at = |key: &str| if e.has(key) { e.vector(key) } else { Ok(m.position(node)) };
         let shape = match e.form {
             "plane" => Shape::Plane(node, [at("point")?, e.vector("normal")?]),
-            "point" => Shape::Spheres(node, vec![at("centre")?], Recorded::from(0.0)),
-            "sphere" => Shape::Spheres(node, vec![at("centre")?], e.number("radius")?),
-            "capsule" => Shape::Spheres(node, e.points("ends")?, e.number("radius")?),
-            _ => {
-                let (centre, size) = (at("centre")?, e.vector("size")?.components());
-                let axes = e.points("axes")?;
-                let [first, second] = [0, 1].map(|k| axes[k] * (Recorded::from(1.0) / axes[k].length()));
-                if first.dot(&second).value().abs() > RIGHT_ANGLE {
-                    return e.wrong_key("axes", "the edges of a box are at right angles");
-                }
-                let axes = [first, second, first.cross(&second)];
-                let corner = |number: usize| {
-                    (0..3).fold(centre, |corner, k| {
-                        let half = if number >> k & 1 == 1 { 0.5 } else { -0.5 };
-                        corner + axes[k] * (size[k] * half)
-                    })
-                };
-                Shape::Spheres(node, (0..8).map(corner).collect(), Recorded::from(0.0))
-            }
+            "point" => Shape::Sphere(node, at("centre")?, Recorded::from(0.0)),
+            _ => Shape::Sphere(node, at("centre")?, e.number("radius")?),
         };
         Ok(Built::Shape(shape))
     },
     ..Section::listed("shape", "What of a node touches others: a contact is between two of them.")
 };
 
-/// Cosine of two edges of a box that are at right angles.
-const RIGHT_ANGLE: f64 = 1e-9;
+/// Coefficients of sliding and static friction, where they are given.
+pub(super) fn coefficients(e: Entry) -> Result<Option<[Recorded; 2]>> {
+    let Some(sliding) = e.given("sliding", Entry::number)? else {
+        return if e.has("static") {
+            e.wrong_key("static", "static friction needs sliding friction beside it")
+        } else {
+            Ok(None)
+        };
+    };
+    let sticking = e.given("static", Entry::number)?.unwrap_or(sliding);
+    if sticking.value() < sliding.value() {
+        return e.wrong_key("static", "static friction is not below that of what slides");
+    }
+    Ok(Some([sliding, sticking]))
+}
 
 const SHAPES: Type = Type::Item(&["shape"]);
 
@@ -108,45 +82,29 @@ pub(super) const CONTACT: Section = Section {
     ],
     space: "joint",
     build: |e, m| {
-        let shapes: Vec<&Shape> = e
-            .list("between")
-            .filter_map(|(_, value)| match value {
-                Value::Item(item, _) => Some(&e.context.built[*item]),
+        let shape = |(_, value): (usize, &Value)| match value {
+            Value::Item(item, _) => match &e.context.built[*item] {
+                Built::Shape(shape) => Some(*shape),
                 _ => None,
-            })
-            .filter_map(|built| if let Built::Shape(shape) = built { Some(shape) } else { None })
-            .collect();
-        let (plane, spheres) = match shapes[..] {
-            [Shape::Plane(a, plane), Shape::Spheres(b, centres, radius)]
-            | [Shape::Spheres(b, centres, radius), Shape::Plane(a, plane)] => ((*a, plane), (*b, centres, *radius)),
+            },
+            _ => None,
+        };
+        let shapes: Vec<Shape> = e.list("between").filter_map(shape).collect();
+        let (a, plane, b, centre, radius) = match shapes[..] {
+            [Shape::Plane(a, plane), Shape::Sphere(b, centre, radius)]
+            | [Shape::Sphere(b, centre, radius), Shape::Plane(a, plane)] => (a, plane, b, centre, radius),
             _ => {
-                return e.wrong_key(
-                    "between",
-                    "contacts are between a plane and a sphere, point, capsule or box: no others are known yet",
-                );
+                let text = "a contact is between a plane and a sphere or point: write corners of a body as points, and other pairs as [[stop]]s by formulas";
+                return e.wrong_key("between", text);
             }
         };
-        let friction = match (e.given("sliding", Entry::number)?, e.given("static", Entry::number)?) {
-            (None, None) => None,
-            (None, Some(_)) => return e.wrong_key("static", "static friction needs sliding friction beside it"),
-            (Some(sliding), sticking) => {
-                let sticking = sticking.unwrap_or(sliding);
-                if sticking.value() < sliding.value() {
-                    return e.wrong_key("static", "static friction is not below that of what slides");
-                }
-                Some([sliding, sticking])
-            }
-        };
-        let law = ["restitution", "rest_speed"].map(|key| e.number_or(key, 0.0));
-        let [restitution, rest_speed] = law;
-        let (law, mut made) = ([restitution?, rest_speed?], Vec::new());
-        let (b, centres, radius) = spheres;
-        let count = centres.len();
-        for (number, &centre) in centres.iter().enumerate() {
-            let name = if count == 1 { e.name().to_string() } else { format!("{}, {}", e.name(), number + 1) };
-            made.extend(m.sphere_on_plane(&name, [plane.0, b], (centre, radius), (plane.1[0], plane.1[1]), law, friction));
+        if a == b {
+            return e.wrong_key("between", "both shapes are on the same node: they never move against each other");
         }
-        Ok(Built::Contacts(made))
+        let friction = coefficients(e)?;
+        let law = [e.number_or("restitution", 0.0)?, e.number_or("rest_speed", 0.0)?];
+        let made = m.sphere_on_plane(e.name(), [a, b], (centre, radius), (plane[0], plane[1]), law, friction);
+        Ok(made.map_or(Built::Nothing, |(joint, hit, friction)| Built::Contact(joint, hit, friction)))
     },
     ..Section::listed(
         "contact",

@@ -106,7 +106,7 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
         });
         joints
             .flat_map(|built| match built {
-                Built::Joint(joint) => vec![*joint],
+                Built::Joint(joint) | Built::Contact(joint, ..) => vec![*joint],
                 Built::Stops(own) => own.iter().map(|own| own.0).collect(),
                 _ => Vec::new(),
             })

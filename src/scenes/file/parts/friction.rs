@@ -1,5 +1,6 @@
 //! Friction of joints, clutches and brakes.
 
+use super::contact::coefficients;
 use crate::elements::{Friction, NodeKind, Parameter, State};
 use crate::scenes::file::describing::*;
 use std::sync::Arc;
@@ -18,11 +19,7 @@ pub(super) const FRICTION: Section = Section {
         let &Built::Joint(joint) = e.built("joint")? else {
             return e.wrong_key("joint", "only a rigid joint has friction");
         };
-        let sliding = e.number("sliding")?;
-        let sticking = e.given("static", Entry::number)?.unwrap_or(sliding);
-        if sticking.value() < sliding.value() {
-            return e.wrong_key("static", "static friction is not below that of what slides");
-        }
+        let Some([sliding, sticking]) = coefficients(e)? else { return Ok(Built::Nothing) };
         let radius = e.given("radius", Entry::number)?;
         let made = m.joint_friction(joint, [sliding, sticking, e.number_or("preload", 0.0)?], radius);
         Ok(made.map_or(Built::Nothing, Built::Friction))
