@@ -37,6 +37,8 @@ pub struct TimeGrid {
     pub(super) asked: usize,
     /// End for which they were, where an event ended the run before it.
     pub(super) laid_end: Option<f64>,
+    /// Breakpoints behind that event, up to the first of which steps were laid.
+    pub(super) unreached: Vec<(f64, Vec<usize>)>,
     /// Of steps that were chosen, to be made again: sizes of those behind each event in turn, with the shares of its motion that their ends have.
     pub(super) behind_events: Vec<Vec<(f64, f64)>>,
 }
@@ -88,6 +90,7 @@ impl TimeGrid {
             events: BTreeMap::new(),
             asked,
             laid_end: None,
+            unreached: Vec::new(),
             behind_events: Vec::new(),
         }
     }
@@ -161,6 +164,13 @@ impl TimeGrid {
                 None => grid.times.extend_from_slice(&self.times[first + 1..=last]),
             }
             self.breakpoints.get(&last).map(|numbers| grid.breakpoints.insert(grid.steps(), numbers.clone()));
+        }
+        // the last stretch went up to the first of these
+        let behind = self.unreached.iter().skip(1).map(|own| own.0).chain([self.end()]);
+        for ((_, numbers), end) in self.unreached.iter().zip(behind) {
+            grid.breakpoints.insert(grid.steps(), numbers.clone());
+            let last = grid.times[grid.steps()] - grid.times[grid.steps() - 1];
+            grid.add_stretch(end, if self.asked > 0 { h } else { last });
         }
         if self.asked == 0 {
             grid.behind_events = self.events.keys().map(|&event| self.sizes_behind(event)).collect();
@@ -239,9 +249,18 @@ impl TimeGrid {
         stretch.map(|place| self.laid_time(place))
     }
 
-    /// The time of an end of a stretch as it was laid \[s\]: that of the run may be behind an event that ended it.
+    /// The time of an end of a stretch as it was laid \[s\]: that of the last one may be behind an event that ended the run.
     pub(super) fn laid_time(&self, place: usize) -> f64 {
-        if place == self.steps() { self.end() } else { self.times[place] }
+        match place == self.steps() {
+            true => self.unreached.first().map_or(self.end(), |own| own.0),
+            false => self.times[place],
+        }
+    }
+
+    /// The ends of stretches that are breakpoints, that up to which the last steps were laid among them, with the numbers of these.
+    pub(crate) fn moving_ends(&self) -> impl Iterator<Item = (usize, &[usize])> {
+        let last = self.unreached.first().map(|own| (self.steps(), &own.1[..]));
+        self.breakpoints.iter().map(|(&place, numbers)| (place, &numbers[..])).chain(last)
     }
 
     /// Whether an end of a step is that of a stretch between breakpoints.
@@ -280,15 +299,15 @@ impl TimeGrid {
     pub(crate) fn clocks<S: RunScalar>(&self, parts: &[S]) -> Result<Clocks<S>, String> {
         let size = |part: &S| (0..S::PARTS).fold(0.0, |size: f64, i| size.max(part.part(i).abs()));
         let mut moves = vec![S::zero()];
-        for (&index, numbers) in &self.breakpoints {
+        for (index, numbers) in self.moving_ends() {
             let own = parts[numbers[0]];
             let differs = |part: S| size(&(part - own)) > SAME_DERIVATIVE * size(&own).max(size(&part));
             if numbers.iter().any(|&number| differs(parts[number])) {
-                return Err(moved_apart(self.times[index]));
+                return Err(moved_apart(self.laid_time(index)));
             }
             moves.push(own);
         }
-        moves.push(S::zero());
+        moves.resize(self.boundaries().count(), S::zero());
         if moves.iter().all(|own| size(own) == 0.0) {
             return Ok(Vec::new());
         }

@@ -131,6 +131,9 @@ impl<'c> RunInterval<'c> {
     pub fn stop(&mut self) {
         if !self.at_end() {
             self.grid.laid_end = Some(self.stretches.end());
+            let unreached = self.stretches.breakpoints.range(self.target..);
+            self.grid.unreached =
+                unreached.map(|(&place, numbers)| (self.stretches.times[place], numbers.clone())).collect();
             self.target = self.stretches.times.len();
         }
     }

@@ -16,7 +16,7 @@ impl Analysis<'_> {
 
     /// How time goes between the breakpoints of a run for parameters with derivative parts.
     pub(super) fn clocks<S: RunScalar>(&self, p: &[S], forward: &Forward) -> Result<Clocks<S>, RunError> {
-        if forward.grid.breakpoints.is_empty() {
+        if forward.grid.moving_ends().next().is_none() {
             return Ok(Vec::new());
         }
         let parts = self.breakpoints(&forward.numbers)?.parts(p);
@@ -34,8 +34,8 @@ impl Analysis<'_> {
     ) -> Result<Vec<(usize, usize)>, RunError> {
         refuse_moved_ends(map, grid, active)?;
         let reads = |numbers: &[usize]| numbers.iter().any(|&number| map.all()[number].reads(active));
-        let moving = grid.breakpoints.iter().filter(|(_, numbers)| reads(numbers));
-        let placed = moving.map(|(&place, numbers)| {
+        let moving = grid.moving_ends().filter(|(_, numbers)| reads(numbers));
+        let placed = moving.map(|(place, numbers)| {
             match numbers[1..].iter().any(|&other| !move_together(map, chain, [numbers[0], other])) {
                 true => Err(RunError::Input(moved_apart(grid.times[place]))),
                 false => Ok((place, numbers[0])),
