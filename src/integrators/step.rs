@@ -708,6 +708,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let (mut happened, mut ends_run) = (Vec::new(), false);
         loop {
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
+            let switches = events.switches();
+            present[..switches].copy_from_slice(&self.between.sides[..switches]);
             let all = events.happening(&changes, &before);
             let next = all.get(happened.len()..).unwrap_or_default().to_vec();
             if next.is_empty() {

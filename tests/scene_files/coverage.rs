@@ -20,6 +20,7 @@ const FILES: &[(&str, &str)] = &[
     ("a start from a steady turn", include_str!("coverage/steady.toml")),
     ("bodies of solids", include_str!("coverage/solids.toml")),
     ("events and stops", include_str!("coverage/events.toml")),
+    ("friction and contacts", include_str!("coverage/friction.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
     ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];

@@ -16,7 +16,7 @@ pub struct Case {
 
 /// Powers of 1.5 have no second derivative where they begin: their runs converge slowly, and derivatives more slowly. The reference of the penalty floor
 /// has ten digits of its value, and seven of its derivative.
-pub const CASES: [Case; 17] = [
+pub const CASES: [Case; 24] = [
     Case {
         name: "bounce-set",
         reference: "E01",
@@ -152,6 +152,62 @@ pub const CASES: [Case; 17] = [
         given: [1e-6, 1e-6],
         tolerance: 1e-11,
         chosen: [1e-9, 1e-7],
+    },
+    Case {
+        name: "incline",
+        reference: "E06a",
+        text: include_str!("incline.toml"),
+        given: [1e-12, 1e-12],
+        tolerance: 1e-11,
+        chosen: [1e-12, 1e-12],
+    },
+    Case {
+        name: "break-away",
+        reference: "E06c",
+        text: include_str!("break-away.toml"),
+        given: [1e-12, 1e-12],
+        tolerance: 1e-11,
+        chosen: [1e-12, 1e-12],
+    },
+    Case {
+        name: "rocking",
+        reference: "E11",
+        text: include_str!("rocking.toml"),
+        given: [1e-8, 1e-8],
+        tolerance: 1e-13,
+        chosen: [1e-8, 1e-8],
+    },
+    Case {
+        name: "clutch",
+        reference: "E19",
+        text: include_str!("clutch.toml"),
+        given: [1e-12, 1e-12],
+        tolerance: 1e-11,
+        chosen: [1e-11, 1e-11],
+    },
+    Case {
+        name: "bowling",
+        reference: "E20",
+        text: include_str!("bowling.toml"),
+        given: [1e-6, 1e-6],
+        tolerance: 1e-12,
+        chosen: [1e-8, 1e-8],
+    },
+    Case {
+        name: "oblique",
+        reference: "E21a",
+        text: include_str!("oblique.toml"),
+        given: [1e-9, 1e-9],
+        tolerance: 1e-12,
+        chosen: [1e-9, 1e-9],
+    },
+    Case {
+        name: "rod",
+        reference: "E08",
+        text: include_str!("rod.toml"),
+        given: [1e-12, 1e-12],
+        tolerance: 1e-11,
+        chosen: [1e-12, 1e-12],
     },
 ];
 
