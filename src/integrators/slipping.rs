@@ -16,7 +16,7 @@ use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
 
 /// Share of the speeds of a model near which slip in two directions ends: its square is an error of these.
-const STILL: f64 = 1e-6;
+const STILL: f64 = 1e-4;
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
