@@ -14,7 +14,7 @@ macro_rules! pages {
     };
 }
 
-pages!("": getting_started programs python own_parts joints beams cables shells meshes functionals time events statics gradients
+pages!("": getting_started programs python own_parts joints beams cables shells meshes functionals time events contact statics gradients
     optimization ranks files commands limits measured glossary changelog);
 
 pub mod theory {

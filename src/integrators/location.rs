@@ -217,7 +217,7 @@ fn goes_along<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> RunE
     }
     RunError::Input(format!(
         "{} changes back at once: the motion goes along the switch of its formula instead of passing it, as a body that sticks goes along the \
-         change of sign of its velocity; make the formula smooth there, by a slope over a small width{NOT_LOCATED}",
+         change of sign of its velocity; say dry friction by [[friction]] or [[clutch]], or make the formula smooth there, by a slope over a small width{NOT_LOCATED}",
         place(stepper, switch, t)
     ))
 }

@@ -7,6 +7,7 @@ mod elimination;
 mod events;
 mod foreign_parts;
 mod frequencies;
+mod friction;
 mod located;
 mod massless;
 mod natural;

@@ -37,9 +37,8 @@ impl Reader {
     /// Adds what the formulas of an entry know, and returns the scope without it.
     pub(super) fn scope_with_nodes(&mut self, item: usize, raw: &Raw) -> Option<Scope> {
         self.brought = Vec::new();
-        let is_state = self.declared[item].section.name == "state";
-        let is_event = self.declared[item].section.name == "event";
-        if !is_state && !is_event && raw.get("nodes").and_then(Raw::table).is_none() {
+        let needs_no_nodes = matches!(self.declared[item].section.name, "state" | "event" | "clutch");
+        if !needs_no_nodes && raw.get("nodes").and_then(Raw::table).is_none() {
             return None;
         }
         let before = self.scope.clone();

@@ -1,0 +1,174 @@
+//! Friction: closed forms, a friction of one's own, quotients of whole runs, and what Coulomb's law has no solution for.
+
+use super::parsed;
+use costate::elements::{Friction, Parameter};
+use costate::prelude::*;
+use costate::scenes::{AnyScene, FileScene};
+use costate::sensitivity::Analysis;
+
+fn assert_near(own: f64, exact: f64, limit: f64, what: &str) {
+    assert!((own - exact).abs() <= limit, "{what}: {own} for {exact}, {limit:e}");
+}
+
+/// A mass with its weight, in a plane.
+struct Weight;
+
+impl Element for Weight {
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg"), Parameter::new("gravity", "m/s2")];
+
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(2)]
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        (r[0], r[1]) = (p[0] * s.a[0], p[0] * (s.a[1] + p[1]));
+    }
+}
+
+/// A circle about the origin.
+struct Circle;
+
+impl Constraint for Circle {
+    const EQUATIONS: usize = 1;
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("radius", "m")];
+
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(2)]
+    }
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        g[0] = (q[0] * q[0] + q[1] * q[1] - p[0] * p[0]) / (p[0] * 2.0);
+    }
+}
+
+/// What slides along it is pressed by its force.
+struct AlongCircle;
+
+impl Friction for AlongCircle {
+    const PARAMETERS: &'static [Parameter] = &[Parameter::new("coefficient", "-"), Parameter::positive("radius", "m")];
+
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(2)]
+    }
+    fn slip<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, s: &mut [S]) {
+        s[0] = (q[0] * v[1] - q[1] * v[0]) / p[1];
+    }
+    fn load<S: Scalar>(&self, mu: &[S], _q: &[S], _p: &[S], _t: S) -> S {
+        mu[0].abs()
+    }
+    fn limits<S: Scalar>(&self, load: S, _state: State<S>, p: &[S], _t: S) -> [S; 2] {
+        [p[0] * load; 2]
+    }
+}
+
+/// A bead that slides from rest down a quarter of a pipe and up on the other side, where it stops and slides back.
+struct Bead;
+
+impl Scene for Bead {
+    fn name(&self) -> String {
+        "bead".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        let variables = [("R", 1.2, "m"), ("mu", 0.2, "-"), ("g", 9.81, "m/s2"), ("m", 0.5, "kg")];
+        variables.map(|(name, value, unit)| DesignVariable::new(name, value, (0.0, 10.0), unit)).to_vec()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.4, 1600)
+    }
+    fn build<S: Scalar>(&self, x: &[S], mechanism: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let bead = mechanism.coordinates("bead", &[-x[0], S::zero()], &[S::zero(); 2]);
+        mechanism.element("weight", &[bead], Weight, &[x[3], x[2]]);
+        let pipe = mechanism.constraint("pipe", &[bead], Circle, &x[..1]);
+        let [stick, _] = mechanism.friction(pipe, AlongCircle, &[x[1], x[0]]).ok_or("it has friction")?;
+        mechanism.event_time_functional("time of stop", stick, 1);
+        mechanism.coordinate_functional("height", Over::Terminal, bead, 1);
+        Ok(())
+    }
+}
+
+/// v^2 = 2 g R / (1 + 4 mu^2) ((1 - 2 mu^2) sin th + 3 mu (cos th - exp(-2 mu th))): its time of stop and the derivatives of that, with 18 digits.
+#[test]
+fn a_friction_of_ones_own_follows_the_reaction_of_its_joint() {
+    let prepared = Prepared::new(&Bead).expect("it is sound");
+    let run = prepared.run().expect("it slides");
+    let row = &run.gradient().expect("it has one").rows[0];
+    assert_near(run.value("time of stop").expect("it stops"), 1.2062753506317479794, 1e-10, "time of stop");
+    let exact = [0.5026147294298949914, -0.2825040990681689133, -0.061481924089283790997, 0.0];
+    row.iter().zip(exact).for_each(|(own, exact)| assert_near(*own, exact, 1e-9, "derivative"));
+    let analysis = prepared.analysis();
+    let names: Vec<String> = analysis.events(&run.forward).into_iter().map(|own| own.name).collect();
+    assert_eq!(names, ["stick of pipe", "slip of pipe"], "it turns back at once");
+    let complex = analysis.complex_step(&prepared.x, &run.forward).expect("it has one");
+    for (own, complex) in run.gradient().expect("it has one").rows.iter().zip(&complex.rows) {
+        own.iter().zip(complex).for_each(|(own, complex)| assert_near(*own, *complex, 1e-11, "complex step"));
+    }
+}
+
+const BALL: &str = r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 1.5, steps = 300 }
+variable.spin = { initial = 30, bounds = [-100, 100] }
+variable.sideways = { initial = 1, bounds = [-10, 10] }
+variable.mu = { initial = 0.2, bounds = [0.01, 3] }
+variable.e = { initial = 0.6, bounds = [0, 0.9] }
+body = [{ name = "ball", position = [0, 0, 0.61], velocity = [3, "sideways", 0], angular_velocity = ["spin", 10, 20], mass = 6, inertia = [0.029, 0.029, 0.029] }]
+shape = [{ name = "ball", on = "ball", type = "sphere", radius = 0.11 }, { name = "lane", on = "ground", type = "plane", normal = [0, 0, 1] }]
+contact = [{ name = "lane", between = ["ball", "lane"], sliding = "mu", restitution = "e", rest_speed = 0.5 }]
+functional = [
+  { name = "x", type = "formula", nodes = { b = "ball" }, value = "b.position.x", unit = "m", over = "terminal" },
+  { name = "y", type = "formula", nodes = { b = "ball" }, value = "b.position.y", unit = "m", over = "terminal" },
+]
+"#;
+
+#[test]
+fn a_ball_that_bounces_slides_and_rolls_has_the_derivatives_of_quotients() {
+    let scene: FileScene = parsed(BALL);
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("it runs");
+    let rows = [Analysis::adjoint, Analysis::tangent, Analysis::complex_step]
+        .map(|by| by(&analysis, x, &forward).expect("it has derivatives").rows);
+    let on_steps = analysis.on_steps_of(&forward);
+    for (k, row) in rows[0].iter().enumerate() {
+        for i in 0..x.len() {
+            let mut along = vec![0.0; x.len()];
+            along[i] = 1.0;
+            let quotient = on_steps.central_difference(x, &along, 1e-5 * x[i]).expect("it runs beside")[k];
+            let size = row.iter().fold(0.0, |size: f64, own| size.max(own.abs()));
+            assert_near(row[i], rows[1][k][i], 1e-10 * size, "tangent");
+            assert_near(row[i], rows[2][k][i], 1e-10 * size, "complex step");
+            assert_near(row[i], quotient, 1e-6 * size, "quotient");
+        }
+    }
+}
+
+/// A rod whose tip slides on a floor: p = 1 + 3 cos^2 - 3 mu sin cos < 0 has no solution or two (Painleve).
+#[test]
+fn what_coulombs_law_does_not_determine_is_told() {
+    let text = |mu: f64, theta: f64, rate: f64| {
+        let (x, z) = (0.5 * theta.cos(), 0.5 * theta.sin());
+        format!(
+            r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = {{ end = 0.01, steps = 2 }}
+body = [{{ name = "rod", position = [{x}, 0, {z}], velocity = [-5, 0, {}], angular_velocity = [0, {}, 0], mass = 1, inertia = [1, "1 / 12", 1] }}]
+shape = [{{ name = "tip", on = "rod", type = "point", centre = [0, 0, 0] }}, {{ name = "floor", on = "ground", type = "plane", point = [0, 0, 0], normal = [0, 0, 1] }}]
+contact = [{{ name = "tip", between = ["tip", "floor"], sliding = {mu} }}]
+functional = [{{ name = "N", type = "reaction_norm", joint = "tip", over = "initial" }}]
+"#,
+            rate * x,
+            -rate
+        )
+    };
+    let run = |mu: f64, theta: f64, rate: f64| {
+        let scene: FileScene = parsed(&text(mu, theta, rate));
+        let x: Vec<f64> = AnyScene::variables(&scene).iter().map(|own| own.initial).collect();
+        let prepared = Prepared::new(&scene).expect("it is sound");
+        prepared.analysis().forward(&x).map(|forward| forward.values[0]).map_err(|why| why.to_string())
+    };
+    assert_near(run(0.3, 0.8, 2.0).expect("it slides"), 4.1743015989610588839, 1e-13, "force");
+    let why = run(1.6, 1.1, 2.0).expect_err("there is no solution");
+    assert!(why.contains("\"tip\"") && why.contains("has no solution by Coulomb's law"), "{why}");
+    let why = run(1.6, 1.1, 9.0).expect_err("there are two");
+    assert!(why.contains("more than one solution by Coulomb's law"), "{why}");
+}
