@@ -118,9 +118,9 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
         &["aggregate = \"upper_maximum\"", "smooth_maximum, upper_maximum, exp"],
     ),
     // words of other programs
-    ("[[body]]", "[[contact]]\n[[body]]", "30:3", &["key \"contact\"", "there is no contact", "slide_law"]),
+    ("[[body]]", "[[collision]]\n[[body]]", "30:3", &["key \"collision\"", "[[shape]]", "[[contact]]"]),
     ("[[body]]", "[[trigger]]\n[[body]]", "30:3", &["is [[event]]"]),
-    ("mass = 1.0", "mass = 1.0\nsliding_friction = 0.3", "34:1", &["there is no dry friction", "tanh"]),
+    ("mass = 1.0", "mass = 1.0\nsliding_friction = 0.3", "34:1", &["dry friction is [[friction]]", "[[clutch]]"]),
     ("type = \"revolute\"", "type = \"hinge_stops\"", "46:8", &["type \"hinge_stops\"", "a rigid stop is [[stop]]"]),
     // names that no table can show
     ("name = \"crank\"", "name = \"crank\\n\"", "31:8", &["control character"]),

@@ -34,14 +34,15 @@ impl JointSurfaces {
     pub const GEOMETRY: usize = 12;
 }
 
-/// Size of some numbers.
+/// Size of some numbers, with derivatives of zero where it is zero.
 fn size<S: Scalar>(mut numbers: impl Iterator<Item = S>) -> S {
-    match (numbers.next(), numbers.next()) {
-        (Some(one), None) => one.abs(),
-        (one, two) => {
-            one.into_iter().chain(two).chain(numbers).map(|own| own * own).fold(S::zero(), |sum, own| sum + own).sqrt()
-        }
+    let (first, second) = (numbers.next(), numbers.next());
+    if let (Some(one), None) = (first, second) {
+        return one.abs();
     }
+    let squares = first.into_iter().chain(second).chain(numbers).map(|own| own * own).fold(S::zero(), |sum, own| sum + own);
+    let is_zero = squares.less(S::from(f64::MIN_POSITIVE));
+    is_zero.select(S::zero(), is_zero.select(S::one(), squares).sqrt())
 }
 
 impl Friction for JointSurfaces {

@@ -5,14 +5,12 @@ use crate::scenes::unknown;
 /// Words with what is to be written instead.
 const ELSEWHERE: &[(&[&str], &str)] = &[
     (
-        &["contact", "collision", "collider", "geom", "impact"],
-        "there is no contact of shapes; what stays on one side of a plane is [[stop]]; or write its force by a law of a spring: [[spring]] of type \"slide_law\" with origin on the floor and \
-         energy = \"if_less(s, 0, k * s^2 / 2, 0)\", between two points of type \"line_law\"",
+        &["collision", "collider", "geom", "impact"],
+        "what touches is [[shape]], and two of them are [[contact]]; what stays on one side of a formula is [[stop]]",
     ),
     (
         &["friction", "frictional", "coulomb", "mu"],
-        "there is no dry friction; write its force by a smooth formula of the rate v: [[spring]] of type \"slide_law\" with \
-         force = \"f * tanh(v / 1e-3)\", on joint angles of type \"angle_law\" with moment = ..",
+        "dry friction is [[friction]] of a joint, [[clutch]] between two coordinates, and sliding and static of [[contact]]",
     ),
     (
         &["stop", "stopper", "bumper", "limiter", "range"],
