@@ -3,7 +3,7 @@
 use super::{Attached, Model, NodeId};
 use crate::elements::split_arguments;
 use crate::program::ArgumentKind::{self, Coordinate, Multiplier, Parameter, Time, Velocity};
-use crate::program::{Formula, Recorded};
+use crate::program::{Formula, Reads, Recorded};
 use crate::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
@@ -184,6 +184,24 @@ impl Model {
         self.events.push(Event { condition, multipliers, directions, once, ends_run, while_joint, resets, opens, closes });
         let last = self.events.len() - 1;
         Ok(&mut self.events[last])
+    }
+
+    /// Adds the limits of a friction with the parameters of the part that sticks; of which formulas of the motion none may compare anything.
+    ///
+    /// # Errors
+    /// Formulas that cannot be recorded, or that do.
+    pub(crate) fn add_limits(
+        &mut self,
+        sticking: usize,
+        limits: impl FnOnce(EventArguments) -> Vec<Recorded>,
+    ) -> Result<(), String> {
+        let Attached { name, nodes, parameters, .. } = self.constraints[sticking].clone();
+        let physics = self.record_instant(&nodes, [0, parameters.len()], limits)?;
+        if physics.switches(Reads::Located, false).is_some_and(|own| own.count() > 0) {
+            return Err("its limits compare what moves: write them smooth, or let an [[event]] set a [[number]]".into());
+        }
+        self.limits_of_friction.push(Attached { name, nodes, parameters, equations: 0..0, physics });
+        Ok(())
     }
 
     /// Adds what an event sets, by formulas of some nodes and of `parameters` numbers.

@@ -86,6 +86,8 @@ pub struct Model {
     pub(crate) events: Vec<Event>,
     /// Joints with friction.
     pub(crate) frictions: Vec<JointFriction>,
+    /// Their limits for a load of 1 N, in which steps look for jumps and bends over time.
+    pub(crate) limits_of_friction: Vec<Attached<Arc<Formula>>>,
     /// Joints that come and go, and whether they are there at the start.
     pub(crate) presence: Vec<(usize, bool)>,
     /// What turns steadily where a motion begins.

@@ -971,11 +971,16 @@ impl ConstraintPhysics {
         })
     }
 
-    /// A^T mu, and what friction adds, in recorded numbers (v, q, mu, p) and t.
-    pub(crate) fn recorded_reaction(&self, [v, q, mu, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
+    /// A^T mu, with what friction adds or without, in recorded numbers (v, q, mu, p) and t.
+    pub(crate) fn recorded_reaction(
+        &self,
+        [v, q, mu, p]: [&[Recorded]; 4],
+        t: Recorded,
+        with_friction: bool,
+    ) -> Vec<Recorded> {
         let equations = self.0.own.evaluate([v, q, p], t);
         let mut reaction = gradient_of(&equations, mu, if self.is_nonholonomic() { v } else { q });
-        if self.0.has_friction {
+        if with_friction && self.0.has_friction {
             let friction = self.0.own.friction_forces([v, q, mu, p], t);
             reaction.iter_mut().zip(friction).for_each(|(own, friction)| *own += friction);
         }

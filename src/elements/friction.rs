@@ -46,6 +46,8 @@ pub trait AnyFriction: Send + Sync {
     fn direction_count(&self) -> usize;
     /// s of recorded numbers (v, q, p) and t.
     fn slip_of(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
+    /// Both limits for a load, of recorded numbers (v, q, p) and t.
+    fn limits_of_load(&self, load: Recorded, numbers: [&[Recorded]; 3], t: Recorded) -> [Recorded; 2];
     /// Both limits of recorded numbers (v, q, mu, p) and t, where these are forces; without a load they count so many times.
     fn limits_of(&self, numbers: [&[Recorded]; 4], t: Recorded, are_forces: Recorded) -> [Recorded; 2];
 }
@@ -68,9 +70,12 @@ impl<F: Friction> AnyFriction for F {
         self.slip(v, q, p, t, &mut s);
         s
     }
+    fn limits_of_load(&self, load: Recorded, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> [Recorded; 2] {
+        self.limits(load, State { a: &[], v, q }, p, t)
+    }
     fn limits_of(&self, [v, q, mu, p]: [&[Recorded]; 4], t: Recorded, are_forces: Recorded) -> [Recorded; 2] {
-        let state = State { a: &[], v, q };
-        let [all, unloaded] = [self.load(mu, q, p, t), Recorded::from(0.0)].map(|load| self.limits(load, state, p, t));
+        let [all, unloaded] =
+            [self.load(mu, q, p, t), Recorded::from(0.0)].map(|load| self.limits_of_load(load, [v, q, p], t));
         [0, 1].map(|k| all[k] - (Recorded::from(1.0) - are_forces) * unloaded[k])
     }
 }

@@ -86,7 +86,7 @@ impl JointLoad {
             let of_joint = [(Velocity, n), (Coordinate, n), (Multiplier, count), (OfPart, m), own, (Time, 1)];
             let formula = Formula::record(of_joint, |x| {
                 let [v, q, mu, joint_p, p, t] = split_arguments(x, [n, n, count, m, Self::PARAMETERS, 1]);
-                let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0]);
+                let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0], self.is_power());
                 let [v, q, reaction] = [v, q, &reaction].map(|own| &own[self.node.clone()]);
                 vec![self.value([v, q], reaction, p)]
             });

@@ -253,6 +253,10 @@ pub fn each_formula(model: &Model, mut see: impl FnMut(&str, bool, &Arc<Formula>
         let lists: &[fn(usize) -> Place] = &[Place::V, Place::Q];
         see(&own.name, true, own.physics.formula(), &|| places(model, lists, &own.nodes, &own.parameters));
     }
+    for own in &model.limits_of_friction {
+        let lists: &[fn(usize) -> Place] = &[Place::V, Place::Q];
+        see(&own.name, false, &own.physics, &|| places(model, lists, &own.nodes, &own.parameters));
+    }
 }
 
 pub(super) fn places(

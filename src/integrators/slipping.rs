@@ -5,11 +5,11 @@
 //!
 //! Source: Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts, chapters 5 and 8.
 
-use super::RunError;
 use super::events::{Events, Moment, SideChange};
 use super::record::{ImpactRecord, SlipBefore};
 use super::redundancy::dependent_equations;
 use super::step::{NO_FORCE, Stepper, real, size};
+use super::{ConstraintLevel, RunError, StartPlan};
 use crate::assembly::Stop;
 use crate::design::shortest;
 use crate::elements::{LEAST_SPEED, RunScalar};
@@ -93,6 +93,43 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], 0.0, sides)
     }
 
+    /// That a run can have the frictions of its model.
+    pub(super) fn check_frictions(&self, events: &Events, plan: &StartPlan) -> Result<(), RunError> {
+        let constraints = &self.problem.model.constraints;
+        let is_redundant = |row: usize| plan.dropped.contains(&row) && !self.problem.model.comes_and_goes(row);
+        for own in events.frictions() {
+            let joint = &constraints[own.joints[0]];
+            if self.method.constraint_level() == ConstraintLevel::Position {
+                return Err(RunError::Input(format!(
+                    "friction of \"{}\" takes constraints at acceleration level: what sticks is held by its velocity",
+                    joint.name
+                )));
+            }
+            if joint.equations.clone().any(is_redundant) {
+                return Err(RunError::Input(format!(
+                    "friction of \"{}\" is not determined: the joint is redundant, and shares its force with others in many ways; leave out what is \
+                     redundant",
+                    joint.name
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// That no limit of friction is below zero.
+    pub(super) fn check_limits(&self, events: &Events, (q, v): (&[S], &[S]), t: f64) -> Result<(), RunError> {
+        let [q, v, p] = [q, v, &self.p].map(real);
+        let none = vec![0.0; self.problem.model.equations];
+        let moment = Moment { a: &[], v: &v, q: &q, mu: [&none, &[]], t };
+        let negative = |own: &usize| events.friction(*own).kept.len() == 1 && events.exceeds(*own, moment, &p, 0.0);
+        let Some(friction) = (0..events.frictions().len()).find(negative) else { return Ok(()) };
+        let name = &self.problem.model.constraints[events.friction(friction).joints[0]].name;
+        let t = shortest(t);
+        Err(RunError::Input(format!(
+            "the limit of the friction of \"{name}\" is below zero at t = {t} s: friction never drives a motion"
+        )))
+    }
+
     /// Of surfaces that are together at the start, those that stick if they can; the others slip.
     pub(super) fn frictions_at_start(
         &mut self,
@@ -100,8 +137,9 @@ impl<S: RunScalar> Stepper<'_, S> {
         (q, v): (&[S], &[S]),
         t: f64,
         (sides, closed): (&mut [f64], &[(usize, &Stop)]),
-    ) -> Vec<usize> {
+    ) -> Result<Vec<usize>, RunError> {
         let mut sticking = Vec::new();
+        self.check_limits(events, (q, v), t)?;
         for (friction, own) in events.frictions().enumerate() {
             let joint = own.joints[0];
             let is_closed = closed.iter().any(|own| own.0 == joint);
@@ -116,7 +154,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 set(&self.turns(events, friction, (&unit(&slip), still), sides), sides);
             }
         }
-        sticking
+        Ok(sticking)
     }
 
     /// What becomes of surfaces whose joint, or what made them stick, has been opened.
@@ -152,8 +190,10 @@ impl<S: RunScalar> Stepper<'_, S> {
         let Some(friction) = events.frictions().position(|own| own.joints[1] == joint) else { return false };
         let slip = real(&self.slip(events, friction));
         let [v, q] = [1, 0].map(|order| &self.record.carried[order][..]);
-        let before = real(&events.slip(friction, [v, q], self.record.t.into(), &self.p));
-        if slip.len() == 1 || length(&slip) <= TURNS * length(&before) {
+        let before = length(&real(&events.slip(friction, [v, q], self.record.t.into(), &self.p)));
+        // what is set, or an impact elsewhere, may turn it round
+        let still = if slip.len() == 1 { CONSISTENT * size(v) } else { (TURNS * before).max(CONSISTENT * size(v)) };
+        if length(&slip) <= still {
             return false;
         }
         let all = self.turns(events, friction, (&unit(&slip), self.still()), sides);

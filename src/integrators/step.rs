@@ -368,6 +368,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         sides: &mut [f64],
     ) -> Result<Vec<usize>, RunError> {
         let Some(events) = self.events.take() else { return Ok(plan.dropped.clone()) };
+        self.check_frictions(&events, plan)?;
         let mut closed = Vec::new();
         for (event, joint, stop) in events.stops() {
             let [g, rate, _] = self.equations_of(joint, (&[], v, q), t)[0];
@@ -403,7 +404,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             )));
         }
         self.between.dropped.clone_from(&plan.dropped);
-        let mut sticking = self.frictions_at_start(&events, (q, v), t, (sides, &closed));
+        let mut sticking = self.frictions_at_start(&events, (q, v), t, (sides, &closed))?;
         let dropped = loop {
             let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
             let held = closed.iter().map(|own| own.0).chain(sticking.iter().map(|own| events.friction(*own).joints[1]));
@@ -693,17 +694,31 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// run ends there. What events set may change more of them, unless the changes are those of a run that is made again.
     pub(super) fn pass(
         &mut self,
-        mut changes: Vec<SideChange>,
+        changes: Vec<SideChange>,
         is_made_again: bool,
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
+        let made = self.pass_with(&mut events, changes, is_made_again);
+        self.events = Some(events);
+        self.write_sides();
+        // matrices of the other sides are of no use
+        [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
+        made
+    }
+
+    fn pass_with(
+        &mut self,
+        events: &mut Events,
+        mut changes: Vec<SideChange>,
+        is_made_again: bool,
+    ) -> Result<(Vec<SideChange>, bool), RunError> {
         let before = self.between.sides.clone();
         self.forces = real(&self.between.last.mu);
         // joints as far as it has come
         let mut present = before.clone();
-        let (switch, located) = self.located_number(&mut events, &changes);
+        let (switch, located) = self.located_number(events, &changes);
         if !is_made_again {
-            self.add_dependent(&mut events, &mut changes);
+            self.add_dependent(events, &mut changes);
         }
         let (mut happened, mut ends_run) = (Vec::new(), false);
         loop {
@@ -731,17 +746,17 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 ends_run |= events.ends_run(event);
                 let absent = events.absent(&present);
                 let before = (!is_made_again && events.sets(event)).then(|| self.violations(&absent));
-                self.reset(&events, (event, happened.len() - 1)).map_err(RunError::Input)?;
+                self.reset(events, (event, happened.len() - 1)).map_err(RunError::Input)?;
                 if let Some(before) = before {
                     self.check_joints(&absent, &before, events.name(event))?;
                 }
-                self.change_joints(&events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
+                self.change_joints(events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
             }
             if !is_made_again {
-                changes.extend(self.released(&events, (&present, &changes))?);
+                changes.extend(self.released(events, (&present, &changes))?);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
                 let (sides, end) = (&self.between.sides, self.record.end);
-                let passed = self.excesses_of(&mut events, false).into_iter().enumerate();
+                let passed = self.excesses_of(events, false).into_iter().enumerate();
                 // the number that ended the step is zero, whatever location has left of it
                 let is_zero = |own: &Excess| (own.by - located).abs() <= own.round_off(end);
                 let passed = passed.filter(|(place, own)| match *place == switch && is_zero(own) {
@@ -752,12 +767,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
         }
         self.between.switched.clone_from(&changes);
-        self.check_method(&events, &present)?;
+        self.check_method(events, &present)?;
         if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
             let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
             let sides = self.between.sides.clone();
             events.write(&sides, &mut self.p);
-            self.check_contacts(&events, &sides, (&q, &v), self.record.end)?;
+            self.check_limits(events, (&q, &v), self.record.end)?;
+            self.check_contacts(events, &sides, (&q, &v), self.record.end)?;
         }
         let now = events.absent(&self.between.sides);
         if events.absent(&before) != now {
@@ -767,10 +783,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.drives = None;
             self.resolution.forget_side();
         }
-        self.events = Some(events);
-        self.write_sides();
-        // matrices of the other sides are of no use
-        [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
         Ok((changes, ends_run))
     }
 

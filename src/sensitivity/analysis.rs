@@ -338,6 +338,7 @@ impl<'m> Analysis<'m> {
         }
         self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
+        self.check_directions(forward)?;
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = self.checked_chain(x)?;
         // a power may be rounded otherwise where it is recorded
@@ -386,6 +387,7 @@ impl<'m> Analysis<'m> {
 
     fn by_perturbed_runs<S: RunScalar>(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         self.check_forward(x, forward)?;
+        self.check_directions(forward)?;
         let (mut rows, mut counters) = (vec![Vec::new(); self.functionals.len()], Counters::default());
         for (seeded, lanes) in seeded_designs::<S>(x) {
             let (values, own) = self.perturbed_values(&seeded, forward)?;

@@ -297,7 +297,18 @@ impl<S: Scalar> MechanismBuilder<S> {
         let sticks = [p, &still].concat();
         let stick =
             self.add_constraint(&format!("sticking of {name}"), nodes, Box::new(Sticking(Arc::clone(&friction))), &sticks);
+        self.model.find_constraint(stick)?;
         self.model.set_presence(stick.0, false);
+        let count = p.len();
+        let law = Arc::clone(&friction);
+        let one = Recorded::from(1.0);
+        let limits = self.model.add_limits(stick.0, |EventArguments { v, q, p, t, .. }| {
+            law.limits_of_load(one, [v, q, &p[..count]], t).to_vec()
+        });
+        if let Err(why) = limits {
+            self.mistakes.push(format!("friction \"{name}\": {why}"));
+            return None;
+        }
         let (first, count) = (self.model.events.len(), p.len());
         let law = Arc::clone(&friction);
         let event = self.event(&format!("stick of {name}"), nodes, &sticks, |EventArguments { v, q, p, t, .. }| {

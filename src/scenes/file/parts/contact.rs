@@ -1,6 +1,7 @@
 //! Shapes of bodies, and contacts between them.
 
 use crate::assembly::NodeId;
+use crate::elements::NodeKind;
 use crate::scenes::file::describing::*;
 
 /// What of a node touches others.
@@ -34,6 +35,11 @@ pub(super) const SHAPE: Section = Section {
     space: "shape",
     build: |e, m| {
         let node = e.node("on", m)?;
+        if let Some(key) = ["centre", "point"].into_iter().find(|key| e.has(key))
+            && m.model.node(node).kind == NodeKind::Point
+        {
+            return e.wrong_key(key, "this is on a point, which has no points but itself: leave it out");
+        }
         let at = |key: &str| if e.has(key) { e.vector(key) } else { Ok(m.position(node)) };
         let shape = match e.form {
             "plane" => Shape::Plane(node, [at("point")?, e.vector("normal")?]),

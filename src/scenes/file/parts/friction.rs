@@ -54,7 +54,7 @@ pub(super) const CLUTCH: Section = Section {
         let mut reading = Reading::new(e, m)?;
         let capacity = reading.take_key(e, "capacity", [true, true])?;
         let sticking = reading.take_key(e, "static", [true, true])?;
-        let first = reading.nodes.len();
+        let mut between = Vec::new();
         for (at, own) in e.list("between") {
             let Value::Node(place) = own else { continue };
             let [node] = e.nodes_at(at, place, m)?[..] else { return Err(Mistake::new(at, "one node is wanted")) };
@@ -62,16 +62,19 @@ pub(super) const CLUTCH: Section = Section {
             if kind != NodeKind::Coordinates(1) {
                 return Err(Mistake::new(at, format!("this is {}: a clutch is between coordinates", kind.words())));
             }
-            reading.add("", node, kind);
+            between.push(node);
         }
-        let count = reading.nodes.len() - first;
+        let count = between.len();
+        if count == 2 && between[0] == between[1] {
+            return e.wrong_key("between", "both sides are the same coordinate");
+        }
         if count > 2 {
             return e.wrong_key("between", "a clutch has two sides at most");
         }
         let Reading { nodes, formulas, p, .. } = reading;
         let capacity = capacity.unwrap_or_default();
         let own = Clutch { formulas: Arc::new(formulas), limits: [capacity, sticking.unwrap_or(capacity)], sides: count };
-        Ok(m.clutch(e.name(), &nodes, own, &p).map_or(Built::Nothing, Built::Friction))
+        Ok(m.clutch(e.name(), &[nodes, between].concat(), own, &p).map_or(Built::Nothing, Built::Friction))
     },
     ..Section::listed(
         "clutch",
@@ -79,7 +82,7 @@ pub(super) const CLUTCH: Section = Section {
     )
 };
 
-/// Friction between the last one or two nodes, with limits by formulas.
+/// Friction between one or two coordinates behind the nodes of its formulas, which give its limits.
 struct Clutch {
     formulas: Arc<Formulas>,
     limits: [usize; 2],
@@ -88,7 +91,8 @@ struct Clutch {
 
 impl Friction for Clutch {
     fn nodes(&self) -> Vec<NodeKind> {
-        self.formulas.kinds()
+        let sides = std::iter::repeat_n(NodeKind::Coordinates(1), self.sides);
+        self.formulas.kinds().into_iter().chain(sides).collect()
     }
     fn parameters(&self) -> Vec<Parameter> {
         self.formulas.parameters()
