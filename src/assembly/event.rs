@@ -197,7 +197,7 @@ impl Model {
     ) -> Result<(), String> {
         let Attached { name, nodes, parameters, .. } = self.constraints[sticking].clone();
         let physics = self.record_instant(&nodes, [0, parameters.len()], limits)?;
-        if physics.switches(Reads::Located, false).is_some_and(|own| own.count() > 0) {
+        if physics.switches(Reads::Motion, false).is_some_and(|own| own.count() > 0) {
             return Err("its limits compare what moves: write them smooth, or let an [[event]] set a [[number]]".into());
         }
         self.limits_of_friction.push(Attached { name, nodes, parameters, equations: 0..0, physics });

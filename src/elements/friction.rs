@@ -97,9 +97,13 @@ pub(crate) fn directed_by(directions: usize) -> usize {
     if directions == 1 { 1 } else { 3 }
 }
 
-/// The velocity s along a direction d.
-pub(crate) fn speed_along(s: &[Recorded], d: &[Recorded]) -> Recorded {
-    s.iter().zip(d).map(|(&s, &d)| s * d).sum()
+/// What is above zero while slip goes on in a direction d, and falls to zero where it ends or has turned away from it by an eighth of a turn: the velocity
+/// along it, less of two velocities |s| / sqrt(2), which is smooth where they are still.
+pub(crate) fn going_on(s: &[Recorded], d: &[Recorded]) -> Recorded {
+    let along = s.iter().zip(d).map(|(&s, &d)| s * d).sum();
+    let Some(&still) = d.get(2) else { return along };
+    let squares = s.iter().map(|&s| s * s).sum::<Recorded>();
+    along - ((squares + still * still).sqrt() - still) * Recorded::from(std::f64::consts::FRAC_1_SQRT_2)
 }
 
 /// The direction in which friction is overcome, zero where d is: that of slip, of two velocities d where they are still, for which it counts as much as

@@ -47,7 +47,7 @@ pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
 pub use friction::{AnyFriction, Friction};
-pub(crate) use friction::{LEAST_SPEED, Slipping, Sticking, directed_by, speed_along};
+pub(crate) use friction::{LEAST_SPEED, Slipping, Sticking, directed_by, going_on};
 pub(crate) use lagrangian::paired;
 pub use node_kind::NodeKind;
 pub(crate) use node_kind::NodePair;

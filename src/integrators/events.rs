@@ -246,10 +246,21 @@ impl Events {
 
     /// Whether what surfaces that stick would have to hold is more than friction can, by multipliers of which so much is none.
     pub fn exceeds(&self, friction: usize, moment: Moment<f64>, p: &[f64], none: f64) -> bool {
+        let (number, none) = self.beyond_limit(friction, moment, p, none);
+        number > none
+    }
+
+    /// Whether friction has no limit worth the name, by multipliers without those of what sticks.
+    pub fn is_unloaded(&self, friction: usize, moment: Moment<f64>, p: &[f64], none: f64) -> bool {
+        let (number, none) = self.beyond_limit(friction, moment, p, none);
+        number.abs() <= none
+    }
+
+    fn beyond_limit(&self, friction: usize, moment: Moment<f64>, p: &[f64], none: f64) -> (f64, f64) {
         let JointFriction { events, kept, .. } = &self.frictions[friction].own;
-        let Some(part) = self.condition(events[1]) else { return false };
         let none = none.max(NOTHING * largest(moment.mu[0])).powi(kept.len() as i32);
-        part.switches.number_in(0, &part.inputs(&moment, p)) > none
+        let number = self.condition(events[1]).map(|part| part.switches.number_in(0, &part.inputs(&moment, p)));
+        (number.unwrap_or_default(), none)
     }
 
     /// Place of the side of a joint that comes and goes.

@@ -96,7 +96,7 @@ impl<S: RunScalar> Stepper<'_, S> {
     /// That a run can have the frictions of its model.
     pub(super) fn check_frictions(&self, events: &Events, plan: &StartPlan) -> Result<(), RunError> {
         let constraints = &self.problem.model.constraints;
-        let is_redundant = |row: usize| plan.dropped.contains(&row) && !self.problem.model.comes_and_goes(row);
+        let is_redundant = plan.dropped.iter().any(|row| !self.problem.model.comes_and_goes(*row));
         for own in events.frictions() {
             let joint = &constraints[own.joints[0]];
             if self.method.constraint_level() == ConstraintLevel::Position {
@@ -105,9 +105,9 @@ impl<S: RunScalar> Stepper<'_, S> {
                     joint.name
                 )));
             }
-            if joint.equations.clone().any(is_redundant) {
+            if is_redundant && !joint.equations.is_empty() {
                 return Err(RunError::Input(format!(
-                    "friction of \"{}\" is not determined: the joint is redundant, and shares its force with others in many ways; leave out what is \
+                    "friction of \"{}\" is not determined where joints are redundant: they may share their forces in many ways; leave out what is \
                      redundant",
                     joint.name
                 )));
@@ -351,7 +351,11 @@ impl<S: RunScalar> Stepper<'_, S> {
             let slip = events.slip(friction, [&v[..], &q], t.value(), &p);
             let along: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
             if along < -CONSISTENT * size(&v) {
-                return Some(self.sticks(events, friction, now));
+                // without a load it goes the way it is sent
+                return Some(match events.is_unloaded(friction, moment, &p, none) {
+                    true => self.turns(events, friction, (&unit(&slip), self.still()), now),
+                    false => self.sticks(events, friction, now),
+                });
             }
         }
         None

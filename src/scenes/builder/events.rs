@@ -5,7 +5,7 @@ use crate::assembly::{Closing, ConstraintId, Event, EventArguments, JointFrictio
 use crate::elements::joints::{Apart, JointSurfaces, PointInPlane, SphereFriction, Surfaces};
 use crate::elements::{
     AnyFriction, Constraint, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking, directed_by,
-    speed_along,
+    going_on,
 };
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
@@ -311,10 +311,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let (first, count) = (self.model.events.len(), p.len());
         let law = Arc::clone(&friction);
-        let event = self.event(&format!("stick of {name}"), nodes, &sticks, |EventArguments { v, q, p, t, .. }| {
-            let (p, d) = p.split_at(count);
-            speed_along(&law.slip_of([v, q, p], t), d)
-        });
+        let event =
+            self.event(&format!("stick of {name}"), nodes, &[p, &told].concat(), |EventArguments { v, q, p, t, .. }| {
+                let (p, d) = p.split_at(count);
+                going_on(&law.slip_of([v, q, p], t), d)
+            });
         let event = event?;
         let of_event = event.condition.parameters.start + count;
         (event.directions, event.while_joint) = ([false, true], Some((stick.0, false)));
@@ -341,7 +342,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.model.frictions.push(JointFriction {
             joints: [joint.0, stick.0],
             events: [first, first + 1],
-            direction: [slips - told.len()..slips, of_event..of_event + directions],
+            direction: [slips - told.len()..slips, of_event..of_event + told.len()],
             kept: sticks - directions..sticks,
             forces: [slips - told.len() - 1, flag],
         });
