@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// All methods of the contracts: formulas, and how many numbers they have. Another method is another promise of an author: it belongs here
 /// only if it cannot be read off the recording.
-const CONTRACTS: [(&str, &str, &str); 9] = [
+const CONTRACTS: [(&str, &str, &str); 10] = [
     (
         "elements/element.rs",
         "Element",
@@ -17,7 +17,8 @@ const CONTRACTS: [(&str, &str, &str); 9] = [
         "parameters parameters_of node_map residual kinetic potential strain_energy add_force strain_count strains stored stored_together damping \
          dissipation_together mass",
     ),
-    ("elements/constraint.rs", "Constraint", "nodes equations parameters g is_driver"),
+    ("elements/constraint.rs", "Constraint", "nodes equations parameters g surfaces is_driver"),
+    ("elements/friction.rs", "Friction", "nodes parameters directions slip load limits"),
     ("elements/characteristic.rs", "ForceLaw", "parameters value"),
     ("elements/time_formula.rs", "TimeFormula", "parameters value"),
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h"),

@@ -95,6 +95,9 @@ struct Slip {
     places: Vec<Place>,
 }
 
+/// Which vectors of a state a formula reads, in the order of its arguments.
+type Lists<'l> = &'l [fn(usize) -> Place];
+
 /// A part before its switches are known.
 type Switching<'m, P> = (&'m Attached<P>, &'m Arc<Formula>, usize);
 
@@ -142,7 +145,7 @@ impl Events {
         model: &Model,
         known: &mut HashMap<*const Formula, Option<Switches>>,
         (own, formula, count): Switching<P>,
-        (lists, multipliers): (&[fn(usize) -> Place], &[usize]),
+        (lists, multipliers): (Lists, &[usize]),
         event: Option<usize>,
     ) {
         let switches = known.entry(Arc::as_ptr(formula)).or_insert_with(|| formula.switches(Reads::Located, false));
@@ -579,9 +582,9 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 /// Lists of the arguments of the formulas of elements and functionals.
-const OF_ELEMENT: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
+const OF_ELEMENT: Lists = &[Place::A, Place::V, Place::Q];
 /// Lists of those of an event's formulas.
-const OF_EVENT: &[fn(usize) -> Place] = &[Place::V, Place::Q];
+const OF_EVENT: Lists = &[Place::V, Place::Q];
 
 fn inputs<S: RunScalar>(places: &[Place], moment: &Moment<S>, p: &[S]) -> Vec<S> {
     let value = |place: &Place| match *place {

@@ -39,9 +39,9 @@ pub(crate) mod types {
 
 pub use cable_end::HeldSlope;
 pub use held_node::Freedom;
-pub(crate) use rolling::{ROLLING, contact_and_rolling};
+pub(crate) use rolling::{ROLLING, SphereFriction, contact_and_rolling};
 pub use surfaces::Surfaces;
-pub(crate) use surfaces::{Apart, JointSurfaces, SphereFriction};
+pub(crate) use surfaces::{Apart, JointSurfaces};
 pub(crate) use types::*;
 
 use super::dyn_layer::instantiate_here;

@@ -3,7 +3,7 @@ use crate::elements::entries::Range::Positive;
 use crate::elements::entries::Type::{Number, Vector};
 use crate::elements::entries::{AXIS, BETWEEN, Forms, Given, NORMAL, WithParameters, forms, may, need};
 use crate::elements::{
-    AnyConstraint, Constraint, Frame, NodeKind, NodePair, Nonholonomic, NonholonomicConstraint, Parameter,
+    AnyConstraint, Constraint, Frame, Friction, NodeKind, NodePair, Nonholonomic, NonholonomicConstraint, Parameter, State,
 };
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -48,6 +48,40 @@ impl NonholonomicConstraint for RollingSphere {
         let [a, b] = Frame::pair(self.0, q);
         let contact = b.point(p) - a.direction(&p[9..]) * p[12];
         sliding(self.0, v, q, [&p[3..], &p[6..]], contact, h);
+    }
+}
+
+/// Place of the radius among the parameters of [`RollingSphere`].
+const RADIUS: usize = 12;
+
+/// Coulomb friction of a sphere on a plane, or of a point, a sphere of radius 0: s is the slip of [`RollingSphere`], the load the force of the contact.
+///
+/// * `centre` .. `radius`  of [`RollingSphere`], the radius at least 0
+/// * `sliding`, `static`  coefficients mu [-]
+pub struct SphereFriction(pub NodePair);
+
+impl Friction for SphereFriction {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.to_vec()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut all = RollingSphere(self.0).parameters();
+        // that of a point is zero
+        all[RADIUS] = Parameter::new("radius", "m");
+        all.into_iter().chain(["sliding", "static"].map(|name| Parameter::new(name, "-"))).collect()
+    }
+    fn directions(&self) -> usize {
+        2
+    }
+    fn slip<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, s: &mut [S]) {
+        RollingSphere(self.0).h(v, q, p, t, s);
+    }
+    fn load<S: Scalar>(&self, mu: &[S], _q: &[S], _p: &[S], _t: S) -> S {
+        // the multiplier pushes where it is below zero
+        -mu[0]
+    }
+    fn limits<S: Scalar>(&self, load: S, _state: State<S>, p: &[S], _t: S) -> [S; 2] {
+        [p[RADIUS + 1] * load, p[RADIUS + 2] * load]
     }
 }
 

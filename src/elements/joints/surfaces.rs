@@ -1,7 +1,6 @@
 //! Friction of joints: how their surfaces slip, and what presses them together.
 
-use super::RollingSphere;
-use crate::elements::{Constraint, Frame, Friction, NodeKind, NodePair, NonholonomicConstraint, Parameter, State};
+use crate::elements::{Constraint, Frame, Friction, NodeKind, NodePair, Parameter, State};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// How the surfaces of a joint slip whose first parameters are `point a`, `point b`, `normal u` and `normal w`.
@@ -77,40 +76,6 @@ impl Friction for JointSurfaces {
         let own = &p[Self::GEOMETRY..];
         let all = (load + own[2]) * own[3];
         [own[0] * all, own[1] * all]
-    }
-}
-
-/// Place of the radius among the parameters of [`RollingSphere`].
-const RADIUS: usize = 12;
-
-/// Coulomb friction of a sphere on a plane, or of a point, a sphere of radius 0: s is the slip of [`RollingSphere`], the load the force of the contact.
-///
-/// * `centre` .. `radius`  of [`RollingSphere`], the radius at least 0
-/// * `sliding`, `static`  coefficients mu [-]
-pub struct SphereFriction(pub NodePair);
-
-impl Friction for SphereFriction {
-    fn nodes(&self) -> Vec<NodeKind> {
-        self.0.to_vec()
-    }
-    fn parameters(&self) -> Vec<Parameter> {
-        let mut all = RollingSphere(self.0).parameters();
-        // that of a point is zero
-        all[RADIUS] = Parameter::new("radius", "m");
-        all.into_iter().chain(["sliding", "static"].map(|name| Parameter::new(name, "-"))).collect()
-    }
-    fn directions(&self) -> usize {
-        2
-    }
-    fn slip<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, s: &mut [S]) {
-        RollingSphere(self.0).h(v, q, p, t, s);
-    }
-    fn load<S: Scalar>(&self, mu: &[S], _q: &[S], _p: &[S], _t: S) -> S {
-        // the multiplier pushes where it is below zero
-        -mu[0]
-    }
-    fn limits<S: Scalar>(&self, load: S, _state: State<S>, p: &[S], _t: S) -> [S; 2] {
-        [p[RADIUS + 1] * load, p[RADIUS + 2] * load]
     }
 }
 
