@@ -209,7 +209,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         (release.directions, release.opens, release.while_joint) = ([true, false], vec![joint.0], Some((joint.0, true)));
     }
 
-    /// Coulomb friction of a revolute, prismatic or point-on-line joint, by its [surfaces](JointSurfaces): sliding and static coefficient [-], preload \[N\],
+    /// Coulomb friction of a revolute, prismatic or point-on-line joint, by the size of its force: sliding and static coefficient [-], preload \[N\],
     /// and of a revolute joint the radius of its bearing \[m\].
     pub fn joint_friction(
         &mut self,
