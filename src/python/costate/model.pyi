@@ -410,6 +410,71 @@ class Model:
         * ``restitution`` (number or formula, optional): e: behind a hit dx/dt is -e times what it was before, from 0, which stays, to 1, which loses nothing; 0 [-]
         * ``rest_speed`` (number or formula, optional): hits with less than this have no restitution: what bounces comes to rest; 0 [m/s, rad/s]
         """
+    def friction(
+        self,
+        name: str,
+        /,
+        *,
+        joint: str,
+        sliding: Scalar,
+        static: Scalar | None = None,
+        preload: Scalar | None = None,
+        radius: Scalar | None = None,
+    ) -> str:
+        """Coulomb friction of a joint, by the force that it carries: its surfaces stick, as long as the static limit holds them, or slip with a force against it.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``joint`` (text): name of a revolute, prismatic or point_on_line joint
+        * ``sliding`` (number or formula): coefficient of friction where its surfaces slip [-]
+        * ``static`` (number or formula, optional): the same where they stick, not below that; sliding [-]
+        * ``preload`` (number or formula, optional): force that presses them together beside that of the joint; 0 [N]
+        * ``radius`` (number or formula, optional): radius of the bearing of a revolute joint, which needs it [m]
+        """
+    def clutch(
+        self,
+        name: str,
+        /,
+        *,
+        between: Sequence[str],
+        nodes: Table | None = None,
+        define: Table | None = None,
+        table: Table | None = None,
+        capacity: Scalar,
+        static: Scalar | None = None,
+    ) -> str:
+        """Friction between two coordinates, or of one: a clutch or a brake with a capacity of its own, which slips, or sticks and holds both together.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``between`` (list of text): two coordinates whose rates it makes equal, as of a [[joint_angle]]; or one, which it brakes
+        * ``nodes`` (table, optional): nodes by the names that the formulas give them, as numbers that events change; none
+        * ``define`` (table, optional): names for formulas that the other formulas here use, later ones those before them; none
+        * ``table`` (table, optional): tables that the formulas here call by their names, as those of [table]; none
+        * ``capacity`` (number or formula): force or moment while it slips, a number or a formula of its nodes and of the time [N, N m]
+        * ``static`` (number or formula, optional): the largest that it holds while it sticks, not below that; capacity [N, N m]
+        """
+    @property
+    def shape(self) -> _Shape:
+        """What of a node touches others: a contact is between two of them."""
+    def contact(
+        self,
+        name: str,
+        /,
+        *,
+        between: Sequence[str],
+        restitution: Scalar | None = None,
+        rest_speed: Scalar | None = None,
+        sliding: Scalar | None = None,
+        static: Scalar | None = None,
+    ) -> str:
+        """Two shapes that hit, push and leave each other, rigidly, with Coulomb friction: they stick and roll, or slip. Its reaction is that of a joint of its name.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``between`` (list of 2 times text): two shapes, of which one is a plane
+        * ``restitution`` (number or formula, optional): e: behind a hit they part at e times the speed at which they met, from 0, where they stay together, to 1; 0 [-]
+        * ``rest_speed`` (number or formula, optional): hits with less than this have no restitution: what bounces comes to rest; 0 [m/s]
+        * ``sliding`` (number or formula, optional): coefficient of friction where they slip; no friction [-]
+        * ``static`` (number or formula, optional): the same where they stick, not below that; sliding [-]
+        """
     def latch(
         self,
         name: str,
@@ -2013,6 +2078,59 @@ class _Damper:
         * ``damping`` (number or formula): damping [N s/m]
         """
 
+class _Shape:
+    """What of a node touches others: a contact is between two of them."""
+
+    def point(
+        self,
+        name: str,
+        /,
+        *,
+        on: str,
+        centre: Vector | None = None,
+    ) -> str:
+        """A point.
+        What of a node touches others: a contact is between two of them.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text): node, or ground
+        * ``centre`` (vector, optional): its centre in the world at the start; the place of the node [m]
+        """
+    def sphere(
+        self,
+        name: str,
+        /,
+        *,
+        on: str,
+        centre: Vector | None = None,
+        radius: Scalar,
+    ) -> str:
+        """A sphere.
+        What of a node touches others: a contact is between two of them.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text): node, or ground
+        * ``centre`` (vector, optional): its centre in the world at the start; the place of the node [m]
+        * ``radius`` (number or formula): radius [m]
+        """
+    def plane(
+        self,
+        name: str,
+        /,
+        *,
+        on: str,
+        point: Vector | None = None,
+        normal: Vector,
+    ) -> str:
+        """A plane, with all that is behind it.
+        What of a node touches others: a contact is between two of them.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text): node, or ground
+        * ``point`` (vector, optional): point of it in the world at the start; the place of the node [m]
+        * ``normal`` (vector): direction away from it, in the world at the start [-]
+        """
+
 class _Functional:
     """A number that a run gives, with its gradient."""
 
@@ -2226,6 +2344,7 @@ class _Functional:
         *,
         over: Literal['initial', 'terminal', 'integral'] | Table,
         event: str,
+        which: Literal['stick', 'slip'] | None = None,
         number: int | str | None = None,
     ) -> str:
         """The time at which an event happens [s]; over = "terminal".
@@ -2233,7 +2352,8 @@ class _Functional:
 
         * ``name`` (text): name, by which others refer to it
         * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
-        * ``event`` (text): name of an event, or of a stop or latch that is hit
+        * ``event`` (text): name of an event, of a stop, latch or contact that is hit, of a friction or clutch
+        * ``which`` ("stick" or "slip", optional): where surfaces come to stick, or where they begin to slip; of a friction or clutch needed, of a contact where it is hit
         * ``number`` (whole number, optional): for which time it happens, counted from 1; 1
         """
     def impulse(
@@ -2249,7 +2369,7 @@ class _Functional:
 
         * ``name`` (text): name, by which others refer to it
         * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
-        * ``event`` (text): name of a stop or latch
+        * ``event`` (text): name of a stop, latch or contact
         """
     def reaction(
         self,
