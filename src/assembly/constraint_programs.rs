@@ -8,7 +8,7 @@ use super::gather_map::GatherMap;
 use super::lanes::Lanes;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, VectorsAvq};
-use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives};
+use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives, multipliers_behind};
 use crate::program::{Graph, Node, Program};
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ impl ConstraintLayout {
         self.t() + 1
     }
     pub fn mu(&self) -> usize {
-        self.a() + self.n
+        multipliers_behind(self.n, self.parameters)
     }
     pub fn scale(&self) -> usize {
         self.mu() + self.equations

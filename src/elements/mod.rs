@@ -39,8 +39,8 @@ pub use constraint::Constraint;
 pub use dyn_layer::ElementPhysics;
 pub use dyn_layer::{AnyConstraint, AnyElement};
 pub(crate) use dyn_layer::{
-    ConstraintPhysics, FormulaWork, RunScalar, dofs_of, instantiate_here, motion_derivatives, split_arguments,
-    unrelated_numbers,
+    ConstraintPhysics, FormulaWork, RunScalar, dofs_of, instantiate_here, motion_derivatives, multipliers_behind,
+    split_arguments, unrelated_numbers,
 };
 pub use element::{Element, Output, State};
 pub(crate) use field::interpolate;

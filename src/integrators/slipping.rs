@@ -31,7 +31,8 @@ fn unit(values: &[f64]) -> Vec<f64> {
     values.iter().map(|own| own / length).collect()
 }
 
-fn set(changes: &[SideChange], sides: &mut [f64]) {
+/// Carries changes out.
+pub(super) fn set(changes: &[SideChange], sides: &mut [f64]) {
     changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
 }
 
@@ -89,7 +90,7 @@ impl<S: RunScalar> Stepper<'_, S> {
     }
 
     /// The changes by which surfaces do not slip.
-    fn stands(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<SideChange> {
+    pub(super) fn stands(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<SideChange> {
         events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], 0.0, sides)
     }
 

@@ -11,6 +11,7 @@ use super::record::{ImpactRecord, SolveRecord, StageRecord, StartRecord, StepRec
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
+use super::slipping::set;
 use super::start::check_velocities;
 use super::steady_turn;
 use super::step_points::StepRule;
@@ -421,8 +422,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 let (joint, _) = closed.remove(place);
                 for friction in (0..events.frictions().len()).filter(|own| events.friction(*own).joints[0] == joint) {
                     sticking.retain(|own| *own != friction);
-                    let none = vec![0.0; events.friction(friction).kept.len()];
-                    events.turn(friction, &none, 0.0, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
+                    set(&self.stands(&events, friction, sides), sides);
                 }
                 continue;
             }
@@ -433,7 +433,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             match sticking.iter().position(exceeds) {
                 Some(place) => {
                     let friction = sticking.remove(place);
-                    self.slips(&events, friction, &mu, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
+                    set(&self.slips(&events, friction, &mu, sides), sides);
                 }
                 None => break dropped,
             }
@@ -443,9 +443,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             events.pushing(joint, stop, sides).into_iter().for_each(|own| sides[own.switch] = own.sides[1]);
         }
         for friction in sticking {
-            self.sticks(&events, friction, sides).iter().for_each(|own| sides[own.switch] = own.sides[1]);
+            set(&self.sticks(&events, friction, sides), sides);
         }
-        self.between.dropped.clone_from(&plan.dropped);
         events.write_directions(sides, &mut self.p);
         self.check_contacts(&events, sides, (q, v), t)?;
         self.events = Some(events);

@@ -286,7 +286,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         let directions = friction.direction_count();
         let is_sound = self.check_parameters(name, friction.parameter_list().len(), p.len())
             & self.check_nodes(name, nodes, &friction.node_kinds());
-        if !is_sound || !(1..=2).contains(&directions) {
+        if !(1..=2).contains(&directions) {
+            self.mistakes.push(format!("friction of \"{name}\" has {directions} velocities of slip: one or two are known"));
+            return None;
+        }
+        if !is_sound {
             return None;
         }
         let (still, told) = (vec![S::zero(); directions], vec![S::zero(); directed_by(directions)]);
