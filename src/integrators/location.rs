@@ -137,15 +137,6 @@ pub(super) fn locate<S: RunScalar>(
         }
         let has_just = stepper.record().switched.iter().any(|change| change.switch == switch);
         stepper.close_by = if has_just && made <= CLOSE_BY * h { stepper.close_by + 1 } else { 0 };
-        if has_just && made <= AT_ONCE * h && whole[switch].by <= 0.0 {
-            // it comes back to its side: what is beyond it for so short a time is round-off
-            passed.push(switch);
-            match first(&whole, h, &passed) {
-                Some(other) => own = other,
-                None => return unmade(stepper, before, interval, (t, end)),
-            }
-            continue;
-        }
         if has_just && made <= AT_ONCE * h || stepper.close_by > MOST_CLOSE_BY {
             return Err(goes_along(stepper, switch, t + made));
         }

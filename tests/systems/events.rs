@@ -324,6 +324,39 @@ fn a_jump_behind_the_end_of_a_run_may_move() {
     assert_near(rows[0][1], -0.5 / 0.64, 1e-13, "by the speed");
 }
 
+/// Steps before an event that ends a run are laid up to a breakpoint behind it, and move with that: what coarse steps make of it is in the gradient.
+#[test]
+fn steps_move_with_a_breakpoint_that_is_not_reached() {
+    let scene = parsed(
+        r#"
+        version = 1
+        settings = { end = 2, steps = 8 }
+        variable.late = { initial = 1.45, bounds = [0.5, 2], unit = "s" }
+        coordinate = [{ name = "x", rate = 1 }]
+        element = [
+            { name = "mass", nodes = { x = "x" }, kinetic = "0.5 * x.rate^2", force = { x = "-9 * sin(3 * x.value) - if_less(t, late, 0, 1)" } },
+        ]
+        event = [{ name = "there", nodes = { x = "x" }, when = "x.rate + 0.5", direction = "falling", end = true }]
+        functional = [{ name = "x", type = "coordinate", on = "x", over = "terminal" }]
+        "#,
+    );
+    let at = |late: f64| {
+        let settings = AnyScene::settings(&scene).without_method();
+        let method = Method::new(table("esdirk4"), settings.level);
+        let prepared = Prepared::with(&scene, &[late], method, settings).expect("it is sound");
+        let forward = prepared.analysis().forward(&[late]).expect("it ends");
+        let rows = prepared.analysis().adjoint(&[late], &forward).expect("it has a gradient").rows;
+        let complex = prepared.analysis().complex_step(&[late], &forward).expect("it has one").rows;
+        (forward.values[0], rows[0][0], complex[0][0])
+    };
+    let (_, own, complex) = at(1.45);
+    let h = 1e-5;
+    let quotient = (at(1.45 + h).0 - at(1.45 - h).0) / (2.0 * h);
+    assert!(quotient.abs() > 1e-6, "the steps are fine: {quotient}");
+    assert_near(own, quotient, 1e-4 * quotient.abs(), "quotient of whole runs");
+    assert_near(own, complex, 1e-12, "complex step");
+}
+
 /// A run that an event ends, made again on its steps at designs beside: the same values, and quotients as the adjoint.
 #[test]
 fn a_run_that_ended_at_an_event_is_made_again_on_its_steps() {

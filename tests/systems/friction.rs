@@ -172,3 +172,134 @@ functional = [{{ name = "N", type = "reaction_norm", joint = "tip", over = "init
     let why = run(1.6, 1.1, 9.0).expect_err("there are two");
     assert!(why.contains("more than one solution by Coulomb's law"), "{why}");
 }
+
+/// A block with velocity v, pressed by a preload, and what is said beside it and in the settings: x at the end.
+fn sliding(settings: &str, beside: &str) -> Result<f64, String> {
+    let text = format!(
+        r#"
+version = 1
+settings = {{ end = 2, steps = 200{settings} }}
+variable.v = {{ initial = 3, bounds = [0, 10] }}
+point = [{{ name = "b", mass = 2, velocity = ["v", 0, 0], position = [0, 0, 0] }}]
+joint = [{{ name = "rail", type = "point_on_line", between = ["ground", "b"], axis = [1, 0, 0] }}]
+friction = [{{ name = "f", joint = "rail", sliding = 0.2, preload = 5 }}]
+functional = [{{ name = "x", type = "position", on = "b", direction = [1, 0, 0], over = "terminal" }}]
+{beside}
+"#
+    );
+    let scene = FileScene::parse("scene.toml", &text)?;
+    let prepared = Prepared::new(&scene).map_err(|why| why.to_string())?;
+    let forward = prepared.analysis().forward(&prepared.x).map_err(|why| why.to_string())?;
+    Ok(forward.values[0])
+}
+
+/// Deceleration mu F / m = 0.5 m/s2, whichever way it goes.
+#[test]
+fn slip_that_is_turned_round_goes_on_the_other_way() {
+    let kick = r#"event = [{ name = "kick", at = 0.5, nodes = { b = "b" }, set = { "b.velocity" = "-b.velocity" } }]"#;
+    let x = 3.0 * 0.5 - 0.25 * 0.25;
+    let left = x - (2.75 * 1.5 - 0.25 * 1.5 * 1.5);
+    assert_near(sliding("", kick).expect("it runs"), left, 1e-12, "turned by an event");
+    let wall = r#"stop = [{ name = "wall", nodes = { b = "b" }, value = "b.position.x", most = 1, restitution = 0.8 }]"#;
+    let hit = 6.0 - 32f64.sqrt();
+    let (speed, rest) = (0.8 * (3.0 - 0.5 * hit), 2.0 - hit);
+    let back = 1.0 - (speed * rest - 0.25 * rest * rest);
+    assert_near(sliding("", wall).expect("it runs"), back, 1e-12, "turned by a hit");
+}
+
+/// What would be a number without a word, each told by what it is.
+#[test]
+fn what_friction_cannot_do_is_told() {
+    let refused = |settings: &str, beside: &str, words: &str| {
+        let why = sliding(settings, beside).expect_err(words);
+        assert!(why.contains(words), "{why}");
+    };
+    refused(", constraint_level = \"position\"", "", "takes constraints at acceleration level");
+    let again = r#"driver = [{ name = "again", type = "translation", between = ["ground", "b"], axis = [0, 1, 0], displacement = { type = "constant", value = 0 } }]"#;
+    refused(", drop_redundant = true", again, "is not determined where joints are redundant");
+    let disc = |capacity: &str| {
+        format!(
+            r#"
+coordinate = [{{ name = "disc", rate = 1 }}]
+element = [{{ name = "disc", nodes = {{ x = "disc" }}, kinetic = "x.rate^2" }}]
+clutch = [{{ name = "brake", between = ["disc"], nodes = {{ x = "disc" }}, capacity = "{capacity}" }}]
+"#
+        )
+    };
+    assert!(sliding("", &disc("1 + t")).is_ok());
+    refused("", &disc("t - 1"), "is below zero at t = 0 s");
+    refused("", &disc("if_less(x.value, 1, 1, 2)"), "its limits compare what moves");
+}
+
+/// The same brake by the time and by a number that stands still: its capacity is that of the time, whatever the coordinate is.
+#[test]
+fn the_capacity_of_a_brake_follows_the_time() {
+    let scene = parsed(
+        r#"
+version = 1
+settings = { end = 1, steps = 50 }
+variable.c = { initial = 2, bounds = [1, 10] }
+coordinate = [{ name = "disc", initial = 7, rate = 30 }]
+element = [{ name = "disc", nodes = { x = "disc" }, kinetic = "0.5 * x.rate^2" }]
+clutch = [{ name = "brake", between = ["disc"], nodes = { x = "disc" }, capacity = "c + t" }]
+functional = [{ name = "rate", type = "formula", nodes = { x = "disc" }, value = "x.rate", unit = "rad/s", over = "terminal" }]
+"#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let run = prepared.run().expect("it slows down");
+    assert_near(run.value("rate").expect("there"), 30.0 - 2.0 - 0.5, 1e-12, "rate");
+    assert_near(run.gradient().expect("there").rows[0][0], -1.0, 1e-12, "by the capacity");
+}
+
+/// A push that turns breaks a stone away from standstill: the direction that it takes is no number of which derivatives are known.
+#[test]
+fn a_direction_that_a_force_chooses_has_no_derivative() {
+    let scene = parsed(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 1, steps = 100 }
+variable.push = { initial = 9, bounds = [0, 50] }
+point = [{ name = "stone", position = [0, 0, 0], mass = 2 }]
+element = [{ name = "push", nodes = { b = "stone" }, force = { b = "[3 * t * push, push * t^2, 0]" } }]
+shape = [{ name = "stone", on = "stone", type = "point" }, { name = "floor", on = "ground", type = "plane", normal = [0, 0, 1] }]
+contact = [{ name = "floor", between = ["stone", "floor"], sliding = 0.3 }]
+functional = [{ name = "x", type = "position", on = "stone", direction = [1, 0, 0], over = "terminal" }]
+"#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let run = prepared.run().expect("it is pushed away");
+    assert!(run.value("x").expect("there") > 0.1);
+    for why in [run.gradient().err(), prepared.analysis().complex_step(&prepared.x, &run.forward).err()] {
+        let why = why.expect("it is refused").to_string();
+        assert!(why.contains("begin to slip from standstill"), "{why}");
+    }
+}
+
+/// A load that is no force, and limits that bend, have no impacts.
+#[test]
+fn a_friction_that_impacts_cannot_use_is_told() {
+    struct Odd(bool);
+    impl Friction for Odd {
+        fn nodes(&self) -> Vec<NodeKind> {
+            vec![NodeKind::Coordinates(2)]
+        }
+        fn slip<S: Scalar>(&self, v: &[S], _q: &[S], _p: &[S], _t: S, s: &mut [S]) {
+            s[0] = v[0];
+        }
+        fn load<S: Scalar>(&self, mu: &[S], _q: &[S], _p: &[S], _t: S) -> S {
+            if self.0 { mu[0] * mu[0] } else { mu[0].abs() }
+        }
+        fn limits<S: Scalar>(&self, load: S, _state: State<S>, _p: &[S], _t: S) -> [S; 2] {
+            if self.0 { [load; 2] } else { [load, load * load] }
+        }
+    }
+    for (is_load, words) in [(true, "not of the first degree"), (false, "not linear in the load")] {
+        let mut mechanism = MechanismBuilder::<f64>::default();
+        let bead = mechanism.coordinates("bead", &[1.0, 0.0], &[0.0; 2]);
+        let pipe = mechanism.constraint("pipe", &[bead], Circle, &[1.0]);
+        assert!(mechanism.friction(pipe, Odd(is_load), &[]).is_none());
+        let why = mechanism.finish().err().expect("it is told");
+        assert!(why.contains(words), "{why}");
+    }
+}

@@ -1,15 +1,16 @@
 //! Events, and numbers that they alone change.
 
 use super::MechanismBuilder;
-use crate::assembly::{Closing, ConstraintId, Event, EventArguments, JointFriction, NodeId, Stop, Target};
+use crate::assembly::{Attached, Closing, ConstraintId, Event, EventArguments, JointFriction, NodeId, Stop, Target};
 use crate::elements::joints::{Apart, JointSurfaces, PointInPlane, SphereFriction, Surfaces};
 use crate::elements::{
-    AnyFriction, Constraint, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking, directed_by,
-    going_on,
+    AnyFriction, Constraint, ConstraintPhysics, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking,
+    directed_by, going_on, unrelated_numbers,
 };
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::tolerances::CONSISTENT;
 use std::sync::Arc;
 
 /// States that do not change by themselves, dz/dt = 0.
@@ -218,7 +219,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         radius: Option<S>,
     ) -> Option<[usize; 2]> {
         let own = self.model.find_constraint(joint).cloned()?;
-        let nodes: Vec<NodeKind> = own.nodes.iter().map(|&node| self.model.node(node).kind).collect();
+        let nodes = self.kinds_of(&own.nodes);
         let (Some(surfaces), &[a, b]) = (own.physics.part().surfaces(), &nodes[..]) else {
             let name = &own.name;
             self.mistakes.push(format!(
@@ -282,6 +283,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn friction(&mut self, joint: ConstraintId, friction: impl Friction, p: &[S]) -> Option<[usize; 2]> {
         let own = self.model.find_constraint(joint).cloned()?;
         let (name, nodes) = (&own.name, &own.nodes);
+        let wrong = self.promises_of(&friction, &own, p);
         let friction: Arc<dyn AnyFriction> = Arc::new(friction);
         let directions = friction.direction_count();
         let is_sound = self.check_parameters(name, friction.parameter_list().len(), p.len())
@@ -291,6 +293,10 @@ impl<S: Scalar> MechanismBuilder<S> {
             return None;
         }
         if !is_sound {
+            return None;
+        }
+        if let Some(wrong) = wrong {
+            self.mistakes.push(format!("friction of \"{name}\": {wrong}"));
             return None;
         }
         let (still, told) = (vec![S::zero(); directions], vec![S::zero(); directed_by(directions)]);
@@ -351,6 +357,38 @@ impl<S: Scalar> MechanismBuilder<S> {
             forces: [slips - told.len() - 1, flag],
         });
         Some([first, first + 1])
+    }
+
+    /// What a friction of one's own has to be for impacts and does not keep, by its numbers at the start: a load of the first degree in the multipliers,
+    /// and limits linear in the load.
+    fn promises_of(&self, friction: &impl Friction, joint: &Attached<ConstraintPhysics>, p: &[S]) -> Option<&'static str> {
+        let real = |numbers: &[S]| numbers.iter().map(|own| own.value()).collect::<Vec<f64>>();
+        let of_nodes = |numbers: &[S]| {
+            let dofs = joint.nodes.iter().flat_map(|node| self.model.nodes[node.0].dofs.clone());
+            dofs.map(|dof| numbers[dof].value()).collect::<Vec<f64>>()
+        };
+        let (p, v, q) = (real(p), of_nodes(&self.numbers.v), of_nodes(&self.numbers.q));
+        if p.len() != friction.parameters().len() || friction.nodes() != self.kinds_of(&joint.nodes) {
+            return None;
+        }
+        let mu: Vec<f64> = unrelated_numbers().take(joint.equations.len()).collect();
+        let twice: Vec<f64> = mu.iter().map(|mu| 2.0 * mu).collect();
+        let [one, two] = [mu, twice].map(|mu: Vec<f64>| -> f64 { friction.load(&mu, &q, &p, 0.0) });
+        if (two - 2.0 * one).abs() > CONSISTENT * two.abs() {
+            return Some(
+                "its load is not of the first degree in the multipliers: twice of these are to press twice as much",
+            );
+        }
+        let limits = [0.0, 1.0, 2.0].map(|load: f64| friction.limits(load, State { a: &[], v: &v, q: &q }, &p, 0.0));
+        let is_bent = |k: usize| {
+            let [none, one, two] = limits.map(|own: [f64; 2]| own[k]);
+            (two - 2.0 * one + none).abs() > CONSISTENT * (two.abs() + none.abs())
+        };
+        (is_bent(0) || is_bent(1)).then_some("its limits are not linear in the load")
+    }
+
+    fn kinds_of(&self, nodes: &[NodeId]) -> Vec<NodeKind> {
+        nodes.iter().map(|&node| self.model.node(node).kind).collect()
     }
 
     /// A joint that is not there at the start, or that events remove.
