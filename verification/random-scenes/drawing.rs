@@ -3,6 +3,7 @@
 //! drawn by being listed. All else is text with marks, such as `<N/m>` for a number of this unit.
 
 mod happenings;
+mod rubbing;
 
 use crate::Lots;
 use costate::elements::NodeKind;
@@ -27,6 +28,8 @@ pub enum Kind {
     Motion,
     /// A motion with stops, latches, events and forces that set in.
     Events,
+    /// A motion with friction, clutches and contacts.
+    Friction,
     /// Of parts on bushings, under loads.
     Equilibrium,
     /// Parts on bushings, or free in space, with states of first order; modes are measured.
@@ -35,7 +38,12 @@ pub enum Kind {
 
 impl Kind {
     fn moves(self) -> bool {
-        matches!(self, Kind::Motion | Kind::Events)
+        self == Kind::Motion || self.has_events()
+    }
+
+    /// Whether steps end where something happens.
+    pub fn has_events(self) -> bool {
+        matches!(self, Kind::Events | Kind::Friction)
     }
 }
 
@@ -242,7 +250,7 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     let mut lots = Lots::new(seed, 7);
     let units = Units([lots.size(1e-2, 1e2), lots.size(1e-3, 1e3), lots.size(1e-2, 1e1)]);
     let end = if kind == Kind::Equilibrium { 1.0 } else { round(lots.number(0.5, 2.5) * units.size("s")) };
-    let has_events = kind == Kind::Events;
+    let has_events = kind.has_events();
     // what stays at a stop lets go by the forces at the ends of steps
     let may_stop = |own: &Table| !has_events || own.stiffly_accurate && own.variational.is_none();
     let methods: Vec<_> = tables().into_iter().filter(|table| !table.is_static() && may_stop(table)).collect();
@@ -250,12 +258,13 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     if has_events && lots.happens(0.5) {
         method = methods.iter().find(|own| own.name == DEFAULT_TABLE).unwrap_or(method);
     }
-    let level = lots.pick(&["position", "acceleration"]);
+    // friction is not there at position level
+    let level = if kind == Kind::Friction { "acceleration" } else { lots.pick(&["position", "acceleration"]) };
     let may_choose = kind.moves() && method.embedded.is_some() && lots.happens(0.3);
     let tolerance = may_choose.then(|| round(lots.size(1e-7, 1e-3)));
     let steps = match kind {
         Kind::Motion => lots.pick(&[20, 30, 40, 60, 80]),
-        Kind::Events => lots.pick(&[40, 60, 100]),
+        Kind::Events | Kind::Friction => lots.pick(&[40, 60, 100]),
         Kind::Equilibrium => lots.pick(&[5, 10, 20]),
         Kind::Vibration => 2,
     };
@@ -302,7 +311,9 @@ pub fn draw(seed: u64, kind: Kind, x: &Design, jumps: Jumps) -> Drawn {
     growing.line(&format!("[settings]\nend = {end:?}"));
     let level = if method.name == "variational" { String::new() } else { format!("constraint_level = \"{level}\"\n") };
     match kind {
-        Kind::Motion | Kind::Events => growing.line(&format!("method = \"{}\"\n{level}project_start = true", method.name)),
+        Kind::Motion | Kind::Events | Kind::Friction => {
+            growing.line(&format!("method = \"{}\"\n{level}project_start = true", method.name))
+        }
         Kind::Equilibrium => growing.line("method = \"static\""),
         Kind::Vibration if !is_free => growing.line("start = \"equilibrium\""),
         Kind::Vibration => {}
@@ -431,7 +442,7 @@ impl Growing {
 
     /// Events stand alone: elsewhere laws in pieces are, too.
     fn is_smooth(&self) -> bool {
-        self.kind == Kind::Events && !self.is_locating
+        self.kind.has_events() && !self.is_locating
     }
 
     /// A force that pulls a stretch back, by formula or table.
@@ -585,7 +596,7 @@ impl Growing {
         match self.lots.below(6) {
             place @ 0..=1 => drop(self.part("spring", &form_of(SPRINGS, others[place]), ends, &geometry, "")),
             // what a driver alone moves reaches no stop
-            2 if self.kind != Kind::Events || a.freedom > 0 => {
+            2 if !self.kind.has_events() || a.freedom > 0 => {
                 let (form, [a, b]) = (form_of(DRIVERS, others[2]), ends.map(Place::clone));
                 let name = self.part("driver", &form, ends, &geometry, "");
                 self.joints.push(Joint { name, form: form.name, ends: [a, b], geometry });
@@ -885,7 +896,7 @@ impl Growing {
         while self.is_free && self.places.len() < 3 {
             self.body();
         }
-        if self.kind == Kind::Events && !self.is_chain && self.lots.happens(0.3) {
+        if self.kind.has_events() && !self.is_chain && self.lots.happens(0.3) {
             self.coordinate();
         }
         for _ in 0..self.lots.below(3) {
@@ -926,7 +937,10 @@ impl Growing {
             let values = "points = [-1.5, -0.4, 0.6, 1.5]\nvalues = [-1, \"-0.2 * drive\", 0.5, \"0.8 * drive\"]";
             self.line(&format!("\n[table.curve]\n{values}\ninterpolation = \"<way>\"\nextrapolation = \"constant\""));
         }
-        if self.kind == Kind::Events {
+        if self.kind == Kind::Friction {
+            self.rubbing();
+        }
+        if self.kind == Kind::Events || self.kind == Kind::Friction && self.lots.happens(0.3) {
             self.happenings();
         }
         if self.jumps == Jumps::Given {

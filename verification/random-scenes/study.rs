@@ -19,9 +19,10 @@ pub struct RandomScenes;
 
 /// Kinds of scenes, how many are drawn in the short, the usual and the long form, and the share that may end without a result: of motions with events
 /// also those that bounce ever faster, or that come to lie between two stops.
-const COUNTS: [(Kind, &str, [u64; 3], f64); 4] = [
+const COUNTS: [(Kind, &str, [u64; 3], f64); 5] = [
     (Kind::Motion, "motions", [40, 800, 8000], 0.1),
     (Kind::Events, "motions with events", [30, 1000, 10000], 0.15),
+    (Kind::Friction, "motions with friction", [20, 400, 4000], 0.15),
     (Kind::Equilibrium, "equilibria", [5, 100, 1000], 0.1),
     (Kind::Vibration, "modes", [5, 100, 1000], 0.1),
 ];

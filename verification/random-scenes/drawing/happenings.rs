@@ -9,7 +9,7 @@ use costate::sensitivity::Forward;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Distances, as shares of the usual size, that count as no motion at all.
-const STILL: f64 = 1e-3;
+pub(super) const STILL: f64 = 1e-3;
 /// Steps from which on a run that asks for a hundred is taken for one that does not end.
 const MOST_STEPS: usize = 10_000;
 /// Potentials of a depth D beyond a limit, in parts of a size S with a stiffness K or a force F.
@@ -28,13 +28,13 @@ const CONTACTS: [&str; 4] = [
 ];
 
 /// A quantity x of the motion.
-struct Course {
+pub(super) struct Course {
     /// Its nodes, by the names that its formula gives them.
-    nodes: String,
-    formula: String,
-    unit: &'static str,
+    pub nodes: String,
+    pub formula: String,
+    pub unit: &'static str,
     /// The coordinate or angle that it is.
-    on: Option<String>,
+    pub on: Option<String>,
 }
 
 /// Where a quantity is at the start, where it gets, and its mean speed.
@@ -129,7 +129,7 @@ impl Growing {
     }
 
     /// Where quantities are at the start and at a time, in the motion as far as it is drawn.
-    fn reached(&self, courses: &[Course], time: f64) -> Option<Vec<[f64; 2]>> {
+    pub(super) fn reached(&self, courses: &[Course], time: f64) -> Option<Vec<[f64; 2]>> {
         let mut text = self.text.replacen(&format!("end = {:?}", self.end), &format!("end = {time:?}"), 1);
         for (k, Course { nodes, formula, .. }) in courses.iter().enumerate() {
             for over in ["initial", "terminal"] {
@@ -235,7 +235,7 @@ impl Growing {
     }
 
     /// What becomes of the speed of a hit: nothing, a share of it, or a share that a variable changes; most come to rest.
-    fn restitution(&mut self, speed: f64, unit: &str) -> String {
+    pub(super) fn restitution(&mut self, speed: f64, unit: &str) -> String {
         let (share, unit) = (round(self.lots.number(0.2, 0.8)), format!("{unit}/s"));
         let own = match self.lots.below(3) {
             0 => return String::new(),
