@@ -59,6 +59,36 @@ pub(super) fn dependent_equations<S: RunScalar>(
     (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect()
 }
 
+/// The equations to leave out at a state (q, v), beyond those that are: of some equations these which depend on all others or on the ones of them
+/// before them.
+pub(super) fn dependent_among<S: RunScalar>(
+    problem: &Problem<S>,
+    dropped: &[usize],
+    state: (&[S], &[S]),
+    t: f64,
+    some: &[usize],
+) -> Vec<usize> {
+    let joined = |more: &[usize]| {
+        let mut all = [dropped, more].concat();
+        all.sort_unstable();
+        all
+    };
+    let is_independent = |more: &[usize]| {
+        let absent = joined(more);
+        dependent_equations(problem, &absent, state, t, None).len() == absent.len()
+    };
+    let mut left_out = Vec::new();
+    if some.is_empty() || is_independent(&[]) {
+        return joined(&left_out);
+    }
+    for (place, &row) in some.iter().enumerate() {
+        if !is_independent(&[&left_out, &some[place + 1..]].concat()) {
+            left_out.push(row);
+        }
+    }
+    joined(&left_out)
+}
+
 pub(super) struct Watch<S> {
     q: Vec<S>,
     work: FormulaWork<S>,

@@ -7,7 +7,7 @@
 
 use super::events::{Events, Moment, SideChange};
 use super::record::{ImpactRecord, SlipBefore};
-use super::redundancy::dependent_equations;
+use super::redundancy::dependent_among;
 use super::step::{NO_FORCE, Stepper, real, size};
 use super::{ConstraintLevel, RunError, StartPlan};
 use crate::assembly::Stop;
@@ -76,7 +76,7 @@ impl<S: RunScalar> Stepper<'_, S> {
     }
 
     /// The changes by which surfaces slip in a direction.
-    fn turns(&self, events: &Events, friction: usize, (direction, still): (&[f64], f64), sides: &[f64]) -> Vec<SideChange> {
+    pub(super) fn turns(&self, events: &Events, friction: usize, (direction, still): (&[f64], f64), sides: &[f64]) -> Vec<SideChange> {
         let turn = events.turn(friction, direction, still, sides);
         turn.into_iter().chain(events.rubbing(friction, false, sides)).collect()
     }
@@ -92,6 +92,27 @@ impl<S: RunScalar> Stepper<'_, S> {
     /// The changes by which surfaces do not slip.
     pub(super) fn stands(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<SideChange> {
         events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], 0.0, sides)
+    }
+
+    /// Whether drivers move surfaces against each other, so that these never stick: of one direction, whose equation is left out for theirs.
+    pub(super) fn is_driven(
+        &self,
+        events: &Events,
+        friction: usize,
+        dropped: &[usize],
+        (state, t): ((&[S], &[S]), f64),
+    ) -> bool {
+        let constraints = &self.problem.model.constraints;
+        let rows = constraints[events.friction(friction).joints[1]].equations.clone();
+        let drivers = constraints.iter().filter(|own| own.physics.is_driver()).flat_map(|own| own.equations.clone());
+        let drivers: Vec<usize> = drivers.collect();
+        if drivers.is_empty() || rows.len() > 1 || dropped.binary_search(&rows.start).is_err() {
+            return false;
+        }
+        let mut without: Vec<usize> = dropped.iter().copied().filter(|own| *own != rows.start).chain(drivers).collect();
+        without.sort_unstable();
+        without.dedup();
+        dependent_among(self.problem, &without, state, t, &[rows.start]).binary_search(&rows.start).is_err()
     }
 
     /// That a run can have the frictions of its model.
@@ -189,6 +210,18 @@ impl<S: RunScalar> Stepper<'_, S> {
         is_made_again: bool,
     ) -> bool {
         let Some(friction) = events.frictions().position(|own| own.joints[1] == joint) else { return false };
+        let direction = events.direction(friction, sides).to_vec();
+        let mut there = sides.to_vec();
+        there[events.presence(joint)] = 1.0;
+        let dropped = self.dropped_behind(&events.absent(&there));
+        let [q, v] = [0, 1].map(|order| &self.between.carried[order][..]);
+        if self.is_driven(events, friction, &dropped, ((q, v), self.record.end)) {
+            // it passes the place where it stands without force
+            let turned: Vec<f64> = direction.iter().map(|own| -own).collect();
+            let all = self.turns(events, friction, (&turned, self.still()), sides);
+            self.change(events, &all, (sides, changes), is_made_again);
+            return true;
+        }
         let slip = real(&self.slip(events, friction));
         let [v, q] = [1, 0].map(|order| &self.record.carried[order][..]);
         let before = length(&real(&events.slip(friction, [v, q], self.record.t.into(), &self.p)));
@@ -220,7 +253,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             set(&self.sticks(events, friction, &now), &mut now);
         }
         for _ in 0..MOST_CHANGES {
-            impact.dropped = self.dropped_with(&events.absent(&now));
+            impact.dropped = self.dropped_behind(&events.absent(&now));
             impact.set = events.set_in_impact(&now);
             impact.kept = Vec::new();
             let is_kept =
@@ -230,13 +263,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             let p = self.p.clone();
             impact.set_parameters(&model.frictions, &mut self.p);
-            let mut solved = self.impact(joint, &impact.dropped);
-            if solved.is_err() {
-                // surfaces that stick may hold what others hold
-                let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
-                impact.dropped = dependent_equations(self.problem, &impact.dropped, (&q, &v), self.record.end, None);
-                solved = self.impact(joint, &impact.dropped);
-            }
+            let solved = self.impact(joint, &impact.dropped);
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
@@ -301,7 +328,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             set(&self.stands(events, friction, sides), &mut without);
             let p = self.p.clone();
             events.write_directions(&without, &mut self.p);
-            let made = self.accelerations_at((q, v), t, &self.dropped_with(&events.absent(&without)));
+            let dropped = self.dropped_with(&events.absent(&without), (q, v), t);
+            let made = self.accelerations_at((q, v), t, &dropped);
             self.p = p;
             let a = made?.x;
             let [_, _, parting] = self.equations_of(joint, (&a, v, q), t)[0];
@@ -339,6 +367,14 @@ impl<S: RunScalar> Stepper<'_, S> {
         for (friction, own) in events.frictions().enumerate() {
             let stick = events.presence(own.joints[1]);
             let direction = events.direction(friction, now);
+            let slip = events.slip(friction, [&v[..], &q], t.value(), &p);
+            let kept = impact.kept.iter().any(|own| own.friction == friction);
+            if now[stick] > 0.0 && !kept && length(&slip) > CONSISTENT * size(&v) {
+                // others hold it, and do not let it stick
+                let mut all = self.turns(events, friction, (&unit(&slip), self.still()), now);
+                all.extend(events.presence_change(own.joints[1], false, now));
+                return Some(all);
+            }
             // what has come to stand needs no impulse
             let stands = own.joints[1] == joint;
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
@@ -349,7 +385,6 @@ impl<S: RunScalar> Stepper<'_, S> {
             if direction.iter().all(|own| *own == 0.0) {
                 continue;
             }
-            let slip = events.slip(friction, [&v[..], &q], t.value(), &p);
             let along: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
             if along < -CONSISTENT * size(&v) {
                 // without a load it goes the way it is sent

@@ -8,7 +8,7 @@ use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{ImpactRecord, SolveRecord, StageRecord, StartRecord, StepRecord};
-use super::redundancy::{KEPT, Watch, dependent_equations, violated};
+use super::redundancy::{KEPT, Watch, dependent_among, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
 use super::slipping::set;
@@ -415,6 +415,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if held.is_empty() {
                 break dropped;
             }
+            let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
+            let own: Vec<usize> = sticking.iter().flat_map(|own| rows(events.friction(*own).joints[1])).collect();
+            let dropped = dependent_among(self.problem, &dropped, (q, v), t, &own);
+            if let Some(place) = sticking.iter().position(|own| self.is_driven(&events, *own, &dropped, ((q, v), t))) {
+                let friction = sticking.remove(place);
+                set(&self.turns(&events, friction, (&[1.0], 0.0), sides), sides);
+                continue;
+            }
             events.write_directions(sides, &mut self.p);
             let mu = self.forces_at((q, v), t, &dropped)?;
             let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
@@ -776,7 +784,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         let now = events.absent(&self.between.sides);
         if events.absent(&before) != now {
-            self.between.dropped = self.dropped_with(&now);
+            self.between.dropped = self.dropped_behind(&now);
             self.between.chosen_anew = true;
             // a mechanism with other joints is another one
             self.drives = None;
@@ -850,7 +858,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut sides = self.between.sides.clone();
         changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
         let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
-        let mu = self.forces_at((&q, &v), self.record.end, &self.dropped_with(&events.absent(present)))?;
+        let dropped = self.dropped_with(&events.absent(present), (&q, &v), self.record.end);
+        let mu = self.forces_at((&q, &v), self.record.end, &dropped)?;
         let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
         let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.last.mu));
         let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
@@ -934,13 +943,22 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         )))
     }
 
-    /// Equations that are left out where these are not there.
-    pub(super) fn dropped_with(&self, absent: &[usize]) -> Vec<usize> {
+    /// Equations that are left out where these are not there, at a state: those are among them that hold by all others what sticks.
+    pub(super) fn dropped_with(&self, absent: &[usize], state: (&[S], &[S]), t: f64) -> Vec<usize> {
+        let model = self.problem.model;
         let mut dropped = self.between.dropped.clone();
-        dropped.retain(|row| !self.problem.model.comes_and_goes(*row));
+        dropped.retain(|row| !model.comes_and_goes(*row));
         dropped.extend(absent);
         dropped.sort_unstable();
-        dropped
+        let sticking = model.frictions.iter().flat_map(|own| model.constraints[own.joints[1]].equations.clone());
+        let sticking: Vec<usize> = sticking.filter(|row| absent.binary_search(row).is_err()).collect();
+        dependent_among(self.problem, &dropped, state, t, &sticking)
+    }
+
+    /// The same at the end of the step made last.
+    pub(super) fn dropped_behind(&self, absent: &[usize]) -> Vec<usize> {
+        let carried = &self.between.carried;
+        self.dropped_with(absent, (&carried[0], &carried[1]), self.record.end)
     }
 
     /// The impact by which the equations of a joint come to rest, without some: M x + A^T mu = 0, A (v + x) + g_t = 0.
