@@ -21,7 +21,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideChange {
     /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, one for each
-    /// joint that comes and goes, 1 where it is there, and the directions in which joints with friction slip, 0 where they do not.
+    /// joint that comes and goes, 1 where it is there, and of each friction the direction in which it slips, 0 where it does not, with a 1 behind it where
+    /// others hold it at its limit.
     pub switch: usize,
     /// The side before, and behind.
     pub sides: [f64; 2],
@@ -135,7 +136,7 @@ impl Events {
             let sticking = &model.constraints[own.joints[1]];
             let places = super::crossings::places(model, OF_EVENT, &sticking.nodes, &sticking.parameters);
             events.frictions.push(Slip { own: own.clone(), first, formula: Arc::clone(sticking.physics.formula()), places });
-            first += own.direction[0].len();
+            first += own.direction[0].len() + 1;
         }
         events
     }
@@ -164,9 +165,9 @@ impl Events {
         self.places.len()
     }
 
-    /// Number of all sides: of switches, of events that have happened, of joints, and directions of slip.
+    /// Number of all sides: of switches, of events that have happened, of joints, and of frictions.
     pub fn sides_count(&self) -> usize {
-        let directions: usize = self.frictions.iter().map(|own| own.own.direction[0].len()).sum();
+        let directions: usize = self.frictions.iter().map(|own| own.own.direction[0].len() + 1).sum();
         self.switches() + self.events.len() + self.joints.len() + directions
     }
 
@@ -214,6 +215,14 @@ impl Events {
         let values = direction.iter().copied().chain([speed]).take(own.direction[0].len()).enumerate();
         let changes = values.map(|(k, value)| SideChange { switch: first + k, sides: [sides[first + k], value] });
         changes.filter(|own| own.sides[0] != own.sides[1]).collect()
+    }
+
+    /// The change of surfaces that do not move, at the limit of their friction, as others hold them: their slip does not end.
+    pub fn held(&self, friction: usize, is_held: bool, sides: &[f64]) -> Option<SideChange> {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        let switch = first + own.direction[0].len();
+        let change = SideChange { switch, sides: [sides[switch], f64::from(u8::from(is_held))] };
+        (change.sides[0] != change.sides[1]).then_some(change)
     }
 
     /// The change to the side on which surfaces slip, of the switch at which slip ends; or on which they stick, of that at which it begins.
@@ -306,8 +315,10 @@ impl Events {
         let first = self.switches() + self.events.len();
         let is_there = |(joint, side): (usize, f64)| sides.get(first + joint).is_none_or(|own| *own == side);
         let is_still = |own: &Slip| {
+            let held = own.first + own.own.direction[0].len();
             let direction = sides.get(own.first..own.first + own.own.kept.len());
-            own.own.events[0] == event && direction.is_some_and(|own| own.iter().all(|d| *d == 0.0))
+            let is_still = direction.is_some_and(|own| own.iter().all(|d| *d == 0.0));
+            own.own.events[0] == event && (is_still || sides.get(held).is_some_and(|held| *held > 0.0))
         };
         if self.frictions.iter().any(is_still) {
             return false;

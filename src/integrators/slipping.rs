@@ -10,7 +10,7 @@ use super::record::{ImpactRecord, SlipBefore};
 use super::redundancy::dependent_among;
 use super::step::{NO_FORCE, Stepper, real, size};
 use super::{ConstraintLevel, RunError, StartPlan};
-use crate::assembly::Stop;
+use crate::assembly::{JointFriction, Stop};
 use crate::design::shortest;
 use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
@@ -61,11 +61,16 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.slip(friction, [&v, &q], t, &self.p)
     }
 
-    /// Speed near which slip in two directions ends.
-    fn still(&self) -> f64 {
+    /// Speeds of the model at the end of the step made last, or what accelerations make of them in it.
+    fn speed(&self) -> f64 {
         let largest = |own: &[S]| own.iter().fold(0.0, |most: f64, own| most.max(own.value().abs()));
         let v = self.between.carried.get(1).map_or(0.0, |v| largest(v));
-        (STILL * v.max(self.record.h * largest(&self.between.last.x))).max(LEAST_SPEED)
+        v.max(self.record.h * largest(&self.between.last.x))
+    }
+
+    /// Speed near which slip in two directions ends.
+    fn still(&self) -> f64 {
+        (STILL * self.speed()).max(LEAST_SPEED)
     }
 
     /// The changes by which surfaces that stuck slip, as their multipliers pull them.
@@ -136,6 +141,23 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
         }
         Ok(())
+    }
+
+    /// The changes of surfaces that begin, or end, to be held by others while they pull at their limit.
+    pub(super) fn held_by_others(&self, events: &Events, sides: &[f64], state: (&[S], &[S]), t: f64) -> Vec<SideChange> {
+        let dropped = self.dropped_with(&events.absent(sides), state, t);
+        let is_held = |friction: usize, own: &JointFriction| {
+            let slip = real(&events.slip(friction, [state.1, state.0], t.into(), &self.p));
+            let pulls = events.direction(friction, sides).iter().any(|own| *own != 0.0);
+            if !pulls || length(&slip) > CONSISTENT * self.speed().max(size(state.1)) {
+                return false;
+            }
+            let rows: Vec<usize> = self.problem.model.constraints[own.joints[1]].equations.clone().collect();
+            let without: Vec<usize> = dropped.iter().copied().filter(|row| !rows.contains(row)).collect();
+            dependent_among(self.problem, &without, state, t, &rows) == dropped
+        };
+        let all = events.frictions().enumerate();
+        all.filter_map(|(friction, own)| events.held(friction, is_held(friction, own), sides)).collect()
     }
 
     /// That no limit of friction is below zero.
@@ -252,6 +274,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         if let Some(friction) = events.frictions().position(|own| own.joints.contains(&joint)) {
             set(&self.sticks(events, friction, &now), &mut now);
         }
+        let mut broken = Vec::new();
         for _ in 0..MOST_CHANGES {
             impact.dropped = self.dropped_behind(&events.absent(&now));
             impact.set = events.set_in_impact(&now);
@@ -276,7 +299,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 }
                 continue;
             }
-            match self.violated_friction(events, (joint, &impact), &of_impact, &now) {
+            match self.violated_friction(events, (joint, &impact), &of_impact, &now, &mut broken) {
                 None => {
                     let pushes = |stop: &Stop| stop.pushes(mu[model.constraints[joint].equations.start]);
                     if own.is_some() && !stop.is_none_or(pushes) {
@@ -350,14 +373,15 @@ impl<S: RunScalar> Stepper<'_, S> {
         NO_FORCE * self.record.h * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
     }
 
-    /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, and what
-    /// slips against it.
+    /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, which is
+    /// added to those that did, what slips against it, and what others keep from sticking or slipping.
     fn violated_friction(
         &self,
         events: &Events,
         (joint, impact): (usize, &ImpactRecord<S>),
         p: &[S],
         now: &[f64],
+        broken: &mut Vec<usize>,
     ) -> Option<Vec<SideChange>> {
         let (mut state, t) = self.state();
         impact.add_to(&mut state[0], p, S::one());
@@ -378,12 +402,16 @@ impl<S: RunScalar> Stepper<'_, S> {
             // what has come to stand needs no impulse
             let stands = own.joints[1] == joint;
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
+                broken.push(friction);
                 let mut all = self.slips(events, friction, &mu, now);
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
             }
             if direction.iter().all(|own| *own == 0.0) {
                 continue;
+            }
+            if length(&slip) <= CONSISTENT * self.speed() && own.joints[0] != joint && !broken.contains(&friction) {
+                return Some(self.sticks(events, friction, now));
             }
             let along: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
             if along < -CONSISTENT * size(&v) {

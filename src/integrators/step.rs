@@ -454,6 +454,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             set(&self.sticks(&events, friction, sides), sides);
         }
         events.write_directions(sides, &mut self.p);
+        set(&self.held_by_others(&events, sides, (q, v), t), sides);
         self.check_contacts(&events, sides, (q, v), t)?;
         self.events = Some(events);
         Ok(dropped)
@@ -772,6 +773,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 });
                 changes.extend(passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] }));
             }
+        }
+        if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
+            let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+            let held = self.held_by_others(events, &self.between.sides, (&q, &v), self.record.end);
+            set(&held, &mut self.between.sides);
+            changes.extend(held);
         }
         self.between.switched.clone_from(&changes);
         self.check_method(events, &present)?;
