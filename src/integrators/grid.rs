@@ -33,6 +33,8 @@ pub struct TimeGrid {
     pub breakpoints: BTreeMap<usize, Vec<usize>>,
     /// Indices into `times` of events within the run, with the sides that change there.
     pub events: BTreeMap<usize, Vec<SideChange>>,
+    /// Indices of breakpoints at which a force jumps beyond its limit, with the sides that change there: their times are those of the breakpoints.
+    pub jumps: BTreeMap<usize, Vec<SideChange>>,
     /// How many equal steps were asked for; 0 where steps were chosen.
     pub(super) asked: usize,
     /// End for which they were, where an event ended the run before it.
@@ -88,6 +90,7 @@ impl TimeGrid {
             times: vec![t],
             breakpoints: BTreeMap::new(),
             events: BTreeMap::new(),
+            jumps: BTreeMap::new(),
             asked,
             laid_end: None,
             unreached: Vec::new(),
@@ -102,7 +105,7 @@ impl TimeGrid {
     /// The same steps where breakpoints lie at other times: those of each stretch keep their relative places. Where breakpoints come in another
     /// order, or others lie within the run, steps are laid anew.
     pub(crate) fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
-        if !self.events.is_empty() {
+        if self.has_events() {
             return self.without_events().moved_to(breakpoints);
         }
         let end = self.times[self.steps()];
@@ -130,6 +133,21 @@ impl TimeGrid {
             (moved.times[place[0]], moved.times[place[1]]) = (end[0], end[1]);
         }
         Ok(moved)
+    }
+
+    /// Whether sides change in the run.
+    pub(crate) fn has_events(&self) -> bool {
+        !(self.events.is_empty() && self.jumps.is_empty())
+    }
+
+    /// The sides that change at an end of a step.
+    pub(crate) fn changes_at(&self, place: usize) -> Option<&Vec<SideChange>> {
+        self.events.get(&place).or_else(|| self.jumps.get(&place))
+    }
+
+    /// All sides that change, with the ends of steps at which they do, in their order.
+    pub(crate) fn changes(&self) -> impl Iterator<Item = (usize, &[SideChange])> {
+        (0..=self.steps()).filter_map(|place| Some((place, &self.changes_at(place)?[..])))
     }
 
     /// The end for which it was laid \[s\].
@@ -286,7 +304,7 @@ impl TimeGrid {
     }
 
     pub(crate) fn halved(&self) -> Self {
-        if !self.events.is_empty() {
+        if self.has_events() {
             return self.without_events().halved();
         }
         let mut times = vec![self.times[0]];

@@ -65,6 +65,16 @@ impl<'c> RunInterval<'c> {
         self.stretches.events.get(&self.target).map(Vec::as_slice)
     }
 
+    /// Sides that change at the breakpoint at the end of the next step, in a run that is made again.
+    pub fn jumps_next(&self) -> Option<&[SideChange]> {
+        self.stretches.jumps.get(&self.target).map(Vec::as_slice)
+    }
+
+    /// Whether a step that ends there ends at a breakpoint.
+    pub fn is_breakpoint(&self, end: f64) -> bool {
+        end == self.stretches.times[self.target] && self.stretches.breakpoints.contains_key(&self.target)
+    }
+
     /// A step of about the size `h`: start and end as elements see them, and its end.
     pub fn span(&self, h: f64) -> ((f64, f64), f64) {
         let (t, target) = (self.t(), self.stretches.times[self.target]);
@@ -139,7 +149,13 @@ impl<'c> RunInterval<'c> {
     }
 
     fn is_made_again(&self) -> bool {
-        !self.stretches.events.is_empty()
+        self.stretches.has_events()
+    }
+
+    /// Takes a step up to a breakpoint, at which sides change.
+    pub fn advance_to_jump(&mut self, end: f64, changes: Vec<SideChange>) {
+        self.advance(end);
+        self.grid.jumps.insert(self.grid.steps(), changes);
     }
 
     pub fn advance(&mut self, end: f64) {

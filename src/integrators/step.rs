@@ -40,6 +40,8 @@ pub struct Stepper<'m, S> {
     pub(super) close_by: usize,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
+    /// Time just behind the end of the step made last, where forces jump at a breakpoint there \[s\].
+    behind: Option<f64>,
     /// Multipliers by which events at the end of the step made last happen.
     pub(super) forces: Vec<f64>,
     /// Solvers that were not used, without some equations each.
@@ -166,6 +168,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             constrained: system.is_constrained(),
             close_by: 0,
             mu_before: Vec::new(),
+            behind: None,
             forces: Vec::new(),
             analyses: Vec::new(),
             acceleration,
@@ -576,6 +579,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.step_over(scheme, grid.span(index), grid.is_interrupted(index), guided)?;
         if let Some(changes) = grid.events.get(&(index + 1)) {
             self.pass(changes.clone(), true)?;
+        } else if let Some(jumps) = grid.jumps.get(&(index + 1)) {
+            self.pass_at(grid.times[index + 1], jumps.clone(), true)?;
         }
         Ok(&self.record)
     }
@@ -709,9 +714,35 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let made = self.pass_with(&mut events, changes, is_made_again);
         self.events = Some(events);
         self.write_sides();
-        // matrices of the other sides are of no use
-        [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
+        if made.as_ref().is_ok_and(|(changes, _)| !changes.is_empty()) {
+            // matrices of the other sides are of no use
+            [&mut self.acceleration, &mut self.stage].into_iter().for_each(Newton::forget_factors);
+        }
         made
+    }
+
+    /// Whether changes are those by which a force lets go.
+    pub(super) fn is_jump(&self, changes: &[SideChange]) -> bool {
+        let is_release = |own: &SideChange| self.events.as_ref().is_some_and(|events| events.is_release(own.switch));
+        changes.first().is_some_and(is_release)
+    }
+
+    /// Whether a joint is there that a force may remove.
+    pub(super) fn may_release(&self) -> bool {
+        self.events.as_ref().is_some_and(|events| events.release_of(&self.between.sides).is_some())
+    }
+
+    /// Lets happen at a breakpoint, where forces jump, what these forces do just behind it; returns the sides that change.
+    pub(super) fn pass_at(
+        &mut self,
+        t: f64,
+        changes: Vec<SideChange>,
+        is_made_again: bool,
+    ) -> Result<Vec<SideChange>, RunError> {
+        self.behind = Some(t);
+        let made = self.pass(changes, is_made_again);
+        self.behind = None;
+        Ok(made?.0)
     }
 
     fn pass_with(
@@ -724,7 +755,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.forces = real(&self.between.last.mu);
         // joints as far as it has come
         let mut present = before.clone();
-        let (switch, located) = self.located_number(events, &changes);
+        let (switch, located) = match self.behind {
+            Some(t) => {
+                let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+                self.forces = self.forces_at((&q, &v), t, &self.between.dropped.clone())?;
+                (usize::MAX, 0.0)
+            }
+            None => self.located_number(events, &changes),
+        };
         if !is_made_again {
             self.add_dependent(events, &mut changes);
         }
@@ -736,7 +774,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let all = events.happening(&changes, &before);
             let next = all.get(happened.len()..).unwrap_or_default().to_vec();
             if next.is_empty() {
-                break;
+                // forces may jump where formulas pass to other pieces
+                let is_first = happened.is_empty() && !is_made_again;
+                let released = if is_first { self.released(events, (&present, &changes))? } else { None };
+                if released.is_none() {
+                    break;
+                }
+                changes.extend(released);
+                continue;
             }
             if happened.len() > MOST_AT_ONCE {
                 let mut names: Vec<&str> = next.iter().map(|&event| events.name(event)).collect();
@@ -866,7 +911,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
         let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
         let dropped = self.dropped_with(&events.absent(present), (&q, &v), self.record.end);
-        let mu = self.forces_at((&q, &v), self.record.end, &dropped)?;
+        let mu = self.forces_at((&q, &v), self.behind.unwrap_or(self.record.end), &dropped)?;
         let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
         let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.last.mu));
         let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
@@ -1090,7 +1135,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let a = self.method.table.carried.iter().position(|kind| *kind == Carried::A);
         let a = a.map_or_else(|| real(&self.between.last.x), |place| real(&state[place]));
         let [q, v, p] = [&state[0], &state[1], &self.p].map(|values| real(values));
-        let [mu, rates] = self.multipliers(at_start);
+        let [mu, rates] = match self.behind {
+            Some(_) => [self.forces.clone(), vec![0.0; self.forces.len()]],
+            None => self.multipliers(at_start),
+        };
         events.excesses(Moment { a: &a, v: &v, q: &q, mu: [&mu, &rates], t }, &p, &self.between.sides)
     }
 

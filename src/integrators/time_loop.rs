@@ -87,7 +87,10 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
         stepper.take_up(&pause)?;
         begins.push((pause.t, pause.checkpoint.between.switched.clone()));
         for (end, changes) in begins.into_iter().skip(1) {
-            interval.advance_over(end, changes);
+            match stepper.is_jump(&changes) && interval.is_breakpoint(end) {
+                true => interval.advance_to_jump(end, changes),
+                false => interval.advance_over(end, changes),
+            }
         }
         interval.step_size = pause.step_size;
         before = pause.checkpoint;
@@ -171,7 +174,18 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
                     interval.stop();
                 }
             }
-            None => interval.advance(reached),
+            None => {
+                let jumps = interval.jumps_next().map(<[SideChange]>::to_vec);
+                let may_jump = !is_made_again && interval.is_breakpoint(reached) && stepper.may_release();
+                let jumps = match may_jump {
+                    true => Some(stepper.pass_at(reached, Vec::new(), false)?).filter(|jumps| !jumps.is_empty()),
+                    false => jumps.map(|jumps| stepper.pass_at(reached, jumps, true)).transpose()?,
+                };
+                match jumps {
+                    Some(jumps) => interval.advance_to_jump(reached, jumps),
+                    None => interval.advance(reached),
+                }
+            }
         }
         if goes_back {
             stepper.checkpoint_in(&mut before);

@@ -136,11 +136,11 @@ impl<'m> Sweep<'m> {
             // of the number that is zero at an event
             back.push(zero());
         }
-        if !rerun.grid.events.is_empty() || !model.frictions.is_empty() {
+        if rerun.grid.has_events() || !model.frictions.is_empty() {
             self.sides = history.start_record().map_or_else(Vec::new, |start| start.sides.clone());
-            let changes = rerun.grid.events.values().flatten();
+            let changes = rerun.grid.changes().flat_map(|(_, changes)| changes);
             changes.for_each(|change| self.sides[change.switch] = change.sides[1]);
-            self.change_back(rerun.grid.events.get(&rerun.grid.steps()).map_or(&[][..], Vec::as_slice));
+            self.change_back(rerun.grid.changes_at(rerun.grid.steps()).map_or(&[][..], Vec::as_slice));
         }
         let mut solvers = StepSolvers::new(&self.system, self.method, self.active)?;
         if solvers.are_apart {
@@ -395,10 +395,10 @@ impl<'m> Sweep<'m> {
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let (ends, moves) = (place.events_end.first(), &place.moves);
+        let (ends, moves) = (place.events_end.first().filter(|_| place.is_located), &place.moves);
         // terms of which the rate of the number of an event is the sum
         let mut speed = 0.0;
-        let is_moved_alone = ends.is_none() && moves[0] == moves[1];
+        let is_moved_alone = place.events_end.is_empty() && moves[0] == moves[1];
         if is_moved_alone && (moves[0].is_zero() || !self.reads_time) {
             back.iter_mut().for_each(|back| back.span = None);
             return self.step_through(step, place, weights, back, solvers);
@@ -410,7 +410,7 @@ impl<'m> Sweep<'m> {
                 back.moves[1] = std::mem::take(&mut back.by_event);
             }
         }
-        if ends.is_some() {
+        if !place.events_end.is_empty() {
             self.behind_event(step, place, back)?;
         }
         if let Some(change) = ends {
@@ -785,29 +785,32 @@ struct StepPlace {
     is_before_another: bool,
     /// Sides that change at its end, the one first whose number ended it.
     events_end: Vec<SideChange>,
+    /// Whether that is so: at a breakpoint its time is given.
+    is_located: bool,
     /// How its start and its end move, the latter where no event is; breakpoints are numbered among those that move.
     moves: [EndMoves; 2],
 }
 
 impl StepPlace {
     fn last(grid: &TimeGrid, moving: &[usize]) -> Self {
-        let ends = grid.events.get(&grid.steps()).cloned();
+        let ends = grid.changes_at(grid.steps()).cloned();
         Self::of(grid.steps().saturating_sub(1), ends.unwrap_or_default(), (grid, moving))
     }
 
     fn of(index: usize, events_end: Vec<SideChange>, (grid, moving): (&TimeGrid, &[usize])) -> Self {
         let is_before_another = index + 1 < grid.steps();
+        let is_located = grid.events.contains_key(&(index + 1));
         let mut moves = [EndMoves::default(); 2];
         if !(moving.is_empty() && grid.events.is_empty()) {
             moves = [index, index + 1].map(|place| grid.moves_of(place));
             for (place, share) in moves.iter_mut().flat_map(|own| &mut own.by_breakpoints) {
                 (*place, *share) = moving.binary_search(place).map_or((0, 0.0), |number| (number, *share));
             }
-            if !events_end.is_empty() {
+            if is_located {
                 moves[1] = EndMoves::default();
             }
         }
-        StepPlace { index, is_before_another, events_end, moves }
+        StepPlace { index, is_before_another, events_end, is_located, moves }
     }
 }
 

@@ -60,7 +60,7 @@ impl Analysis<'_> {
         }
         let (events, mut all) = (Events::new(self.model), Vec::new());
         let mut sides = vec![0.0; events.sides_count()];
-        for (&place, changes) in &forward.grid.events {
+        for (place, changes) in forward.grid.changes() {
             for event in events.happening(changes, &sides) {
                 let name = self.model.events[event].condition.name.clone();
                 all.push(EventTime { name, t: forward.grid.times[place] });
