@@ -81,7 +81,13 @@ impl<S: RunScalar> Stepper<'_, S> {
     }
 
     /// The changes by which surfaces slip in a direction.
-    pub(super) fn turns(&self, events: &Events, friction: usize, (direction, still): (&[f64], f64), sides: &[f64]) -> Vec<SideChange> {
+    pub(super) fn turns(
+        &self,
+        events: &Events,
+        friction: usize,
+        (direction, still): (&[f64], f64),
+        sides: &[f64],
+    ) -> Vec<SideChange> {
         let turn = events.turn(friction, direction, still, sides);
         turn.into_iter().chain(events.rubbing(friction, false, sides)).collect()
     }

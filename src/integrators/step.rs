@@ -692,9 +692,18 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
-    /// Equations of joints that are not there.
+    /// Equations of joints that are not there, and those of what sticks that hold by all others: none of these takes the place of another one.
     fn absent(&self) -> Vec<usize> {
-        self.events.as_ref().map_or_else(Vec::new, |events| events.absent(&self.between.sides))
+        let model = self.problem.model;
+        let Some(events) = &self.events else { return Vec::new() };
+        let mut absent = events.absent(&self.between.sides);
+        let sticks =
+            |row: &usize| model.frictions.iter().any(|own| model.constraints[own.joints[1]].equations.contains(row));
+        let left_out: Vec<usize> =
+            self.between.dropped.iter().copied().filter(|row| sticks(row) && !absent.contains(row)).collect();
+        absent.extend(left_out);
+        absent.sort_unstable();
+        absent
     }
 
     fn write_sides(&mut self) {
