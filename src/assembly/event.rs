@@ -85,8 +85,22 @@ pub struct JointFriction {
     pub direction: [Range<usize>; 2],
     /// Places in p of the slip that an impact keeps.
     pub kept: Range<usize>,
+    /// Places in p of the direction of the first equation of what sticks, of two velocities.
+    pub axis: Range<usize>,
     /// Places in p of what is 1 but in impacts, where limits without a load count for nothing.
     pub forces: [usize; 2],
+}
+
+impl JointFriction {
+    /// Number of its sides: d, whether others hold it, and its axis.
+    pub fn sides(&self) -> usize {
+        self.held() + 1 + self.axis.len()
+    }
+
+    /// Place among them of whether others hold it.
+    pub fn held(&self) -> usize {
+        self.direction[0].len()
+    }
 }
 
 /// Coordinates and rates that get other values, all of them from those before.

@@ -158,7 +158,8 @@ impl AnyConstraint for Slipping {
     }
 }
 
-/// What sticks, s = w: of the parameters of the friction, and of w, which is zero but in impacts.
+/// What sticks, s = w: of the parameters of the friction, of w, which is zero but in impacts, and of two velocities of a direction c of unit length: the
+/// first equation is that along c, the second one that at right angles to it.
 pub struct Sticking(pub Arc<dyn AnyFriction>);
 
 impl AnyConstraint for Sticking {
@@ -176,10 +177,16 @@ impl AnyConstraint for Sticking {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         let kept = (0..self.0.direction_count()).map(|k| Parameter::named(format!("kept {k}"), ""));
-        self.0.parameter_list().into_iter().chain(kept).collect()
+        let axis = ["c 1", "c 2"].map(|name| Parameter::named(name.to_string(), ""));
+        let axis = axis.into_iter().filter(|_| self.0.direction_count() == 2);
+        self.0.parameter_list().into_iter().chain(kept).chain(axis).collect()
     }
     fn evaluate(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
-        let (p, kept) = p.split_at(self.0.parameter_list().len());
-        self.0.slip_of([v, q, p], t).into_iter().zip(kept).map(|(s, &kept)| s - kept).collect()
+        let (p, own) = p.split_at(self.0.parameter_list().len());
+        let slip: Vec<Recorded> = self.0.slip_of([v, q, p], t).into_iter().zip(own).map(|(s, &kept)| s - kept).collect();
+        match (&slip[..], own) {
+            (&[s, other], &[_, _, x, y]) => vec![x * s + y * other, x * other - y * s],
+            _ => slip,
+        }
     }
 }

@@ -13,6 +13,7 @@ use crate::assembly::{Attached, Closing, Event, JointFriction, Model, Reset, Sto
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::program::{Excess, Formula, ProgramWork, Reads, Switches};
+use crate::tolerances::CONSISTENT;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use std::sync::Arc;
 pub struct SideChange {
     /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, one for each
     /// joint that comes and goes, 1 where it is there, and of each friction the direction in which it slips, 0 where it does not, with a 1 behind it where
-    /// others hold it at its limit.
+    /// others hold it at its limit, and of two velocities the direction along which the first equation of what sticks is.
     pub switch: usize,
     /// The side before, and behind.
     pub sides: [f64; 2],
@@ -136,7 +137,7 @@ impl Events {
             let sticking = &model.constraints[own.joints[1]];
             let places = super::crossings::places(model, OF_EVENT, &sticking.nodes, &sticking.parameters);
             events.frictions.push(Slip { own: own.clone(), first, formula: Arc::clone(sticking.physics.formula()), places });
-            first += own.direction[0].len() + 1;
+            first += own.sides();
         }
         events
     }
@@ -167,7 +168,7 @@ impl Events {
 
     /// Number of all sides: of switches, of events that have happened, of joints, and of frictions.
     pub fn sides_count(&self) -> usize {
-        let directions: usize = self.frictions.iter().map(|own| own.own.direction[0].len() + 1).sum();
+        let directions: usize = self.frictions.iter().map(|own| own.own.sides()).sum();
         self.switches() + self.events.len() + self.joints.len() + directions
     }
 
@@ -199,6 +200,7 @@ impl Events {
         for Slip { own, first, .. } in &self.frictions {
             all.extend(own.forces.map(|place| (place, 0.0)));
             all.extend(own.direction.iter().flat_map(|places| places.clone().zip(sides[*first..].iter().copied())));
+            all.extend(own.axis.clone().zip(sides[*first + own.held() + 1..].iter().copied()));
         }
         all
     }
@@ -220,9 +222,26 @@ impl Events {
     /// The change of surfaces that do not move, at the limit of their friction, as others hold them: their slip does not end.
     pub fn held(&self, friction: usize, is_held: bool, sides: &[f64]) -> Option<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];
-        let switch = first + own.direction[0].len();
+        let switch = first + own.held();
         let change = SideChange { switch, sides: [sides[switch], f64::from(u8::from(is_held))] };
         (change.sides[0] != change.sides[1]).then_some(change)
+    }
+
+    /// The changes to equations of what sticks along a direction and at right angles to it, of two velocities.
+    pub fn align(&self, friction: usize, direction: &[f64], sides: &[f64]) -> Vec<SideChange> {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        let places = (first + own.held() + 1..).zip(direction);
+        let changes = places.map(|(switch, &value)| SideChange { switch, sides: [sides[switch], value] });
+        changes.filter(|own| (own.sides[0] - own.sides[1]).abs() > CONSISTENT).collect()
+    }
+
+    /// How surfaces that stick are pulled along their velocities, by the multipliers of what sticks.
+    pub fn pull(&self, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<f64> {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        match (mu, &sides[first + own.held() + 1..]) {
+            (&[along, across], &[x, y, ..]) => vec![x * along - y * across, y * along + x * across],
+            _ => mu.to_vec(),
+        }
     }
 
     /// The change to the side on which surfaces slip, of the switch at which slip ends; or on which they stick, of that at which it begins.
@@ -315,7 +334,7 @@ impl Events {
         let first = self.switches() + self.events.len();
         let is_there = |(joint, side): (usize, f64)| sides.get(first + joint).is_none_or(|own| *own == side);
         let is_still = |own: &Slip| {
-            let held = own.first + own.own.direction[0].len();
+            let held = own.first + own.own.held();
             let direction = sides.get(own.first..own.first + own.own.kept.len());
             let is_still = direction.is_some_and(|own| own.iter().all(|d| *d == 0.0));
             own.own.events[0] == event && (is_still || sides.get(held).is_some_and(|held| *held > 0.0))
@@ -514,6 +533,7 @@ impl Events {
             for places in &own.direction {
                 p[places.clone()].iter_mut().zip(&sides[*first..]).for_each(|(p, &side)| *p = S::from(side));
             }
+            p[own.axis.clone()].iter_mut().zip(&sides[first + own.held() + 1..]).for_each(|(p, &side)| *p = S::from(side));
         }
     }
 
@@ -533,6 +553,9 @@ impl Events {
         sides.extend(self.events.iter().map(|_| 0.0));
         sides.extend(self.joints.iter().map(|own| f64::from(u8::from(own.2))));
         sides.resize(self.sides_count(), 0.0);
+        for Slip { own, first, .. } in self.frictions.iter().filter(|own| !own.own.axis.is_empty()) {
+            sides[first + own.held() + 1] = 1.0;
+        }
         sides
     }
 

@@ -46,14 +46,23 @@ pub(super) fn dependent_equations<S: RunScalar>(
     count: Option<usize>,
 ) -> Vec<usize> {
     let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
-    let (model, p) = (problem.model, real(&problem.p));
+    dependent((problem.model, &real(&problem.p)), absent, [&real(q), &real(v)], t, count)
+}
+
+fn dependent(
+    (model, p): (&Model, &[f64]),
+    absent: &[usize],
+    [q, v]: [&[f64]; 2],
+    t: f64,
+    count: Option<usize>,
+) -> Vec<usize> {
     let system = System::new(model, SystemOptions { dropped: absent.to_vec(), ..SystemOptions::default() });
     let (mut residual, mut jacobian) = (Residual::<f64>::default(), Jacobian::default());
     let mut unknowns = Residual::unknowns(&system);
-    let base = VectorsAvq { a: vec![0.0; model.dofs], v: real(v), q: real(q) };
+    let base = VectorsAvq { a: vec![0.0; model.dofs], v: v.to_vec(), q: q.to_vec() };
     let equations = Equations::acceleration();
-    residual.evaluate(&system, StageSystem { equations: &equations, base: &base, p: &p, t }, &mut unknowns);
-    jacobian.assemble(&system, &equations, &residual, &unknowns, &p, t);
+    residual.evaluate(&system, StageSystem { equations: &equations, base: &base, p, t }, &mut unknowns);
+    jacobian.assemble(&system, &equations, &residual, &unknowns, p, t);
     let rows = constraint_rows(&system, &jacobian);
     let kept = independent_rows(&rows, count.map(|count| rows.len() - count));
     (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect()
@@ -61,10 +70,10 @@ pub(super) fn dependent_equations<S: RunScalar>(
 
 /// The equations to leave out at a state (q, v), beyond those that are: of some equations these which depend on all others or on the ones of them
 /// before them.
-pub(super) fn dependent_among<S: RunScalar>(
-    problem: &Problem<S>,
+pub(super) fn dependent_among(
+    of: (&Model, &[f64]),
     dropped: &[usize],
-    state: (&[S], &[S]),
+    state: [&[f64]; 2],
     t: f64,
     some: &[usize],
 ) -> Vec<usize> {
@@ -75,7 +84,7 @@ pub(super) fn dependent_among<S: RunScalar>(
     };
     let is_independent = |more: &[usize]| {
         let absent = joined(more);
-        dependent_equations(problem, &absent, state, t, None).len() == absent.len()
+        dependent(of, &absent, state, t, None).len() == absent.len()
     };
     let mut left_out = Vec::new();
     if some.is_empty() || is_independent(&[]) {

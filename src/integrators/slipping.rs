@@ -6,6 +6,7 @@
 //! Source: Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts, chapters 5 and 8.
 
 use super::events::{Events, Moment, SideChange};
+use super::march::add_scaled;
 use super::record::{ImpactRecord, SlipBefore};
 use super::redundancy::dependent_among;
 use super::step::{NO_FORCE, Stepper, real, size};
@@ -14,6 +15,7 @@ use crate::assembly::{JointFriction, Stop};
 use crate::design::shortest;
 use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
+use std::ops::Range;
 
 /// Share of the speeds of a model near which slip in two directions ends: its square is an error of these.
 const STILL: f64 = 1e-4;
@@ -76,7 +78,7 @@ impl<S: RunScalar> Stepper<'_, S> {
     /// The changes by which surfaces that stuck slip, as their multipliers pull them.
     pub(super) fn slips(&self, events: &Events, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<SideChange> {
         let joint = events.friction(friction).joints[1];
-        let direction = unit(&mu[self.problem.model.constraints[joint].equations.clone()]);
+        let direction = unit(&events.pull(friction, &mu[self.problem.model.constraints[joint].equations.clone()], sides));
         self.turns(events, friction, (&direction, self.still()), sides)
     }
 
@@ -105,6 +107,50 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], 0.0, sides)
     }
 
+    /// The equations that are left out at a state, those of some rows of what sticks among them that hold by all others.
+    pub(super) fn left_out_of(&self, dropped: &[usize], (q, v): (&[S], &[S]), t: f64, rows: &[usize]) -> Vec<usize> {
+        dependent_among((self.problem.model, &real(&self.p)), dropped, [&real(q), &real(v)], t, rows)
+    }
+
+    /// The changes by which surfaces that joints let slip along a line alone, of two directions, stick by an equation along that line: its multiplier is
+    /// then the force that friction has to have at least.
+    pub(super) fn aligned(&mut self, events: &Events, sides: &[f64], dropped: &[usize]) -> Vec<SideChange> {
+        let mut all = Vec::new();
+        for (friction, own) in events.frictions().enumerate().filter(|(_, own)| own.kept.len() == 2) {
+            let rows = self.problem.model.constraints[own.joints[1]].equations.clone();
+            let is_kept = |row: &usize| dropped.binary_search(row).is_err();
+            let Some(kept) =
+                rows.clone().position(|row| is_kept(&row)).filter(|_| rows.clone().filter(is_kept).count() == 1)
+            else {
+                continue;
+            };
+            // it moves on that line alone, whatever moves it
+            let p = self.p.clone();
+            events
+                .frictions()
+                .flat_map(|own| &own.direction)
+                .flat_map(Range::clone)
+                .for_each(|place| self.p[place] = S::zero());
+            let mut slips = [0.0, 1.0].map(|speed| {
+                let axis = own.axis.clone().map(|place| p[place]).collect::<Vec<S>>();
+                let along = [[axis[0], axis[1]], [-axis[1], axis[0]]][kept];
+                own.kept.clone().zip(along).for_each(|(place, own)| self.p[place] = own * speed);
+                let made = self.impact(own.joints[0], dropped);
+                made.map(|made| {
+                    let ([mut v, q], t) = self.state();
+                    add_scaled(&mut v, &made.unknowns.x, 1.0);
+                    real(&events.slip(friction, [&v, &q], t, &self.p))
+                })
+            });
+            self.p = p;
+            if let [Ok(none), Ok(some)] = &mut slips {
+                let along: Vec<f64> = some.iter().zip(none).map(|(some, none)| some - *none).collect();
+                all.extend(events.align(friction, &unit(&along), sides));
+            }
+        }
+        all
+    }
+
     /// Whether drivers move surfaces against each other, so that these never stick: of one direction, whose equation is left out for theirs.
     pub(super) fn is_driven(
         &self,
@@ -123,7 +169,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let mut without: Vec<usize> = dropped.iter().copied().filter(|own| *own != rows.start).chain(drivers).collect();
         without.sort_unstable();
         without.dedup();
-        dependent_among(self.problem, &without, state, t, &[rows.start]).binary_search(&rows.start).is_err()
+        self.left_out_of(&without, state, t, &[rows.start]).binary_search(&rows.start).is_err()
     }
 
     /// That a run can have the frictions of its model.
@@ -160,7 +206,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             let rows: Vec<usize> = self.problem.model.constraints[own.joints[1]].equations.clone().collect();
             let without: Vec<usize> = dropped.iter().copied().filter(|row| !rows.contains(row)).collect();
-            dependent_among(self.problem, &without, state, t, &rows) == dropped
+            self.left_out_of(&without, state, t, &rows) == dropped
         };
         let all = events.frictions().enumerate();
         all.filter_map(|(friction, own)| events.held(friction, is_held(friction, own), sides)).collect()
@@ -283,6 +329,12 @@ impl<S: RunScalar> Stepper<'_, S> {
         let mut broken = Vec::new();
         for _ in 0..MOST_CHANGES {
             impact.dropped = self.dropped_behind(&events.absent(&now));
+            let aligned = self.aligned(events, &now, &impact.dropped);
+            if !aligned.is_empty() {
+                set(&aligned, &mut now);
+                events.write_directions(&now, &mut self.p);
+                impact.dropped = self.dropped_behind(&events.absent(&now));
+            }
             impact.set = events.set_in_impact(&now);
             impact.kept = Vec::new();
             let is_kept =
@@ -307,6 +359,13 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             match self.violated_friction(events, (joint, &impact), &of_impact, &now, &mut broken) {
                 None => {
+                    if let Some(held) = self.hit_again(events, (&impact, &of_impact), [&before, &now]) {
+                        now[events.presence(held)] = 1.0;
+                        if let Some(friction) = events.frictions().position(|own| own.joints[0] == held) {
+                            set(&self.sticks(events, friction, &now), &mut now);
+                        }
+                        continue;
+                    }
                     let pushes = |stop: &Stop| stop.pushes(mu[model.constraints[joint].equations.start]);
                     if own.is_some() && !stop.is_none_or(pushes) {
                         return Err(self.no_law(joint));
@@ -327,6 +386,24 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
         }
         Err(self.no_law(joint))
+    }
+
+    /// A stop that an impact was to tear off, and that moves on beyond its limit behind it.
+    fn hit_again(
+        &self,
+        events: &Events,
+        (impact, p): (&ImpactRecord<S>, &[S]),
+        [before, now]: [&[f64]; 2],
+    ) -> Option<usize> {
+        let ([mut v, q], t) = self.state();
+        impact.add_to(&mut v, p, S::one());
+        let mut torn =
+            events.stops().filter(|(_, own, _)| before[events.presence(*own)] > 0.0 && now[events.presence(*own)] == 0.0);
+        let moves_beyond = |(_, own, stop): &(usize, usize, &Stop)| {
+            let [_, rate, _] = self.equations_of(*own, (&[], &v, &q), t.value())[0];
+            (if stop.is_upper { rate } else { -rate }) > CONSISTENT * self.speed()
+        };
+        torn.find(moves_beyond).map(|own| own.1)
     }
 
     fn no_law(&self, joint: usize) -> RunError {

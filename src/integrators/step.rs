@@ -8,7 +8,7 @@ use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{ImpactRecord, SolveRecord, StageRecord, StartRecord, StepRecord};
-use super::redundancy::{KEPT, Watch, dependent_among, dependent_equations, violated};
+use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
 use super::slipping::set;
@@ -408,6 +408,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             )));
         }
         self.between.dropped.clone_from(&plan.dropped);
+        self.between.carried = vec![q.to_vec(), v.to_vec()];
         let mut sticking = self.frictions_at_start(&events, (q, v), t, (sides, &closed))?;
         let dropped = loop {
             let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
@@ -415,18 +416,25 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let held: Vec<usize> = held.flat_map(rows).collect();
             let mut dropped = plan.dropped.clone();
             dropped.retain(|row| !held.contains(row));
+            let without = dropped.clone();
             if held.is_empty() {
                 break dropped;
             }
             let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
             let own: Vec<usize> = sticking.iter().flat_map(|own| rows(events.friction(*own).joints[1])).collect();
-            let dropped = dependent_among(self.problem, &dropped, (q, v), t, &own);
+            let mut dropped = self.left_out_of(&dropped, (q, v), t, &own);
+            events.write_directions(sides, &mut self.p);
+            let aligned = self.aligned(&events, sides, &dropped);
+            if !aligned.is_empty() {
+                set(&aligned, sides);
+                events.write_directions(sides, &mut self.p);
+                dropped = self.left_out_of(&without, (q, v), t, &own);
+            }
             if let Some(place) = sticking.iter().position(|own| self.is_driven(&events, *own, &dropped, ((q, v), t))) {
                 let friction = sticking.remove(place);
                 set(&self.turns(&events, friction, (&[1.0], 0.0), sides), sides);
                 continue;
             }
-            events.write_directions(sides, &mut self.p);
             let mu = self.forces_at((q, v), t, &dropped)?;
             let rows = |joint: usize| self.problem.model.constraints[joint].equations.clone();
             if let Some(place) = closed.iter().position(|(joint, stop)| !stop.pushes(mu[rows(*joint).start])) {
@@ -831,8 +839,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
             let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
             let held = self.held_by_others(events, &self.between.sides, (&q, &v), self.record.end);
-            set(&held, &mut self.between.sides);
-            changes.extend(held);
+            let dropped = self.dropped_behind(&events.absent(&self.between.sides));
+            let aligned = self.aligned(events, &self.between.sides.clone(), &dropped);
+            changes.extend(held.into_iter().chain(aligned));
+            set(&changes, &mut self.between.sides);
+            events.write_directions(&self.between.sides, &mut self.p);
         }
         self.between.switched.clone_from(&changes);
         self.check_method(events, &present)?;
@@ -1013,7 +1024,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         dropped.sort_unstable();
         let sticking = model.frictions.iter().flat_map(|own| model.constraints[own.joints[1]].equations.clone());
         let sticking: Vec<usize> = sticking.filter(|row| absent.binary_search(row).is_err()).collect();
-        dependent_among(self.problem, &dropped, state, t, &sticking)
+        self.left_out_of(&dropped, state, t, &sticking)
     }
 
     /// The same at the end of the step made last.

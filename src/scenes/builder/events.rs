@@ -304,7 +304,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let known = self.numbers.p[own.parameters.clone()].to_vec();
         self.numbers.p.extend([&known, p, &[S::one()], &told].into_iter().flatten());
         self.model.replace_constraint(joint, Arc::new(slipping));
-        let sticks = [p, &still].concat();
+        let axis = if directions == 2 { vec![S::one(), S::zero()] } else { Vec::new() };
+        let sticks = [p, &still, &axis].concat();
         let stick =
             self.add_constraint(&format!("sticking of {name}"), nodes, Box::new(Sticking(Arc::clone(&friction))), &sticks);
         self.model.find_constraint(stick)?;
@@ -353,7 +354,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             joints: [joint.0, stick.0],
             events: [first, first + 1],
             direction: [slips - told.len()..slips, of_event..of_event + told.len()],
-            kept: sticks - directions..sticks,
+            kept: sticks - axis.len() - directions..sticks - axis.len(),
+            axis: sticks - axis.len()..sticks,
             forces: [slips - told.len() - 1, flag],
         });
         Some([first, first + 1])
