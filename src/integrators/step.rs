@@ -825,7 +825,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if !is_made_again {
                 changes.extend(self.released(events, (&present, &changes))?);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
-                let (sides, end) = (&self.between.sides, self.record.end);
+                // of what has been opened nothing else happens
+                set(&changes, &mut self.between.sides);
+                events.write(&self.between.sides, &mut self.p);
+                let (sides, end) = (&self.between.sides.clone(), self.record.end);
                 let passed = self.excesses_of(events, false).into_iter().enumerate();
                 // the number that ended the step is zero, whatever location has left of it
                 let is_zero = |own: &Excess| (own.by - located).abs() <= own.round_off(end);

@@ -10,8 +10,7 @@ use std::collections::HashSet;
 
 impl Analysis<'_> {
     pub(super) fn breakpoints(&self, numbers: &ModelNumbers<f64>) -> Result<Breakpoints, RunError> {
-        let end = self.grid.times[self.grid.steps()];
-        Breakpoints::of(self.model, self.functionals, numbers, end).map_err(RunError::Input)
+        Breakpoints::of(self.model, self.functionals, numbers, self.grid.end()).map_err(RunError::Input)
     }
 
     /// How time goes between the breakpoints of a run for parameters with derivative parts.
