@@ -211,6 +211,12 @@ impl Events {
         &sides[*first..first + own.kept.len()]
     }
 
+    /// Speed near which slip in two directions ends.
+    pub fn still(&self, friction: usize, sides: &[f64]) -> f64 {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        sides[first + own.held() - 1]
+    }
+
     /// The changes to another direction of slip, and in two directions to the speed at which it ends.
     pub fn turn(&self, friction: usize, direction: &[f64], speed: f64, sides: &[f64]) -> Vec<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];

@@ -209,7 +209,7 @@ impl TimeGrid {
     }
 
     /// Steps behind an event keep their sizes, so that their ends move with it up to a breakpoint or the end of the run, before which the last step
-    /// is as long as what is left, or the last two are halves of that: the share of the event's motion that an end of a step has, if it is no event.
+    /// is as long as what is left, or those before it are halves of that: the share of the event's motion that an end of a step has, if it is no event.
     pub(crate) fn share_behind_event(&self, end: usize) -> f64 {
         if self.is_fixed(end) {
             return 0.0;
@@ -223,7 +223,8 @@ impl TimeGrid {
             false => self.laid_size(end),
         };
         let is_half = is_like(0.5 * left) && !is_like(laid);
-        if is_half { 0.5 } else { 1.0 }
+        let before = if self.events.contains_key(&(end - 1)) { 1.0 } else { self.share_behind_event(end - 1) };
+        if is_half { 0.5 * before } else { before }
     }
 
     /// How an end of a step moves: in a stretch between breakpoints with both of its ends; behind an event with that, by the sizes of the steps that

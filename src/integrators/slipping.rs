@@ -28,6 +28,11 @@ fn length(values: &[f64]) -> f64 {
     values.iter().map(|own| own * own).sum::<f64>().sqrt()
 }
 
+/// A slip as its direction and the speed near which it ends.
+fn along(slip: &[f64]) -> (Vec<f64>, f64) {
+    (unit(slip), (STILL * length(slip)).max(LEAST_SPEED))
+}
+
 fn unit(values: &[f64]) -> Vec<f64> {
     let length = length(values);
     values.iter().map(|own| own / length).collect()
@@ -36,6 +41,13 @@ fn unit(values: &[f64]) -> Vec<f64> {
 /// Carries changes out.
 pub(super) fn set(changes: &[SideChange], sides: &mut [f64]) {
     changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
+}
+
+/// Surfaces whose state an impact has changed: those that stick no more, and those whose direction is that of their slip.
+#[derive(Default)]
+struct Treated {
+    broken: Vec<usize>,
+    aimed: Vec<usize>,
 }
 
 /// Sides as far as what happens has come, and all that change.
@@ -79,7 +91,7 @@ impl<S: RunScalar> Stepper<'_, S> {
     pub(super) fn slips(&self, events: &Events, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<SideChange> {
         let joint = events.friction(friction).joints[1];
         let direction = unit(&events.pull(friction, &mu[self.problem.model.constraints[joint].equations.clone()], sides));
-        self.turns(events, friction, (&direction, self.still()), sides)
+        self.turns(events, friction, (direction, self.still()), sides)
     }
 
     /// The changes by which surfaces slip in a direction.
@@ -87,10 +99,10 @@ impl<S: RunScalar> Stepper<'_, S> {
         &self,
         events: &Events,
         friction: usize,
-        (direction, still): (&[f64], f64),
+        (direction, still): (Vec<f64>, f64),
         sides: &[f64],
     ) -> Vec<SideChange> {
-        let turn = events.turn(friction, direction, still, sides);
+        let turn = events.turn(friction, &direction, still, sides);
         turn.into_iter().chain(events.rubbing(friction, false, sides)).collect()
     }
 
@@ -246,8 +258,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             if length(&slip) <= CONSISTENT * size(v) {
                 sticking.push(friction);
             } else {
-                let still = (STILL * length(&slip)).max(LEAST_SPEED);
-                set(&self.turns(events, friction, (&unit(&slip), still), sides), sides);
+                set(&self.turns(events, friction, along(&slip), sides), sides);
             }
         }
         Ok(sticking)
@@ -292,7 +303,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         if self.is_driven(events, friction, &dropped, ((q, v), self.record.end)) {
             // it passes the place where it stands without force
             let turned: Vec<f64> = direction.iter().map(|own| -own).collect();
-            let all = self.turns(events, friction, (&turned, self.still()), sides);
+            let all = self.turns(events, friction, (turned, 0.0), sides);
             self.change(events, &all, (sides, changes), is_made_again);
             return true;
         }
@@ -304,7 +315,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         if length(&slip) <= still {
             return false;
         }
-        let all = self.turns(events, friction, (&unit(&slip), self.still()), sides);
+        let all = self.turns(events, friction, along(&slip), sides);
         self.change(events, &all, (sides, changes), is_made_again);
         true
     }
@@ -326,7 +337,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         if let Some(friction) = events.frictions().position(|own| own.joints.contains(&joint)) {
             set(&self.sticks(events, friction, &now), &mut now);
         }
-        let mut broken = Vec::new();
+        let mut treated = Treated::default();
         for _ in 0..MOST_CHANGES {
             impact.dropped = self.dropped_behind(&events.absent(&now));
             let aligned = self.aligned(events, &now, &impact.dropped);
@@ -357,7 +368,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 }
                 continue;
             }
-            match self.violated_friction(events, (joint, &impact), &of_impact, &now, &mut broken) {
+            match self.violated_friction(events, (joint, &impact), &of_impact, &now, &mut treated) {
                 None => {
                     if let Some(held) = self.hit_again(events, (&impact, &of_impact), [&before, &now]) {
                         now[events.presence(held)] = 1.0;
@@ -376,6 +387,16 @@ impl<S: RunScalar> Stepper<'_, S> {
                         set(&self.stands(events, own, &now), &mut now);
                     }
                     now[events.presence(joint)] = before[events.presence(joint)];
+                    // what slips behind it does so in the direction of that slip
+                    let ([mut v, q], t) = self.state();
+                    impact.add_to(&mut v, &of_impact, S::one());
+                    for friction in 0..events.frictions().len() {
+                        let slip = real(&events.slip(friction, [&v, &q], t, &self.p));
+                        let [old, new] = [&before, &now].map(|sides| events.direction(friction, sides));
+                        if new.len() == 2 && new != old && new.iter().any(|own| *own != 0.0) && length(&slip) > LEAST_SPEED {
+                            set(&events.turn(friction, &unit(&slip), along(&slip).1, &now), &mut now);
+                        }
+                    }
                     let changed = (0..now.len()).filter(|&switch| now[switch] != before[switch]);
                     let all: Vec<SideChange> =
                         changed.map(|switch| SideChange { switch, sides: [before[switch], now[switch]] }).collect();
@@ -464,9 +485,11 @@ impl<S: RunScalar> Stepper<'_, S> {
         (joint, impact): (usize, &ImpactRecord<S>),
         p: &[S],
         now: &[f64],
-        broken: &mut Vec<usize>,
+        treated: &mut Treated,
     ) -> Option<Vec<SideChange>> {
         let (mut state, t) = self.state();
+        let mut in_impact = real(&state[0]);
+        add_scaled(&mut in_impact, &real(&impact.solve.unknowns.x), 1.0);
         impact.add_to(&mut state[0], p, S::one());
         let ([v, q], mu, p) = (state.each_ref().map(|own| real(own)), real(&impact.solve.unknowns.mu), real(p));
         let none = self.no_impulse();
@@ -478,14 +501,14 @@ impl<S: RunScalar> Stepper<'_, S> {
             let kept = impact.kept.iter().any(|own| own.friction == friction);
             if now[stick] > 0.0 && !kept && length(&slip) > CONSISTENT * size(&v) {
                 // others hold it, and do not let it stick
-                let mut all = self.turns(events, friction, (&unit(&slip), self.still()), now);
+                let mut all = self.turns(events, friction, along(&slip), now);
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
             }
             // what has come to stand needs no impulse
             let stands = own.joints[1] == joint;
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
-                broken.push(friction);
+                treated.broken.push(friction);
                 let mut all = self.slips(events, friction, &mu, now);
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
@@ -493,16 +516,24 @@ impl<S: RunScalar> Stepper<'_, S> {
             if direction.iter().all(|own| *own == 0.0) {
                 continue;
             }
-            if length(&slip) <= CONSISTENT * self.speed() && own.joints[0] != joint && !broken.contains(&friction) {
+            if length(&slip) <= CONSISTENT * self.speed() && own.joints[0] != joint && !treated.broken.contains(&friction) {
                 return Some(self.sticks(events, friction, now));
             }
-            let along: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
-            if along < -CONSISTENT * size(&v) {
+            let forth: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
+            if forth < -CONSISTENT * size(&v) {
                 // without a load it goes the way it is sent
                 return Some(match events.is_unloaded(friction, moment, &p, none) {
-                    true => self.turns(events, friction, (&unit(&slip), self.still()), now),
+                    true => self.turns(events, friction, along(&slip), now),
                     false => self.sticks(events, friction, now),
                 });
+            }
+            // the direction of friction is that of the slip, not of the force that broke it away
+            let slip = events.slip(friction, [&in_impact[..], &q], t.value(), &p);
+            let aimed = along(&slip);
+            let is_rough = direction.len() == 2 && events.still(friction, now) > 2.0 * aimed.1 && aimed.1 > LEAST_SPEED;
+            if is_rough && !treated.aimed.contains(&friction) {
+                treated.aimed.push(friction);
+                return Some(self.turns(events, friction, aimed, now));
             }
         }
         None

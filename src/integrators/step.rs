@@ -432,7 +432,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             if let Some(place) = sticking.iter().position(|own| self.is_driven(&events, *own, &dropped, ((q, v), t))) {
                 let friction = sticking.remove(place);
-                set(&self.turns(&events, friction, (&[1.0], 0.0), sides), sides);
+                set(&self.turns(&events, friction, (vec![1.0], 0.0), sides), sides);
                 continue;
             }
             let mu = self.forces_at((q, v), t, &dropped)?;
