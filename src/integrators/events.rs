@@ -211,12 +211,6 @@ impl Events {
         &sides[*first..first + own.kept.len()]
     }
 
-    /// Speed near which slip in two directions ends.
-    pub fn still(&self, friction: usize, sides: &[f64]) -> f64 {
-        let Slip { own, first, .. } = &self.frictions[friction];
-        sides[first + own.held() - 1]
-    }
-
     /// The changes to another direction of slip, and in two directions to the speed at which it ends.
     pub fn turn(&self, friction: usize, direction: &[f64], speed: f64, sides: &[f64]) -> Vec<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];
@@ -242,11 +236,33 @@ impl Events {
     }
 
     /// How surfaces that stick are pulled along their velocities, by the multipliers of what sticks.
-    pub fn pull(&self, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<f64> {
-        let Slip { own, first, .. } = &self.frictions[friction];
-        match (mu, &sides[first + own.held() + 1..]) {
-            (&[along, across], &[x, y, ..]) => vec![x * along - y * across, y * along + x * across],
+    pub fn pull<S: RunScalar>(&self, friction: usize, mu: &[S], sides: &[f64]) -> Vec<S> {
+        match (mu, self.axis(friction, sides)) {
+            (&[along, across], &[x, y]) => vec![along * x - across * y, along * y + across * x],
             _ => mu.to_vec(),
+        }
+    }
+
+    /// The direction of the first equation of what sticks, of two velocities.
+    pub fn axis<'s>(&self, friction: usize, sides: &'s [f64]) -> &'s [f64] {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        &sides[first + own.held() + 1..][..own.axis.len()]
+    }
+
+    /// Frictions of two velocities that slip in another direction than before.
+    pub fn turned(&self, before: &[f64], sides: &[f64]) -> Vec<usize> {
+        let is_turned = |friction: &usize| {
+            let [old, new] = [before, sides].map(|sides| self.direction(*friction, sides));
+            new.len() == 2 && new != old && new.iter().any(|own| *own != 0.0)
+        };
+        (0..self.frictions.len()).filter(is_turned).collect()
+    }
+
+    /// Writes directions of slip with derivative parts to where they stand in p.
+    pub fn write_turned<S: RunScalar>(&self, directions: &[Option<[S; 2]>], p: &mut [S]) {
+        for (Slip { own, .. }, direction) in self.frictions.iter().zip(directions) {
+            let Some(direction) = direction else { continue };
+            own.direction.iter().for_each(|places| p[places.start..][..2].copy_from_slice(direction));
         }
     }
 
@@ -260,11 +276,15 @@ impl Events {
 
     /// The velocities of slip.
     pub fn slip<S: RunScalar>(&self, friction: usize, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<S> {
-        let Slip { formula, places, .. } = &self.frictions[friction];
+        let Slip { formula, places, own, .. } = &self.frictions[friction];
         let mut slip = vec![S::zero(); formula.outputs.len()];
         let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
         S::run(formula.values(), &inputs, &mut slip, &mut ProgramWork::default());
-        slip
+        // along its axis and at right angles to it
+        match (&slip[..], &p[own.axis.clone()]) {
+            (&[along, across], &[x, y]) => vec![along * x - across * y, along * y + across * x],
+            _ => slip,
+        }
     }
 
     /// Goes back through these, by their adjoints: to those of rates, coordinates and parameters, and the one of the time, which is returned.
@@ -276,9 +296,13 @@ impl Events {
         bars: &[f64],
         seeds: [&mut [f64]; 3],
     ) -> f64 {
-        let Slip { formula, places, .. } = &self.frictions[friction];
+        let Slip { formula, places, own, .. } = &self.frictions[friction];
         let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
-        results_back(formula, places, &inputs, bars.iter().copied().enumerate(), seeds)
+        let bars = match (bars, &p[own.axis.clone()]) {
+            (&[first, second], &[x, y]) => vec![x * first + y * second, x * second - y * first],
+            _ => bars.to_vec(),
+        };
+        results_back(formula, places, &inputs, bars.into_iter().enumerate(), seeds)
     }
 
     /// Whether what surfaces that stick would have to hold is more than friction can, by multipliers of which so much is none.
@@ -402,6 +426,16 @@ impl Events {
     /// Whether a switch is the condition of an event.
     pub fn is_event(&self, switch: usize) -> bool {
         self.part(switch).event.is_some()
+    }
+
+    /// Whether a switch is the condition of an event that may not happen.
+    pub fn is_off(&self, switch: usize, sides: &[f64]) -> bool {
+        !self.may_happen(self.part(switch), sides)
+    }
+
+    /// Whether a switch is the condition of this event.
+    pub fn is_condition(&self, switch: usize, event: usize) -> bool {
+        self.part(switch).event == Some(event)
     }
 
     /// Whether a switch is the condition of an event by a force.

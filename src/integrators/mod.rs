@@ -92,6 +92,7 @@ pub(crate) use resolution::StepErrors;
 pub(crate) use restart::{Pause, StepSizeState};
 pub(crate) use resting_start::{resting_start, staying_states};
 pub(crate) use round_off::HeldRoundings;
+pub(crate) use slipping::{moves, speed_of};
 pub use stability::{Stability, StabilityCourse, Verdict};
 pub use start::ConstraintPolicy;
 pub(crate) use start::{InitialState, RestingPlan, StartPlan};

@@ -19,6 +19,8 @@ use std::ops::Range;
 
 /// Share of the speeds of a model near which slip in two directions ends: its square is an error of these.
 const STILL: f64 = 1e-4;
+/// Share of that to which it ends in impacts, whose slip is known to be another: nothing is left of the direction from which they are solved.
+const SHARP: f64 = 1e-4;
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
@@ -28,9 +30,25 @@ fn length(values: &[f64]) -> f64 {
     values.iter().map(|own| own * own).sum::<f64>().sqrt()
 }
 
+/// A speed near which slip ends, as a power of 2: it stays what it is in designs beside.
+fn near(speed: f64) -> f64 {
+    speed.max(LEAST_SPEED).log2().round().exp2()
+}
+
+/// Speeds of a model at the end of a step, or what accelerations make of them in it.
+pub(crate) fn speed_of(v: &[f64], a: &[f64], h: f64) -> f64 {
+    let largest = |own: &[f64]| own.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+    largest(v).max(h * largest(a))
+}
+
+/// Whether surfaces slip, so that their friction has the direction of that; otherwise it has that of the force which broke them away.
+pub(crate) fn moves(slip: &[f64], speed: f64) -> bool {
+    length(slip) > CONSISTENT * speed
+}
+
 /// A slip as its direction and the speed near which it ends.
 fn along(slip: &[f64]) -> (Vec<f64>, f64) {
-    (unit(slip), (STILL * length(slip)).max(LEAST_SPEED))
+    (unit(slip), near(STILL * length(slip)))
 }
 
 fn unit(values: &[f64]) -> Vec<f64> {
@@ -77,14 +95,44 @@ impl<S: RunScalar> Stepper<'_, S> {
 
     /// Speeds of the model at the end of the step made last, or what accelerations make of them in it.
     fn speed(&self) -> f64 {
-        let largest = |own: &[S]| own.iter().fold(0.0, |most: f64, own| most.max(own.value().abs()));
-        let v = self.between.carried.get(1).map_or(0.0, |v| largest(v));
-        v.max(self.record.h * largest(&self.between.last.x))
+        let v = self.between.carried.get(1).map_or_else(Vec::new, |v| real(v));
+        speed_of(&v, &real(&self.between.last.x), self.record.h)
     }
 
     /// Speed near which slip in two directions ends.
     fn still(&self) -> f64 {
-        (STILL * self.speed()).max(LEAST_SPEED)
+        near(STILL * self.speed())
+    }
+
+    /// The changes by which surfaces that begin to slip, or are turned, do so in the direction of their slip, if they have any.
+    pub(super) fn directed(&self, events: &Events, before: &[f64], sides: &[f64]) -> Vec<SideChange> {
+        let mut all = Vec::new();
+        for friction in events.turned(before, sides) {
+            let slip = real(&self.slip(events, friction));
+            if moves(&slip, self.speed()) {
+                all.extend(events.turn(friction, &unit(&slip), along(&slip).1, sides));
+            }
+        }
+        all
+    }
+
+    /// Directions with their derivative parts: of the slip, or of the force that broke surfaces away.
+    pub(super) fn follow_directions(&mut self, events: &Events, before: &[f64]) {
+        for friction in 0..events.frictions().len() {
+            if events.direction(friction, &self.between.sides).iter().all(|own| *own == 0.0) {
+                self.directions[friction] = None;
+            }
+        }
+        for friction in events.turned(before, &self.between.sides) {
+            let slip = self.slip(events, friction);
+            let rows = self.problem.model.constraints[events.friction(friction).joints[1]].equations.clone();
+            let own = match moves(&real(&slip), self.speed()) {
+                true => slip,
+                false => events.pull(friction, &self.between.last.mu[rows], before),
+            };
+            let length = own.iter().map(|&own| own * own).fold(S::zero(), |sum, own| sum + own).sqrt();
+            self.directions[friction] = Some([own[0] / length, own[1] / length]);
+        }
     }
 
     /// The changes by which surfaces that stuck slip, as their multipliers pull them.
@@ -355,6 +403,10 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             let p = self.p.clone();
             impact.set_parameters(&model.frictions, &mut self.p);
+            // those that an impact leaves as they are have derivatives
+            let mut directions = self.directions.clone();
+            events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own] = None);
+            events.write_turned(&directions, &mut self.p);
             let solved = self.impact(joint, &impact.dropped);
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
@@ -387,16 +439,6 @@ impl<S: RunScalar> Stepper<'_, S> {
                         set(&self.stands(events, own, &now), &mut now);
                     }
                     now[events.presence(joint)] = before[events.presence(joint)];
-                    // what slips behind it does so in the direction of that slip
-                    let ([mut v, q], t) = self.state();
-                    impact.add_to(&mut v, &of_impact, S::one());
-                    for friction in 0..events.frictions().len() {
-                        let slip = real(&events.slip(friction, [&v, &q], t, &self.p));
-                        let [old, new] = [&before, &now].map(|sides| events.direction(friction, sides));
-                        if new.len() == 2 && new != old && new.iter().any(|own| *own != 0.0) && length(&slip) > LEAST_SPEED {
-                            set(&events.turn(friction, &unit(&slip), along(&slip).1, &now), &mut now);
-                        }
-                    }
                     let changed = (0..now.len()).filter(|&switch| now[switch] != before[switch]);
                     let all: Vec<SideChange> =
                         changed.map(|switch| SideChange { switch, sides: [before[switch], now[switch]] }).collect();
@@ -530,10 +572,9 @@ impl<S: RunScalar> Stepper<'_, S> {
             // the direction of friction is that of the slip, not of the force that broke it away
             let slip = events.slip(friction, [&in_impact[..], &q], t.value(), &p);
             let aimed = along(&slip);
-            let is_rough = direction.len() == 2 && events.still(friction, now) > 2.0 * aimed.1 && aimed.1 > LEAST_SPEED;
-            if is_rough && !treated.aimed.contains(&friction) {
+            if direction.len() == 2 && aimed.1 > 2.0 * LEAST_SPEED && !treated.aimed.contains(&friction) {
                 treated.aimed.push(friction);
-                return Some(self.turns(events, friction, aimed, now));
+                return Some(self.turns(events, friction, (aimed.0, SHARP * aimed.1), now));
             }
         }
         None

@@ -40,6 +40,8 @@ pub struct Stepper<'m, S> {
     pub(super) close_by: usize,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
+    /// Directions in which surfaces slip, of two velocities, with their derivative parts.
+    pub(super) directions: Vec<Option<[S; 2]>>,
     /// Time just behind the end of the step made last, where forces jump at a breakpoint there \[s\].
     behind: Option<f64>,
     /// Multipliers by which events at the end of the step made last happen.
@@ -169,6 +171,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             close_by: 0,
             mu_before: Vec::new(),
             behind: None,
+            directions: vec![None; problem.model.frictions.len()],
             forces: Vec::new(),
             analyses: Vec::new(),
             acceleration,
@@ -717,6 +720,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn write_sides(&mut self) {
         if let Some(events) = &self.events {
             events.write(&self.between.sides, &mut self.p);
+            events.write_turned(&self.directions, &mut self.p);
         }
     }
 
@@ -728,7 +732,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_made_again: bool,
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
+        let before = if S::PARTS > 0 { self.between.sides.clone() } else { Vec::new() };
         let made = self.pass_with(&mut events, changes, is_made_again);
+        if S::PARTS > 0 {
+            self.follow_directions(&events, &before);
+        }
         self.events = Some(events);
         self.write_sides();
         if made.as_ref().is_ok_and(|(changes, _)| !changes.is_empty()) {
@@ -825,22 +833,25 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if !is_made_again {
                 changes.extend(self.released(events, (&present, &changes))?);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
-                // of what has been opened nothing else happens
-                set(&changes, &mut self.between.sides);
-                events.write(&self.between.sides, &mut self.p);
-                let (sides, end) = (&self.between.sides.clone(), self.record.end);
+                let mut now = self.between.sides.clone();
+                set(&changes, &mut now);
+                let (sides, end) = (&self.between.sides, self.record.end);
                 let passed = self.excesses_of(events, false).into_iter().enumerate();
                 // the number that ended the step is zero, whatever location has left of it
                 let is_zero = |own: &Excess| (own.by - located).abs() <= own.round_off(end);
+                // of what has been opened nothing else happens
                 let passed = passed.filter(|(place, own)| match *place == switch && is_zero(own) {
                     true => own.rate > 0.0,
-                    false => own.is_passed(end),
+                    false => own.is_passed(end) && !events.is_off(*place, &now),
                 });
                 changes.extend(passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] }));
             }
         }
         if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
             let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+            let directed = self.directed(events, &before, &self.between.sides);
+            set(&directed, &mut self.between.sides);
+            changes.extend(directed);
             let held = self.held_by_others(events, &self.between.sides, (&q, &v), self.record.end);
             let dropped = self.dropped_behind(&events.absent(&self.between.sides));
             let aligned = self.aligned(events, &self.between.sides.clone(), &dropped);

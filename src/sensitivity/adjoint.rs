@@ -7,7 +7,7 @@ use super::solvers::StepSolvers;
 use super::transposed::{
     Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros, shifting_clock,
 };
-use crate::assembly::{Model, System, VectorsAvq};
+use crate::assembly::{JointFriction, Model, System, Unknowns, VectorsAvq};
 use crate::design::{ModelNumbers, shortest};
 use crate::functionals::{
     Functional, FunctionalGradient, QuadratureWeights, Sample, SampleSeeds, StageWeight, Times, Totals,
@@ -15,7 +15,7 @@ use crate::functionals::{
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError,
-    SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula,
+    SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula, moves, speed_of,
 };
 use crate::program::Formula;
 use smallvec::SmallVec;
@@ -510,6 +510,7 @@ impl<'m> Sweep<'m> {
             }
             states.push([v, q]);
         }
+        let turned = self.directions_back(step, place, &states[states.len() - 1], back);
         for ((number, &event), [v, q]) in happened.iter().enumerate().zip(&states).rev() {
             for own in step.impacts.iter().rev().filter(|own| own.event == number) {
                 self.impact_back(own, back)?;
@@ -520,7 +521,50 @@ impl<'m> Sweep<'m> {
                 back.moves[1] += self.events.reset_back(event, [v, q], (step.end, &self.p), seeds);
             }
         }
+        // impacts have directions of their own
+        turned.into_iter().for_each(|place| back.iter_mut().for_each(|back| back.p[place] = 0.0));
         Ok(())
+    }
+
+    /// Back through the directions in which surfaces slip from an event on, d = u / |u|, where u is their slip [v, q] behind it, or the force that
+    /// broke them away; returns their places in p.
+    fn directions_back(
+        &mut self,
+        step: &StepRecord<f64>,
+        place: &StepPlace,
+        [v, q]: &[Vec<f64>; 2],
+        back: &mut [Backward],
+    ) -> Vec<usize> {
+        let mut after = self.sides.clone();
+        place.events_end.iter().for_each(|change| after[change.switch] = change.sides[1]);
+        let (Some(last), mut turned) = (step.stages.last(), Vec::new()) else { return Vec::new() };
+        let Unknowns { x, mu, .. } = &last.solve.unknowns;
+        for friction in self.events.turned(&self.sides, &after) {
+            let JointFriction { joints, direction, .. } = self.events.friction(friction).clone();
+            let rows = self.problem.model.constraints[joints[1]].equations.clone();
+            let d = self.events.direction(friction, &after).to_vec();
+            let slip = self.events.slip(friction, [&v[..], q], step.end, &self.p);
+            let is_moving = moves(&slip, speed_of(v, x, step.h));
+            let u = if is_moving { slip } else { self.events.pull(friction, &mu[rows.clone()], &self.sides) };
+            let size = u.iter().map(|own| own * own).sum::<f64>().sqrt();
+            turned.extend(direction.iter().flat_map(Clone::clone));
+            for (k, back) in back.iter_mut().enumerate() {
+                let bar = [0, 1].map(|i| direction.iter().map(|places| back.p[places.start + i]).sum::<f64>());
+                direction.iter().for_each(|places| back.p[places.clone()].fill(0.0));
+                let along = bar[0] * d[0] + bar[1] * d[1];
+                let bar = [0, 1].map(|i| (bar[i] - along * d[i]) / size);
+                if is_moving {
+                    let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
+                    let seeds = [&mut v_bar[..], q_bar, &mut back.p];
+                    back.moves[1] += self.events.slip_back(friction, [v, q], (step.end, &self.p), &bar, seeds);
+                } else if let &[x, y] = self.events.axis(friction, &self.sides) {
+                    let mut seed = SolutionSeed::zeros(step.q.len(), mu.len());
+                    (seed.mu[rows.start], seed.mu[rows.start + 1]) = (x * bar[0] + y * bar[1], x * bar[1] - y * bar[0]);
+                    self.ending.push((k, seed));
+                }
+            }
+        }
+        turned
     }
 
     /// Back through an impact, by which velocities change by (1 + e) x.
