@@ -51,9 +51,11 @@ fn along(slip: &[f64]) -> (Vec<f64>, f64) {
     (unit(slip), near(STILL * length(slip)))
 }
 
+/// Some numbers by their length; of none the first direction.
 fn unit(values: &[f64]) -> Vec<f64> {
     let length = length(values);
-    values.iter().map(|own| own / length).collect()
+    let first = |k: usize| if k == 0 { 1.0 } else { 0.0 };
+    values.iter().enumerate().map(|(k, own)| if length > 0.0 { own / length } else { first(k) }).collect()
 }
 
 /// Carries changes out.
