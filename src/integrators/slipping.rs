@@ -201,7 +201,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 made.map(|made| {
                     let ([mut v, q], t) = self.state();
                     add_scaled(&mut v, &made.unknowns.x, 1.0);
-                    real(&events.slip(friction, [&v, &q], t, &self.p))
+                    real(&events.slip(friction, [&v, &q], t, &p))
                 })
             });
             self.p = p;
@@ -269,6 +269,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let rows: Vec<usize> = self.problem.model.constraints[own.joints[1]].equations.clone().collect();
             let without: Vec<usize> = dropped.iter().copied().filter(|row| !rows.contains(row)).collect();
             self.left_out_of(&without, state, t, &rows) == dropped
+                && !self.is_driven(events, friction, &dropped, (state, t))
         };
         let all = events.frictions().enumerate();
         all.filter_map(|(friction, own)| events.held(friction, is_held(friction, own), sides)).collect()
