@@ -268,8 +268,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             let rows: Vec<usize> = self.problem.model.constraints[own.joints[1]].equations.clone().collect();
             let without: Vec<usize> = dropped.iter().copied().filter(|row| !rows.contains(row)).collect();
-            self.left_out_of(&without, state, t, &rows) == dropped
-                && !self.is_driven(events, friction, &dropped, (state, t))
+            self.left_out_of(&without, state, t, &rows) == dropped && !self.is_driven(events, friction, &dropped, (state, t))
         };
         let all = events.frictions().enumerate();
         all.filter_map(|(friction, own)| events.held(friction, is_held(friction, own), sides)).collect()

@@ -391,8 +391,8 @@ version = 1
 gravity = [0, 0, -9.81]
 settings = {{ end = 2, steps = 40 }}
 variable.mu = {{ initial = 0.4, bounds = [0.1, 1] }}
-point = [{{ name = "stone", position = [0, 0, 0], mass = 2 }}]
-joint = [{{ name = "wall", type = "point_in_plane", between = ["ground", "stone"], point = [0, 0, 0], normal = ["-sin({angle})", "cos({angle})", 0] }}]
+point = [{{ name = "stone", position = [0.4, 0.2, 0], mass = 2 }}]
+joint = [{{ name = "wall", type = "point_in_plane", between = ["ground", "stone"], point = [0.4, 0.2, 0], normal = ["-sin({angle})", "cos({angle})", 0] }}]
 element = [{{ name = "push", nodes = {{ b = "stone" }}, force = {{ b = "7 * t * [cos({angle}), sin({angle}), 0] + 3 * t * [-sin({angle}), cos({angle}), 0]" }} }}]
 shape = [{{ name = "stone", on = "stone", type = "point" }}, {{ name = "floor", on = "ground", type = "plane", normal = [0, 0, 1] }}]
 contact = [{{ name = "floor", between = ["stone", "floor"], sliding = "mu" }}]
