@@ -17,7 +17,7 @@ use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
 use std::ops::Range;
 
-/// Share of the speeds of a model near which slip in two directions ends: its square is an error of these.
+/// Share of a slip in two directions near which it ends, or of the speeds of the model where nothing slips yet: its square is an error of directions.
 const STILL: f64 = 1e-4;
 /// Share of that to which it ends in impacts, whose slip is known to be another: nothing is left of the direction from which they are solved.
 const SHARP: f64 = 1e-4;
@@ -543,7 +543,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let direction = events.direction(friction, now);
             let slip = events.slip(friction, [&v[..], &q], t.value(), &p);
             let kept = impact.kept.iter().any(|own| own.friction == friction);
-            if now[stick] > 0.0 && !kept && length(&slip) > CONSISTENT * size(&v) {
+            if now[stick] > 0.0 && !kept && moves(&slip, self.speed()) {
                 // others hold it, and do not let it stick
                 let mut all = self.turns(events, friction, along(&slip), now);
                 all.extend(events.presence_change(own.joints[1], false, now));
@@ -560,7 +560,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             if direction.iter().all(|own| *own == 0.0) {
                 continue;
             }
-            if length(&slip) <= CONSISTENT * self.speed() && own.joints[0] != joint && !treated.broken.contains(&friction) {
+            if !moves(&slip, self.speed()) && own.joints[0] != joint && !treated.broken.contains(&friction) {
                 return Some(self.sticks(events, friction, now));
             }
             let forth: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();

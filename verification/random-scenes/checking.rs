@@ -235,7 +235,7 @@ impl Case {
             let method = &own.method.table.name;
             // an event may end the run just behind where steps begin anew: its last step has to be divided, too
             let sizes = || forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
-            let longest = sizes().fold(0.0, f64::max) / sizes().last().unwrap_or(1.0);
+            let longest = sizes().fold(0.0, f64::max) / sizes().next_back().unwrap_or(1.0);
             let by = (2.0 * longest).ceil().min(MOST_FINER) as usize;
             let [course, other] = [(&**method, by), ("esdirk5", 3)].map(|(method, by)| finer(method, by));
             let (course, other) = (course.map_err(unchecked)?, other.map_err(unchecked)?);
