@@ -19,7 +19,7 @@ pub struct VerifyOptions {
     /// Write the result to verification/NAME/result.md of the source tree, with its pictures
     #[arg(long, requires = "name")]
     record: bool,
-    /// Carry out the long form of a study that has one: of "random-scenes" with 18,000 motions, of "robustness" with 20 minutes of mutations
+    /// Carry out the long form of a study that has one: of "random-scenes" with 22,000 motions, of "robustness" with 20 minutes of mutations
     #[arg(long, requires = "name")]
     long: bool,
     /// Carry out the short form of a study that has one: seconds, and no figure that depends on the clock
