@@ -70,12 +70,12 @@ pub(super) fn locate<S: RunScalar>(
         let Candidate { switch, after, bracket: [low, high], .. } = own;
         trials += 1;
         if trials > MOST_TRIALS {
-            if let Some(failure) = unresolved(stepper, switch, t + made) {
+            if let Some(failure) = unresolved(stepper, switch, t + after) {
                 return Err(failure);
             }
             return Err(RunError::Input(format!(
                 "the time at which {} passes from one piece of its formula to another is not found: it jumps there by itself{NOT_LOCATED}",
-                place(stepper, switch, t + made)
+                place(stepper, switch, t + after)
             )));
         }
         // the end of the step is what is rounded
@@ -89,6 +89,8 @@ pub(super) fn locate<S: RunScalar>(
                 Ok(()) => {}
                 // formulas need not be defined beyond the end of a side
                 Err(failure) if failure.is_of_step() && next > low => {
+                    // nothing is left of the step before
+                    made = f64::NAN;
                     let is_shown = [own.is_shown[0], true];
                     own = Candidate { after: 0.5 * (low + next), bracket: [low, next], is_shown, is_sure: true, ..own };
                     continue;
