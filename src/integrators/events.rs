@@ -237,10 +237,8 @@ impl Events {
 
     /// How surfaces that stick are pulled along their velocities, by the multipliers of what sticks.
     pub fn pull<S: RunScalar>(&self, friction: usize, mu: &[S], sides: &[f64]) -> Vec<S> {
-        match (mu, self.axis(friction, sides)) {
-            (&[along, across], &[x, y]) => vec![along * x - across * y, along * y + across * x],
-            _ => mu.to_vec(),
-        }
+        let axis: Vec<S> = self.axis(friction, sides).iter().copied().map(S::from).collect();
+        from_axis(mu, &axis)
     }
 
     /// The direction of the first equation of what sticks, of two velocities.
@@ -280,11 +278,7 @@ impl Events {
         let mut slip = vec![S::zero(); formula.outputs.len()];
         let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
         S::run(formula.values(), &inputs, &mut slip, &mut ProgramWork::default());
-        // along its axis and at right angles to it
-        match (&slip[..], &p[own.axis.clone()]) {
-            (&[along, across], &[x, y]) => vec![along * x - across * y, along * y + across * x],
-            _ => slip,
-        }
+        from_axis(&slip, &p[own.axis.clone()])
     }
 
     /// Goes back through these, by their adjoints: to those of rates, coordinates and parameters, and the one of the time, which is returned.
@@ -298,10 +292,7 @@ impl Events {
     ) -> f64 {
         let Slip { formula, places, own, .. } = &self.frictions[friction];
         let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
-        let bars = match (bars, &p[own.axis.clone()]) {
-            (&[first, second], &[x, y]) => vec![x * first + y * second, x * second - y * first],
-            _ => bars.to_vec(),
-        };
+        let bars = along_axis(bars, &p[own.axis.clone()]);
         results_back(formula, places, &inputs, bars.into_iter().enumerate(), seeds)
     }
 
@@ -643,6 +634,22 @@ impl Events {
         let part = self.part(switch);
         let gradient = part.switches.number_by_arguments(switch - part.first, &part.inputs(&moment, p));
         part.places.iter().zip(gradient).for_each(|(&place, own)| add(place, own));
+    }
+}
+
+/// The components along an axis c and at right angles to it of two velocities, or of their adjoints; of one velocity itself.
+pub(crate) fn along_axis(both: &[f64], axis: &[f64]) -> Vec<f64> {
+    match (both, axis) {
+        (&[first, second], &[x, y]) => vec![x * first + y * second, x * second - y * first],
+        _ => both.to_vec(),
+    }
+}
+
+/// Two velocities, or forces, of such components.
+fn from_axis<S: RunScalar>(components: &[S], axis: &[S]) -> Vec<S> {
+    match (components, axis) {
+        (&[along, across], &[x, y]) => vec![along * x - across * y, along * y + across * x],
+        _ => components.to_vec(),
     }
 }
 

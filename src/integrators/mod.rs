@@ -66,7 +66,7 @@ pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub use error::{RunError, Stop};
-pub(crate) use events::{Events, Moment};
+pub(crate) use events::{Events, Moment, along_axis};
 #[doc(hidden)]
 pub use events::{SetNumber, SideChange};
 pub(crate) use given::{march, march_along, march_dividing, march_given};

@@ -15,7 +15,8 @@ use crate::functionals::{
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError,
-    SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, each_formula, moves, speed_of,
+    SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, along_axis, each_formula,
+    moves, speed_of,
 };
 use crate::program::Formula;
 use smallvec::SmallVec;
@@ -557,9 +558,9 @@ impl<'m> Sweep<'m> {
                     let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
                     let seeds = [&mut v_bar[..], q_bar, &mut back.p];
                     back.moves[1] += self.events.slip_back(friction, [v, q], (step.end, &self.p), &bar, seeds);
-                } else if let &[x, y] = self.events.axis(friction, &self.sides) {
+                } else {
                     let mut seed = SolutionSeed::zeros(step.q.len(), mu.len());
-                    (seed.mu[rows.start], seed.mu[rows.start + 1]) = (x * bar[0] + y * bar[1], x * bar[1] - y * bar[0]);
+                    seed.mu[rows.clone()].copy_from_slice(&along_axis(&bar, self.events.axis(friction, &self.sides)));
                     self.ending.push((k, seed));
                 }
             }
