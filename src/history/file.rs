@@ -456,6 +456,7 @@ mod tests {
             position_projection,
             velocity_projection,
             acceleration,
+            axes: Vec::new(),
         }
     }
 

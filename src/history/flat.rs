@@ -2,9 +2,9 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Target, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause, Prediction,
-    Renewal, Scheme, SetNumber, SideChange, SlipBefore, SolveRecord, Stability, StabilityCourse, StartRecord, StepError,
-    StepErrors, StepSizeState, StepState, Track,
+    AxisRecord, Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause,
+    Prediction, Renewal, Scheme, SetNumber, SideChange, SlipBefore, SolveRecord, Stability, StabilityCourse, StartRecord,
+    StepError, StepErrors, StepSizeState, StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -206,7 +206,8 @@ flat! {
     Prediction<f64> { tracks }
     SideChange { switch, sides }
     SetNumber<f64> { event, target, value }
-    ImpactRecord<f64> { event, solve, dropped, restitution, impulse, set, kept }
+    ImpactRecord<f64> { event, solve, dropped, restitution, impulse, set, kept, axes }
+    AxisRecord<f64> { friction, impacts }
     SlipBefore<f64> { friction, slip }
     StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
@@ -227,17 +228,26 @@ flat! {
 
 impl Flat for StartRecord<f64> {
     fn put(&self, bytes: &mut Vec<u8>) {
-        let StartRecord { dropped, sides, clock: _, equilibrium, position_projection, velocity_projection, acceleration } =
-            self;
+        let StartRecord {
+            dropped,
+            sides,
+            clock: _,
+            equilibrium,
+            position_projection,
+            velocity_projection,
+            acceleration,
+            axes,
+        } = self;
         dropped.put(bytes);
         sides.put(bytes);
         [equilibrium, position_projection, velocity_projection].into_iter().for_each(|own| own.put(bytes));
         acceleration.put(bytes);
+        axes.put(bytes);
     }
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         let (dropped, sides) = Flat::take(bytes)?;
         let [equilibrium, position_projection, velocity_projection] = Flat::take(bytes)?;
-        let acceleration = Flat::take(bytes)?;
+        let (acceleration, axes) = Flat::take(bytes)?;
         Some(StartRecord {
             dropped,
             sides,
@@ -246,6 +256,7 @@ impl Flat for StartRecord<f64> {
             position_projection,
             velocity_projection,
             acceleration,
+            axes,
         })
     }
 }

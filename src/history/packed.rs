@@ -14,6 +14,7 @@ impl Flat for StepRecord<f64> {
         self.switched.put(bytes);
         self.set.put(bytes);
         self.impacts.put(bytes);
+        self.axes.put(bytes);
         self.restart.put(bytes);
         self.carried.put(bytes);
         self.stages.len().put(bytes);
@@ -80,6 +81,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     retake(&mut step.switched, bytes)?;
     retake(&mut step.set, bytes)?;
     retake(&mut step.impacts, bytes)?;
+    retake(&mut step.axes, bytes)?;
     step.restart = Flat::take(bytes)?;
     step.carried.resize_with(usize::take(bytes)?, Vec::new);
     step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;

@@ -29,6 +29,15 @@ pub struct SideChange {
     pub sides: [f64; 2],
 }
 
+/// Directions of a friction of two velocities with their derivative parts: of its slip, and of the first equation of what sticks.
+#[derive(Clone, Copy)]
+pub struct Directions<S> {
+    pub slip: Option<[S; 2]>,
+    pub axis: Option<[S; 2]>,
+}
+
+crate::assembly::empty_fields!(Directions { slip, axis });
+
 /// A state between two steps.
 #[derive(Clone, Copy)]
 pub struct Moment<'s, S> {
@@ -235,12 +244,6 @@ impl Events {
         changes.filter(|own| (own.sides[0] - own.sides[1]).abs() > CONSISTENT).collect()
     }
 
-    /// How surfaces that stick are pulled along their velocities, by the multipliers of what sticks.
-    pub fn pull<S: RunScalar>(&self, friction: usize, mu: &[S], sides: &[f64]) -> Vec<S> {
-        let axis: Vec<S> = self.axis(friction, sides).iter().copied().map(S::from).collect();
-        from_axis(mu, &axis)
-    }
-
     /// The direction of the first equation of what sticks, of two velocities.
     pub fn axis<'s>(&self, friction: usize, sides: &'s [f64]) -> &'s [f64] {
         let Slip { own, first, .. } = &self.frictions[friction];
@@ -256,11 +259,15 @@ impl Events {
         (0..self.frictions.len()).filter(is_turned).collect()
     }
 
-    /// Writes directions of slip with derivative parts to where they stand in p.
-    pub fn write_turned<S: RunScalar>(&self, directions: &[Option<[S; 2]>], p: &mut [S]) {
-        for (Slip { own, .. }, direction) in self.frictions.iter().zip(directions) {
-            let Some(direction) = direction else { continue };
-            own.direction.iter().for_each(|places| p[places.start..][..2].copy_from_slice(direction));
+    /// Writes the derivative parts of directions, of slip and of what sticks, to where these stand in p.
+    pub fn write_turned<S: RunScalar>(&self, directions: &[Directions<S>], p: &mut [S]) {
+        for (Slip { own, .. }, Directions { slip, axis }) in self.frictions.iter().zip(directions) {
+            if let Some(slip) = slip {
+                own.direction.iter().for_each(|places| p[places.start..][..2].copy_from_slice(slip));
+            }
+            if let Some(axis) = axis {
+                p[own.axis.clone()].iter_mut().zip(axis).for_each(|(p, &own)| *p += own - S::from(own.value()));
+            }
         }
     }
 
@@ -293,7 +300,12 @@ impl Events {
         let Slip { formula, places, own, .. } = &self.frictions[friction];
         let inputs = inputs(places, &Moment { a: &[], v, q, mu: [&[]; 2], t }, p);
         let bars = along_axis(bars, &p[own.axis.clone()]);
-        results_back(formula, places, &inputs, bars.into_iter().enumerate(), seeds)
+        let [v_bar, q_bar, p_bar] = seeds;
+        // an axis turns the equations of what sticks, not the slip
+        let of_axis = p_bar[own.axis.clone()].to_vec();
+        let t_bar = results_back(formula, places, &inputs, bars.into_iter().enumerate(), [v_bar, q_bar, p_bar]);
+        p_bar[own.axis.clone()].copy_from_slice(&of_axis);
+        t_bar
     }
 
     /// Whether what surfaces that stick would have to hold is more than friction can, by multipliers of which so much is none.
@@ -646,7 +658,7 @@ pub(crate) fn along_axis(both: &[f64], axis: &[f64]) -> Vec<f64> {
 }
 
 /// Two velocities, or forces, of such components.
-fn from_axis<S: RunScalar>(components: &[S], axis: &[S]) -> Vec<S> {
+pub(crate) fn from_axis<S: RunScalar>(components: &[S], axis: &[S]) -> Vec<S> {
     match (components, axis) {
         (&[along, across], &[x, y]) => vec![along * x - across * y, along * y + across * x],
         _ => components.to_vec(),

@@ -66,7 +66,7 @@ pub use crossings::Crossing;
 #[doc(hidden)]
 pub use crossings::{Place, SwitchWatch, each_formula};
 pub use error::{RunError, Stop};
-pub(crate) use events::{Events, Moment, along_axis};
+pub(crate) use events::{Events, Moment, along_axis, from_axis};
 #[doc(hidden)]
 pub use events::{SetNumber, SideChange};
 pub(crate) use given::{march, march_along, march_dividing, march_given};
@@ -84,7 +84,7 @@ pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 #[doc(hidden)]
-pub use record::{ImpactRecord, SlipBefore};
+pub use record::{AxisRecord, ImpactRecord, SlipBefore};
 pub(crate) use record::{Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;

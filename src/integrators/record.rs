@@ -73,6 +73,8 @@ pub struct StepRecord<S> {
     pub set: Vec<SetNumber<S>>,
     /// Impacts there.
     pub impacts: Vec<ImpactRecord<S>>,
+    /// Directions of what sticks from there on.
+    pub axes: Vec<AxisRecord<S>>,
 }
 
 /// An impact at the end of a step.
@@ -92,6 +94,18 @@ pub struct ImpactRecord<S> {
     pub set: Vec<(usize, f64)>,
     /// Slip that sticking surfaces have in it, so that with restitution none is left.
     pub kept: Vec<SlipBefore<S>>,
+    /// Directions of what sticks in it.
+    pub axes: Vec<AxisRecord<S>>,
+}
+
+/// The direction along which joints alone let surfaces slip that stick: that of their slip behind the second of two impacts less that behind the first,
+/// of which the second makes them slip.
+#[derive(Debug, PartialEq)]
+pub struct AxisRecord<S> {
+    /// Number of the friction.
+    pub friction: usize,
+    /// Both impacts, of which none happens.
+    pub impacts: [ImpactRecord<S>; 2],
 }
 
 /// Slip before an impact.
@@ -104,7 +118,8 @@ pub struct SlipBefore<S> {
 }
 
 clone_fields!(SolveRecord { t, equations, base, unknowns });
-clone_fields!(ImpactRecord { event, solve, dropped, restitution, impulse, set, kept });
+clone_fields!(ImpactRecord { event, solve, dropped, restitution, impulse, set, kept, axes });
+clone_fields!(AxisRecord { friction, impacts });
 clone_fields!(SlipBefore { friction, slip });
 clone_fields!(StageRecord { solve, known });
 clone_fields!(StepRecord {
@@ -123,7 +138,8 @@ clone_fields!(StepRecord {
     q,
     v,
     set,
-    impacts
+    impacts,
+    axes
 });
 
 impl<S: Scalar> ImpactRecord<S> {
@@ -202,6 +218,8 @@ pub struct StartRecord<S> {
     pub velocity_projection: Option<SolveRecord<S>>,
     /// The first acceleration and its multipliers.
     pub acceleration: SolveRecord<S>,
+    /// Directions of what sticks there.
+    pub axes: Vec<AxisRecord<S>>,
 }
 
 /// Sees the steps of an earlier run again; `false` stops it.

@@ -5,9 +5,9 @@
 //!
 //! Source: Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts, chapters 5 and 8.
 
-use super::events::{Events, Moment, SideChange};
+use super::events::{Events, Moment, SideChange, from_axis};
 use super::march::add_scaled;
-use super::record::{ImpactRecord, SlipBefore};
+use super::record::{AxisRecord, ImpactRecord, SlipBefore};
 use super::redundancy::dependent_among;
 use super::step::{NO_FORCE, Stepper, real, size};
 use super::{ConstraintLevel, RunError, StartPlan};
@@ -56,6 +56,18 @@ fn unit(values: &[f64]) -> Vec<f64> {
     let length = length(values);
     let first = |k: usize| if k == 0 { 1.0 } else { 0.0 };
     values.iter().enumerate().map(|(k, own)| if length > 0.0 { own / length } else { first(k) }).collect()
+}
+
+impl<S: RunScalar> AxisRecord<S> {
+    /// The slip along it, in both impacts at a state.
+    pub(crate) fn slip(&self, events: &Events, [v, q]: [&[S]; 2], t: S, p: &[S]) -> [S; 2] {
+        let [none, some] = self.impacts.each_ref().map(|own| {
+            let mut v = v.to_vec();
+            add_scaled(&mut v, &own.solve.unknowns.x, 1.0);
+            events.slip(self.friction, [&v, q], t, p)
+        });
+        [0, 1].map(|k| some[k] - none[k])
+    }
 }
 
 /// Carries changes out.
@@ -119,10 +131,10 @@ impl<S: RunScalar> Stepper<'_, S> {
     }
 
     /// Directions with their derivative parts: of the slip, or of the force that broke surfaces away.
-    pub(super) fn follow_directions(&mut self, events: &Events, before: &[f64]) {
+    pub(super) fn follow_directions(&mut self, events: &Events, before: &[f64], axes: &[Vec<S>]) {
         for friction in 0..events.frictions().len() {
             if events.direction(friction, &self.between.sides).iter().all(|own| *own == 0.0) {
-                self.directions[friction] = None;
+                self.directions[friction].slip = None;
             }
         }
         for friction in events.turned(before, &self.between.sides) {
@@ -130,17 +142,18 @@ impl<S: RunScalar> Stepper<'_, S> {
             let rows = self.problem.model.constraints[events.friction(friction).joints[1]].equations.clone();
             let own = match moves(&real(&slip), self.speed()) {
                 true => slip,
-                false => events.pull(friction, &self.between.last.mu[rows], before),
+                false => from_axis(&self.between.last.mu[rows], &axes[friction]),
             };
             let length = own.iter().map(|&own| own * own).fold(S::zero(), |sum, own| sum + own).sqrt();
-            self.directions[friction] = Some([own[0] / length, own[1] / length]);
+            self.directions[friction].slip = Some([own[0] / length, own[1] / length]);
         }
     }
 
     /// The changes by which surfaces that stuck slip, as their multipliers pull them.
     pub(super) fn slips(&self, events: &Events, friction: usize, mu: &[f64], sides: &[f64]) -> Vec<SideChange> {
         let joint = events.friction(friction).joints[1];
-        let direction = unit(&events.pull(friction, &mu[self.problem.model.constraints[joint].equations.clone()], sides));
+        let own = &mu[self.problem.model.constraints[joint].equations.clone()];
+        let direction = unit(&from_axis(own, events.axis(friction, sides)));
         self.turns(events, friction, (direction, self.still()), sides)
     }
 
@@ -174,9 +187,18 @@ impl<S: RunScalar> Stepper<'_, S> {
         dependent_among((self.problem.model, &real(&self.p)), dropped, [&real(q), &real(v)], t, rows)
     }
 
-    /// The changes by which surfaces that joints let slip along a line alone, of two directions, stick by an equation along that line: its multiplier is
-    /// then the force that friction has to have at least.
-    pub(super) fn aligned(&mut self, events: &Events, sides: &[f64], dropped: &[usize]) -> Vec<SideChange> {
+    /// The direction of the first equation of what sticks, of two velocities, with its derivative parts.
+    pub(super) fn axis(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<S> {
+        let own = events.axis(friction, sides).iter().map(|&own| S::from(own));
+        match self.directions[friction].axis {
+            Some(axis) => own.zip(axis).map(|(own, axis)| own + (axis - S::from(axis.value()))).collect(),
+            None => own.collect(),
+        }
+    }
+
+    /// The directions along which joints alone let surfaces slip that stick, of two: these stick by an equation along that line, whose multiplier is then
+    /// the force that friction has to have at least.
+    pub(super) fn axes(&mut self, events: &Events, sides: &[f64], dropped: &[usize]) -> Vec<AxisRecord<S>> {
         let mut all = Vec::new();
         for (friction, own) in events.frictions().enumerate().filter(|(_, own)| own.kept.len() == 2) {
             let rows = self.problem.model.constraints[own.joints[1]].equations.clone();
@@ -187,30 +209,61 @@ impl<S: RunScalar> Stepper<'_, S> {
                 continue;
             };
             // it moves on that line alone, whatever moves it
-            let p = self.p.clone();
-            events
-                .frictions()
-                .flat_map(|own| &own.direction)
-                .flat_map(Range::clone)
-                .for_each(|place| self.p[place] = S::zero());
-            let mut slips = [0.0, 1.0].map(|speed| {
-                let axis = own.axis.clone().map(|place| p[place]).collect::<Vec<S>>();
-                let along = [[axis[0], axis[1]], [-axis[1], axis[0]]][kept];
-                own.kept.clone().zip(along).for_each(|(place, own)| self.p[place] = own * speed);
-                let made = self.impact(own.joints[0], dropped);
-                made.map(|made| {
-                    let ([mut v, q], t) = self.state();
-                    add_scaled(&mut v, &made.unknowns.x, 1.0);
-                    real(&events.slip(friction, [&v, &q], t, &p))
-                })
+            let standing =
+                events.frictions().flat_map(|own| &own.direction).flat_map(Range::clone).map(|place| (place, 0.0));
+            let standing: Vec<(usize, f64)> = events.set_in_impact(sides).into_iter().chain(standing).collect();
+            let axis = events.axis(friction, sides);
+            let along = [[axis[0], axis[1]], [-axis[1], axis[0]]][kept];
+            let impacts = [0.0, 1.0].map(|speed| {
+                let slip = own.kept.clone().zip(along.map(|own| speed * own));
+                let set = standing.iter().copied().chain(slip).collect();
+                let mut impact = ImpactRecord { set, dropped: dropped.to_vec(), ..ImpactRecord::default() };
+                let p = self.p.clone();
+                impact.set_parameters(&[], &mut self.p);
+                let solved = self.impact(own.joints[0], dropped);
+                self.p = p;
+                impact.solve = solved.ok()?;
+                Some(impact)
             });
-            self.p = p;
-            if let [Ok(none), Ok(some)] = &mut slips {
-                let along: Vec<f64> = some.iter().zip(none).map(|(some, none)| some - *none).collect();
-                all.extend(events.align(friction, &unit(&along), sides));
+            if let [Some(none), Some(some)] = impacts {
+                all.push(AxisRecord { friction, impacts: [none, some] });
             }
         }
         all
+    }
+
+    /// Takes over the derivative parts of such directions; returns the changes to them.
+    pub(super) fn align(&mut self, events: &Events, axes: &[AxisRecord<S>], sides: &[f64]) -> Vec<SideChange> {
+        let mut all = Vec::new();
+        for own in axes {
+            let ([v, q], t) = self.state();
+            let slip = own.slip(events, [&v, &q], t, &self.p);
+            let length = slip.iter().map(|&own| own * own).fold(S::zero(), |sum, own| sum + own).sqrt();
+            let axis = [slip[0] / length, slip[1] / length];
+            self.directions[own.friction].axis = Some(axis);
+            all.extend(events.align(own.friction, &real(&axis), sides));
+        }
+        all
+    }
+
+    /// Those at the start, with the derivative parts that they have from there on.
+    pub(super) fn axes_at_start(&mut self, (q, v): (&[S], &[S]), dropped: &[usize]) -> Vec<AxisRecord<S>> {
+        let Some(events) = self.events.take() else { return Vec::new() };
+        self.between.carried = vec![q.to_vec(), v.to_vec()];
+        let sides = self.between.sides.clone();
+        let axes = self.axes(&events, &sides, dropped);
+        self.align(&events, &axes, &sides);
+        self.events = Some(events);
+        axes
+    }
+
+    /// The same at the end of the step made last, where these begin to hold.
+    pub(super) fn align_behind(&mut self, events: &Events, sides: &[f64]) -> Vec<SideChange> {
+        let dropped = self.dropped_behind(&events.absent(sides));
+        let axes = self.axes(events, sides, &dropped);
+        let aligned = self.align(events, &axes, sides);
+        self.record.axes = axes;
+        aligned
     }
 
     /// Whether drivers move surfaces against each other, so that these never stick: of one direction, whose equation is left out for theirs.
@@ -390,7 +443,8 @@ impl<S: RunScalar> Stepper<'_, S> {
         let mut treated = Treated::default();
         for _ in 0..MOST_CHANGES {
             impact.dropped = self.dropped_behind(&events.absent(&now));
-            let aligned = self.aligned(events, &now, &impact.dropped);
+            impact.axes = self.axes(events, &now, &impact.dropped);
+            let aligned = self.align(events, &impact.axes, &now);
             if !aligned.is_empty() {
                 set(&aligned, &mut now);
                 events.write_directions(&now, &mut self.p);
@@ -407,7 +461,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             impact.set_parameters(&model.frictions, &mut self.p);
             // those that an impact leaves as they are have derivatives
             let mut directions = self.directions.clone();
-            events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own] = None);
+            events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own].slip = None);
             events.write_turned(&directions, &mut self.p);
             let solved = self.impact(joint, &impact.dropped);
             let of_impact = std::mem::replace(&mut self.p, p);

@@ -2,7 +2,7 @@
 
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
-use super::events::{Events, Moment, SideChange};
+use super::events::{Directions, Events, Moment, SideChange};
 use super::grid::{Clocks, beside, clock_at};
 use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
@@ -41,7 +41,7 @@ pub struct Stepper<'m, S> {
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
     /// Directions in which surfaces slip, of two velocities, with their derivative parts.
-    pub(super) directions: Vec<Option<[S; 2]>>,
+    pub(super) directions: Vec<Directions<S>>,
     /// Time just behind the end of the step made last, where forces jump at a breakpoint there \[s\].
     behind: Option<f64>,
     /// Multipliers by which events at the end of the step made last happen.
@@ -171,7 +171,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             close_by: 0,
             mu_before: Vec::new(),
             behind: None,
-            directions: vec![None; problem.model.frictions.len()],
+            directions: vec![Directions::default(); problem.model.frictions.len()],
             forces: Vec::new(),
             analyses: Vec::new(),
             acceleration,
@@ -296,6 +296,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         };
         self.select(&dropped)?;
         self.between.sides.clone_from(&sides);
+        let axes = self.axes_at_start((&q, &v), &dropped);
         self.write_sides();
         let mut first = SolveRecord::default();
         let mut guessed = Vec::new();
@@ -339,7 +340,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         let [position_projection, velocity_projection] = projections;
         let clock = self.clock;
-        Ok(StartRecord { dropped, sides, clock, equilibrium, position_projection, velocity_projection, acceleration: first })
+        Ok(StartRecord {
+            dropped,
+            sides,
+            clock,
+            equilibrium,
+            position_projection,
+            velocity_projection,
+            acceleration: first,
+            axes,
+        })
     }
 
     /// Changes sides whose numbers are zero at the start and leave it by the first accelerations; whether there are any.
@@ -427,7 +437,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let own: Vec<usize> = sticking.iter().flat_map(|own| rows(events.friction(*own).joints[1])).collect();
             let mut dropped = self.left_out_of(&dropped, (q, v), t, &own);
             events.write_directions(sides, &mut self.p);
-            let aligned = self.aligned(&events, sides, &dropped);
+            let axes = self.axes(&events, sides, &dropped);
+            let aligned = self.align(&events, &axes, sides);
             if !aligned.is_empty() {
                 set(&aligned, sides);
                 events.write_directions(sides, &mut self.p);
@@ -732,10 +743,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_made_again: bool,
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let Some(mut events) = self.events.take() else { return Ok((changes, false)) };
-        let before = if S::PARTS > 0 { self.between.sides.clone() } else { Vec::new() };
+        let before = self.between.sides.clone();
+        let axes: Vec<Vec<S>> = (0..self.directions.len()).map(|own| self.axis(&events, own, &before)).collect();
         let made = self.pass_with(&mut events, changes, is_made_again);
         if S::PARTS > 0 {
-            self.follow_directions(&events, &before);
+            self.follow_directions(&events, &before, &axes);
         }
         self.events = Some(events);
         self.write_sides();
@@ -852,10 +864,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let directed = self.directed(events, &before, &self.between.sides);
             set(&directed, &mut self.between.sides);
             changes.extend(directed);
-            let held = self.held_by_others(events, &self.between.sides, (&q, &v), self.record.end);
-            let dropped = self.dropped_behind(&events.absent(&self.between.sides));
-            let aligned = self.aligned(events, &self.between.sides.clone(), &dropped);
-            changes.extend(held.into_iter().chain(aligned));
+            changes.extend(self.held_by_others(events, &self.between.sides, (&q, &v), self.record.end));
+            set(&changes, &mut self.between.sides);
+        }
+        if !happened.is_empty() && events.frictions().len() > 0 {
+            let sides = self.between.sides.clone();
+            let aligned = self.align_behind(events, &sides);
+            changes.extend(aligned.into_iter().filter(|_| !is_made_again));
             set(&changes, &mut self.between.sides);
             events.write_directions(&self.between.sides, &mut self.p);
         }
@@ -1265,6 +1280,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.restart = None;
         record.set.clear();
         record.impacts.clear();
+        record.axes.clear();
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
         } else if solves {

@@ -14,9 +14,9 @@ use crate::functionals::{
 };
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan, RunError,
-    SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, along_axis, each_formula,
-    moves, speed_of,
+    AxisRecord, Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan,
+    RunError, SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, along_axis,
+    each_formula, from_axis, moves, speed_of,
 };
 use crate::program::Formula;
 use smallvec::SmallVec;
@@ -162,6 +162,7 @@ impl<'m> Sweep<'m> {
             let bases = solvers.plain().through(record, &self.p, &seeds, &mut back, &mut self.counters)?;
             carry(bases, &mut back);
         }
+        self.axes_back(&start.axes, &mut back)?;
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
                 let seeds: Vec<SolutionSeed> = back
@@ -511,10 +512,12 @@ impl<'m> Sweep<'m> {
             }
             states.push([v, q]);
         }
-        let turned = self.directions_back(step, place, &states[states.len() - 1], back);
+        let (turned, pulled) = self.directions_back(step, place, &states[states.len() - 1], back);
+        self.axes_back(&step.axes, back)?;
         for ((number, &event), [v, q]) in happened.iter().enumerate().zip(&states).rev() {
             for own in step.impacts.iter().rev().filter(|own| own.event == number) {
                 self.impact_back(own, back)?;
+                self.axes_back(&own.axes, back)?;
             }
             for back in &mut back[..self.functionals.len()] {
                 let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
@@ -524,29 +527,32 @@ impl<'m> Sweep<'m> {
         }
         // impacts have directions of their own
         turned.into_iter().for_each(|place| back.iter_mut().for_each(|back| back.p[place] = 0.0));
+        pulled.into_iter().for_each(|(k, place, bar)| back[k].p[place] += bar);
         Ok(())
     }
 
     /// Back through the directions in which surfaces slip from an event on, d = u / |u|, where u is their slip [v, q] behind it, or the force that
-    /// broke them away; returns their places in p.
+    /// broke them away; returns their places in p, and adjoints, by functionals and places, of the axes along which they stuck before.
     fn directions_back(
         &mut self,
         step: &StepRecord<f64>,
         place: &StepPlace,
         [v, q]: &[Vec<f64>; 2],
         back: &mut [Backward],
-    ) -> Vec<usize> {
+    ) -> (Vec<usize>, Vec<(usize, usize, f64)>) {
         let mut after = self.sides.clone();
         place.events_end.iter().for_each(|change| after[change.switch] = change.sides[1]);
-        let (Some(last), mut turned) = (step.stages.last(), Vec::new()) else { return Vec::new() };
+        let (mut turned, mut pulled) = (Vec::new(), Vec::new());
+        let Some(last) = step.stages.last() else { return (turned, pulled) };
         let Unknowns { x, mu, .. } = &last.solve.unknowns;
         for friction in self.events.turned(&self.sides, &after) {
-            let JointFriction { joints, direction, .. } = self.events.friction(friction).clone();
+            let JointFriction { joints, direction, axis: places, .. } = self.events.friction(friction).clone();
             let rows = self.problem.model.constraints[joints[1]].equations.clone();
             let d = self.events.direction(friction, &after).to_vec();
             let slip = self.events.slip(friction, [&v[..], q], step.end, &self.p);
             let is_moving = moves(&slip, speed_of(v, x, step.h));
-            let u = if is_moving { slip } else { self.events.pull(friction, &mu[rows.clone()], &self.sides) };
+            let axis = self.events.axis(friction, &self.sides);
+            let u = if is_moving { slip } else { from_axis(&mu[rows.clone()], axis) };
             let size = u.iter().map(|own| own * own).sum::<f64>().sqrt();
             turned.extend(direction.iter().flat_map(Clone::clone));
             for (k, back) in back.iter_mut().enumerate() {
@@ -560,16 +566,64 @@ impl<'m> Sweep<'m> {
                     back.moves[1] += self.events.slip_back(friction, [v, q], (step.end, &self.p), &bar, seeds);
                 } else {
                     let mut seed = SolutionSeed::zeros(step.q.len(), mu.len());
-                    seed.mu[rows.clone()].copy_from_slice(&along_axis(&bar, self.events.axis(friction, &self.sides)));
+                    seed.mu[rows.clone()].copy_from_slice(&along_axis(&bar, axis));
                     self.ending.push((k, seed));
+                    let of_axis = along_axis(&bar, &mu[rows.clone()]);
+                    pulled.extend(places.clone().zip(of_axis).map(|(place, bar)| (k, place, bar)));
                 }
             }
         }
-        turned
+        (turned, pulled)
     }
 
-    /// Back through an impact, by which velocities change by (1 + e) x.
-    fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
+    /// Back through the directions c = u / |u| of what sticks, where u is what slip there is in the second of two impacts less that in the first.
+    fn axes_back(&mut self, axes: &[AxisRecord<f64>], back: &mut [Backward]) -> Result<(), RunError> {
+        for own in axes {
+            let [none, _] = &own.impacts;
+            let (t, [v, q]) = (none.solve.t, [&none.solve.base.v[..], &none.solve.base.q]);
+            let u = own.slip(&self.events, [v, q], t, &self.p);
+            let size = u[0].hypot(u[1]);
+            let across = [-u[1] / size, u[0] / size];
+            let places = self.events.friction(own.friction).axis.clone();
+            let take = |back: &mut Backward| {
+                let bars = &mut back.p[places.clone()];
+                let bar = (bars[0] * across[0] + bars[1] * across[1]) / size;
+                bars.fill(0.0);
+                across.map(|own| own * bar)
+            };
+            let bars: Vec<[f64; 2]> = back.iter_mut().map(take).collect();
+            // what is set in both depends on nothing
+            let set: Vec<usize> = none.set.iter().map(|own| own.0).collect();
+            let of_set: Vec<Vec<f64>> = back.iter().map(|back| set.iter().map(|&place| back.p[place]).collect()).collect();
+            for (impact, sign) in own.impacts.iter().zip([-1.0, 1.0]) {
+                let SolveRecord { base, unknowns, .. } = &impact.solve;
+                let v: Vec<f64> = base.v.iter().zip(&unknowns.x).map(|(v, x)| v + x).collect();
+                let mut seeds = Vec::new();
+                for (back, bar) in back.iter_mut().zip(&bars) {
+                    let mut seed = SolutionSeed::zeros(v.len(), unknowns.mu.len());
+                    let [q_bar, v_bar, ..] = &mut back.carried[..] else { unreachable!("q and v are carried first") };
+                    let rates = [&mut seed.x[..], q_bar, &mut back.p];
+                    let bar = bar.map(|bar| sign * bar);
+                    back.moves[1] += self.events.slip_back(own.friction, [&v, q], (t, &self.p), &bar, rates);
+                    add(v_bar, 1.0, &seed.x);
+                    seeds.push(seed);
+                }
+                self.through_impact(impact, &seeds, back)?;
+            }
+            for (back, bars) in back.iter_mut().zip(of_set) {
+                set.iter().zip(bars).for_each(|(&place, bar)| back.p[place] = bar);
+            }
+        }
+        Ok(())
+    }
+
+    /// Back through the equations of an impact.
+    fn through_impact(
+        &mut self,
+        impact: &ImpactRecord<f64>,
+        seeds: &[SolutionSeed],
+        back: &mut [Backward],
+    ) -> Result<(), RunError> {
         let mut p = self.p.clone();
         impact.set_parameters(&self.problem.model.frictions, &mut p);
         let place = match self.impacts.iter().position(|own| own.system.options.dropped == impact.dropped) {
@@ -583,11 +637,17 @@ impl<'m> Sweep<'m> {
         // its numbers do not depend on the impacts before
         let mut solver = self.impacts[place].clone_analysis()?;
         solver.clock = shifting_clock;
-        let multipliers = solver.system.multipliers();
-        let (factor, x) = (impact.factor(&self.p), &impact.solve.unknowns.x);
+        let bases = solver.through(&impact.solve, &p, seeds, back, &mut self.counters)?;
+        carry(bases, back);
+        Ok(())
+    }
+
+    /// Back through an impact, by which velocities change by (1 + e) x.
+    fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
+        let (factor, Unknowns { x, mu, .. }) = (impact.factor(&self.p), &impact.solve.unknowns);
         let mut seeds = Vec::new();
         for back in &mut *back {
-            let mut seed = SolutionSeed::zeros(x.len(), multipliers);
+            let mut seed = SolutionSeed::zeros(x.len(), mu.len());
             add(&mut seed.x, factor, &back.carried[1]);
             impact.go_back(&back.carried[1], &self.p, &mut seed.mu, &mut back.p);
             seeds.push(seed);
@@ -595,8 +655,7 @@ impl<'m> Sweep<'m> {
         // at other times nothing is kept
         let kept = self.problem.model.frictions.iter().flat_map(|own| own.kept.clone());
         kept.for_each(|place| back.iter_mut().for_each(|back| back.p[place] = 0.0));
-        let bases = solver.through(&impact.solve, &p, &seeds, back, &mut self.counters)?;
-        carry(bases, back);
+        self.through_impact(impact, &seeds, back)?;
         self.kept_back(impact, back);
         Ok(())
     }

@@ -349,9 +349,10 @@ impl<'m> Analysis<'m> {
         active.iter_mut().zip(also).for_each(|(active, also)| *active |= also);
         let kept = self.model.frictions.iter().flat_map(|own| own.kept.clone());
         kept.for_each(|place| active[place] = true);
-        // directions of slip follow from the motion
+        // directions of slip, and of what sticks, follow from the motion
         let two = self.model.frictions.iter().filter(|own| own.kept.len() == 2);
-        two.flat_map(|own| &own.direction).flat_map(Clone::clone).for_each(|place| active[place] = true);
+        let places = two.flat_map(|own| own.direction.iter().chain([&own.axis])).flat_map(Clone::clone);
+        places.for_each(|place| active[place] = true);
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();

@@ -404,6 +404,60 @@ functional = [{{ name = "loose", type = "event_time", event = "floor", which = "
     }
 }
 
+/// A stone between a floor and a wall that leans over it lets go where 7 t cos a = mu (m g - 7 t sin a tan b): the wall takes what pushes across it, and
+/// bears on the floor with it. The line along which it sticks is another one in each design.
+#[test]
+fn the_line_along_which_a_contact_sticks_has_derivatives() {
+    let (values, rows) = values_of(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 2, steps = 40 }
+variable.mu = { initial = 0.4, bounds = [0.1, 1] }
+variable.a = { initial = 0.7, bounds = [0, 1] }
+variable.b = { initial = 0.3, bounds = [0, 1] }
+point = [{ name = "stone", position = [0, 0, 0], mass = 2 }]
+joint = [{ name = "wall", type = "point_in_plane", between = ["ground", "stone"], point = [0, 0, 0], normal = ["-sin(a) * cos(b)", "cos(a) * cos(b)", "sin(b)"] }]
+element = [{ name = "push", nodes = { b = "stone" }, force = { b = "[7 * t, 0, 0]" } }]
+shape = [{ name = "stone", on = "stone", type = "point" }, { name = "floor", on = "ground", type = "plane", normal = [0, 0, 1] }]
+contact = [{ name = "floor", between = ["stone", "floor"], sliding = "mu" }]
+functional = [{ name = "loose", type = "event_time", event = "floor", which = "slip", over = "terminal" }]
+"#,
+    );
+    let (mu, a, b, weight) = (0.4, 0.7_f64, 0.3_f64, 2.0 * 9.81 / 7.0);
+    let below = a.cos() + mu * a.sin() * b.tan();
+    assert_near(values[0], mu * weight / below, 1e-11, "time");
+    let by =
+        [weight * a.cos(), mu * weight * (a.sin() - mu * a.cos() * b.tan()), -mu * mu * weight * a.sin() / b.cos().powi(2)];
+    for (own, by) in rows[0].iter().zip(by) {
+        assert_near(*own, by / (below * below), 1e-10, "derivative");
+    }
+}
+
+/// A weight on a universal joint hits an oblique plane, on which its joint lets it slip along a line that turns as it moves.
+#[test]
+fn hits_along_a_line_that_joints_leave_have_the_derivatives_of_quotients() {
+    has_the_derivatives_of_quotients(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 1.2, steps = 120 }
+variable.rate = { initial = 1.5, bounds = [-9, 9] }
+variable.length = { initial = 1, bounds = [0.5, 2] }
+variable.mu = { initial = 0.5, bounds = [0, 3] }
+variable.e = { initial = 0.4, bounds = [0, 0.9] }
+body = [{ name = "arm", position = [0, 0, "-length"], velocity = [0, "length * rate", 0], angular_velocity = ["rate", 0, 0], mass = 2, inertia = [0.3, 0.4, 0.2] }]
+joint = [{ name = "top", type = "universal", between = ["ground", "arm"], point = [0, 0, 0], pin_a = [1, 0, 0], pin_b = [0, 1, 0] }]
+shape = [{ name = "end", on = "arm", type = "sphere", radius = 0.1 }, { name = "wall", on = "ground", type = "plane", point = [0, 0.35, 0], normal = [0.4, -0.9, 0.2] }]
+contact = [{ name = "wall", between = ["end", "wall"], sliding = "mu", restitution = "e", rest_speed = 0.05 }]
+functional = [
+  { name = "x", type = "position", on = "arm", direction = [1, 0, 0], over = "terminal" },
+  { name = "energy", type = "energy", over = "integral" },
+]
+"#,
+    );
+}
+
 /// A lever on a hinge with friction hits a stop: the hinge slips the other way behind it, with e times the rate.
 #[test]
 fn an_impact_turns_the_slip_of_a_hinge_round() {

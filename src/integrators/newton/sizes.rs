@@ -8,6 +8,8 @@ use crate::scalar::larger;
 
 /// Displacement by the model's length that no state could show.
 const UNSEEN: f64 = f64::EPSILON * f64::EPSILON;
+/// Length that nothing has \[m\]: coordinates below it are what round-off left of zero.
+const NO_LENGTH: f64 = 1e-20;
 /// Coordinates that are smaller than this share of the lengths among the parameters say nothing about the size of the model.
 const NEGLIGIBLE: f64 = 1e-9;
 
@@ -100,7 +102,7 @@ impl<S: RunScalar> Newton<'_, S> {
 fn turning_length<S: RunScalar>(system: &System, q: &[S], of_parameters: f64) -> f64 {
     let largest = system.largest_length(q);
     match of_parameters.max(largest) {
-        0.0 => 1.0,
+        length if length < NO_LENGTH => 1.0,
         _ if largest > NEGLIGIBLE * of_parameters => largest,
         _ => of_parameters,
     }
