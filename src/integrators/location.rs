@@ -138,6 +138,7 @@ pub(super) fn locate<S: RunScalar>(
             continue;
         }
         let has_just = stepper.record().switched.iter().any(|change| change.switch == switch);
+        stepper.planned = h;
         stepper.close_by = if has_just && made <= CLOSE_BY * h { stepper.close_by + 1 } else { 0 };
         if has_just && made <= AT_ONCE * h || stepper.close_by > MOST_CLOSE_BY {
             return Err(goes_along(stepper, switch, t + made));

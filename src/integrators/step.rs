@@ -38,6 +38,8 @@ pub struct Stepper<'m, S> {
     constrained: bool,
     /// How often in a row a switch has passed shortly behind itself.
     pub(super) close_by: usize,
+    /// What the step made last would have lasted without an event \[s\].
+    pub(super) planned: f64,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
     /// Directions in which surfaces slip, of two velocities, with their derivative parts.
@@ -97,6 +99,8 @@ const MOST_AT_ONCE: usize = 100;
 pub(super) const NO_FORCE: f64 = 1e-9;
 /// Share of the estimated error of a step that its systems may leave, where round-off is not asked for.
 const LEFT: f64 = 1e-2;
+/// Share of a step within which a stop that is hit and hit again comes to rest: infinitely many hits follow within a multiple of it.
+const LAST_HIT: f64 = 1e-4;
 /// Largest coefficient with which dropped equations may follow from the kept ones.
 const WEAK: f64 = 10.0;
 
@@ -169,6 +173,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             events: events.map(Box::new),
             constrained: system.is_constrained(),
             close_by: 0,
+            planned: 0.0,
             mu_before: Vec::new(),
             behind: None,
             directions: vec![Directions::default(); problem.model.frictions.len()],
@@ -921,7 +926,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             let mut restitution = None;
             if let Some(Stop { parameters: [e, least], .. }) = stop {
-                let is_plastic = self.p[*e].value() == 0.0 || self.approach(*joint).abs() < self.p[*least].value();
+                let [own, least_speed] = [e, least].map(|place| self.p[*place].value());
+                let is_plastic = match is_made_again {
+                    true => changes.iter().any(|change| change.switch == closing.switch),
+                    false => own == 0.0 || self.approach(*joint).abs() < least_speed || self.is_last_hit(*joint, own),
+                };
                 restitution = (!is_plastic).then_some(*e);
             }
             let first = self.problem.model.constraints[*joint].equations.start;
@@ -1121,6 +1130,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Rate of the equation of a stop.
     pub(super) fn approach(&self, joint: usize) -> f64 {
         self.equations_behind(joint)[0][1]
+    }
+
+    /// Whether a stop that is hit with restitution e would be hit again within [`LAST_HIT`] of a step, as what bounces ever faster is.
+    fn is_last_hit(&self, joint: usize, e: f64) -> bool {
+        let Some(last) = self.record.stages.last() else { return false };
+        let mut a = Vec::new();
+        last.solve.write_acceleration(&mut a);
+        let [_, rate, towards] =
+            self.equations_of(joint, (&a, &self.between.carried[1], &self.between.carried[0]), self.record.end)[0];
+        2.0 * e * rate.abs() <= LAST_HIT * self.planned * (towards * rate.signum())
     }
 
     /// Values and rates of the equations of a joint behind the step made last.
