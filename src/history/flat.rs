@@ -209,7 +209,7 @@ flat! {
     ImpactRecord<f64> { event, solve, dropped, restitution, impulse, set, kept, axes }
     AxisRecord<f64> { friction, impacts }
     SlipBefore<f64> { friction, slip }
-    StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed }
+    StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, forces, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }
     Contractions { known, age }

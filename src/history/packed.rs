@@ -16,6 +16,7 @@ impl Flat for StepRecord<f64> {
         self.impacts.put(bytes);
         self.axes.put(bytes);
         self.restart.put(bytes);
+        self.forces.put(bytes);
         self.carried.put(bytes);
         self.stages.len().put(bytes);
         for StageRecord { solve, known } in &self.stages {
@@ -83,6 +84,7 @@ fn take_given(step: &mut StepRecord<f64>, bytes: &mut &[u8]) -> Option<()> {
     retake(&mut step.impacts, bytes)?;
     retake(&mut step.axes, bytes)?;
     step.restart = Flat::take(bytes)?;
+    step.forces = Flat::take(bytes)?;
     step.carried.resize_with(usize::take(bytes)?, Vec::new);
     step.carried.iter_mut().try_for_each(|own| retake(own, bytes))?;
     step.stages.resize_with(usize::take(bytes)?, StageRecord::default);

@@ -21,6 +21,8 @@ pub struct StepState<S> {
     /// The table's carried vectors, q and v first.
     pub carried: Vec<Vec<S>>,
     pub last: Unknowns<S>,
+    /// Multipliers of the state itself, where they tell whether something lets go; otherwise none.
+    pub forces: Vec<S>,
     /// First guesses for the stages of the next step, then for its projections of coordinates and of velocities.
     pub prediction: Prediction<S>,
     /// What the systems of a step may leave in coordinates \[m\] and velocities \[m/s\], where round-off is not asked for, and the size of the
@@ -41,6 +43,7 @@ impl<S: RunScalar> StepState<S> {
         }
         self.last.x.clone_from(&solved.unknowns.x);
         self.last.mu.clone_from(&solved.unknowns.mu);
+        self.forces.clone_from(&solved.unknowns.mu);
         self.forget_course();
     }
 
@@ -75,7 +78,7 @@ impl<S: RunScalar> StepState<S> {
     }
 }
 
-clone_fields!(StepState { step, scheme, dropped, chosen_anew, sides, switched, carried, last, prediction, allowed });
+clone_fields!(StepState { step, scheme, dropped, chosen_anew, sides, switched, carried, last, forces, prediction, allowed });
 
 /// A run between two steps: all that later steps depend on.
 ///

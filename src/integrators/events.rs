@@ -220,6 +220,12 @@ impl Events {
         &sides[*first..first + own.kept.len()]
     }
 
+    /// Whether a side is one of a friction.
+    pub fn is_of(&self, friction: usize, switch: usize) -> bool {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        (*first..first + own.sides()).contains(&switch)
+    }
+
     /// The changes to another direction of slip, and in two directions to the speed at which it ends.
     pub fn turn(&self, friction: usize, direction: &[f64], speed: f64, sides: &[f64]) -> Vec<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];
@@ -325,6 +331,12 @@ impl Events {
         let none = none.max(NOTHING * largest(moment.mu[0])).powi(kept.len() as i32);
         let number = self.condition(events[1]).map(|part| part.switches.number_in(0, &part.inputs(&moment, p)));
         (number.unwrap_or_default(), none)
+    }
+
+    /// The joint that the event of a switch closes.
+    pub fn joint_closed_by(&self, switch: usize) -> Option<usize> {
+        let event = self.part(switch).event?;
+        self.events[event].closes.first().map(|own| own.joint)
     }
 
     /// Place of the side of a joint that comes and goes.

@@ -80,8 +80,23 @@ pub(super) fn locate<S: RunScalar>(
         }
         // the end of the step is what is rounded
         let next = (t + after) - t;
-        if next <= 0.0 {
-            return Err(goes_along(stepper, switch, t));
+        let has_just = is_just_switched(stepper, switch);
+        if next <= 0.0 || has_just && next <= AT_ONCE * h {
+            // by round-off it may lie beyond where it begins to leave
+            if whole[switch].by <= whole[switch].noise(t + h) {
+                passed.push(switch);
+                match first(&whole, h, &passed) {
+                    Some(other) => own = other,
+                    None => return unmade(stepper, before, interval, (t, end)),
+                }
+                continue;
+            }
+            made = f64::NAN;
+            let Some([low, high]) = back_again(stepper, before, interval, (switch, t, h))? else {
+                return Err(goes_along(stepper, switch, t + next));
+            };
+            own = Candidate { after: 0.5 * (low + high), bracket: [low, high], is_shown: [true; 2], is_sure: true, ..own };
+            continue;
         }
         if next != made {
             stepper.resume(before)?;
@@ -137,10 +152,9 @@ pub(super) fn locate<S: RunScalar>(
             own = earlier;
             continue;
         }
-        let has_just = stepper.record().switched.iter().any(|change| change.switch == switch);
         stepper.planned = h;
         stepper.close_by = if has_just && made <= CLOSE_BY * h { stepper.close_by + 1 } else { 0 };
-        if has_just && made <= AT_ONCE * h || stepper.close_by > MOST_CLOSE_BY {
+        if stepper.close_by > MOST_CLOSE_BY {
             return Err(goes_along(stepper, switch, t + made));
         }
         if stepper.events.as_ref().is_some_and(|events| events.is_event(switch)) {
@@ -176,6 +190,35 @@ pub(super) fn locate<S: RunScalar>(
         }
         return Ok(Some((t + made, changes(stepper, switch, &ends, t + made))));
     }
+}
+
+/// Whether a switch changed at the start of the step, or what its event holds let go there.
+fn is_just_switched<S: RunScalar>(stepper: &Stepper<S>, switch: usize) -> bool {
+    let Some(events) = &stepper.events else { return false };
+    let opened = events.joint_closed_by(switch).map(|joint| events.presence(joint));
+    stepper.record().switched.iter().any(|change| change.switch == switch || Some(change.switch) == opened)
+}
+
+/// Times of a step, the later one half of it or as much of a half of a half, between which a switch that has left the end of its side passes it.
+fn back_again<S: RunScalar>(
+    stepper: &mut Stepper<S>,
+    before: &Checkpoint<S>,
+    interval: &RunInterval,
+    (switch, t, h): (usize, f64, f64),
+) -> Result<Option<[f64; 2]>, RunError> {
+    let scheme = stepper.method.table.starting_scheme();
+    let mut high = h;
+    while high > AT_ONCE * h {
+        let low = 0.5 * high;
+        stepper.resume(before)?;
+        stepper.step_over(scheme, (t, t + low), interval.at_breakpoint(), None)?;
+        let own = &stepper.excesses(false)[switch];
+        if own.by < -own.noise(t + low) {
+            return Ok(Some([low, high]));
+        }
+        high = low;
+    }
+    Ok(None)
 }
 
 fn place<S: RunScalar>(stepper: &Stepper<S>, switch: usize, t: f64) -> String {

@@ -69,6 +69,8 @@ pub struct StepRecord<S> {
     pub q: Vec<S>,
     /// Velocities at the end.
     pub v: Vec<S>,
+    /// Accelerations of the state there with their multipliers, where these tell the event that ends the step.
+    pub forces: Option<SolveRecord<S>>,
     /// What events set there, from where the next step goes on.
     pub set: Vec<SetNumber<S>>,
     /// Impacts there.
@@ -137,6 +139,7 @@ clone_fields!(StepRecord {
     velocity_projection,
     q,
     v,
+    forces,
     set,
     impacts,
     axes

@@ -142,7 +142,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let rows = self.problem.model.constraints[events.friction(friction).joints[1]].equations.clone();
             let own = match moves(&real(&slip), self.speed()) {
                 true => slip,
-                false => from_axis(&self.between.last.mu[rows], &axes[friction]),
+                false => from_axis(&self.between.forces[rows], &axes[friction]),
             };
             let length = own.iter().map(|&own| own * own).fold(S::zero(), |sum, own| sum + own).sqrt();
             self.directions[friction].slip = Some([own[0] / length, own[1] / length]);
@@ -375,7 +375,11 @@ impl<S: RunScalar> Stepper<'_, S> {
                 all.extend(events.presence_change(own.joints[1], false, sides));
                 all.extend(self.stands(events, friction, sides));
             } else if own.joints[1] == joint {
-                all = self.slips(events, friction, &self.forces, sides);
+                all = match is_made_again {
+                    // the forces were those behind all that happened before it
+                    true => changes.iter().copied().filter(|change| events.is_of(friction, change.switch)).collect(),
+                    false => self.slips(events, friction, &self.forces, sides),
+                };
             }
             self.change(events, &all, (sides, changes), is_made_again);
         }

@@ -365,7 +365,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         sides: &mut [f64],
     ) -> Result<bool, RunError> {
         let Some(mut events) = self.events.take() else { return Ok(false) };
-        self.check_method(&events, sides)?;
         let [a, mu] = [&first.unknowns.x, &first.unknowns.mu].map(|values| real(values));
         let [q, v, p] = [q, v, &self.p].map(real);
         let moment = Moment { a: &a, v: &v, q: &q, mu: [&mu, &[]], t };
@@ -774,6 +773,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.events.as_ref().is_some_and(|events| events.release_of(&self.between.sides).is_some())
     }
 
+    /// Forces that tell no event at the end of the step made last are of no use to the way back.
+    pub(super) fn forget_forces(&mut self) {
+        self.record.forces = None;
+    }
+
     /// Lets happen at a breakpoint, where forces jump, what these forces do just behind it; returns the sides that change.
     pub(super) fn pass_at(
         &mut self,
@@ -794,7 +798,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_made_again: bool,
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let before = self.between.sides.clone();
-        self.forces = real(&self.between.last.mu);
+        self.forces = real(&self.between.forces);
         // joints as far as it has come
         let mut present = before.clone();
         let (switch, located) = match self.behind {
@@ -880,7 +884,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             events.write_directions(&self.between.sides, &mut self.p);
         }
         self.between.switched.clone_from(&changes);
-        self.check_method(events, &present)?;
         if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
             let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
             let sides = self.between.sides.clone();
@@ -971,7 +974,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let dropped = self.dropped_with(&events.absent(present), (&q, &v), self.record.end);
         let mu = self.forces_at((&q, &v), self.behind.unwrap_or(self.record.end), &dropped)?;
         let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
-        let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.last.mu));
+        let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.forces));
         let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
         let [v, q] = [&v, &q].map(|own| real(own));
         let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: self.record.end };
@@ -1094,18 +1097,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(own)
     }
 
-    /// Whether the method has the forces by which joints that are there let go at the end of a step.
-    fn check_method(&self, events: &Events, sides: &[f64]) -> Result<(), RunError> {
-        let table = &self.method.table;
-        match events.release_of(sides).filter(|_| !table.stiffly_accurate) {
-            None => Ok(()),
-            Some(name) => Err(RunError::Input(format!(
-                "the {name} is told by a force, and method {} has none at the ends of steps: take another method, as esdirk4",
-                table.name
-            ))),
-        }
-    }
-
     /// Multipliers of the accelerations of a state, without some equations.
     pub(super) fn forces_at(&mut self, state: (&[S], &[S]), t: f64, dropped: &[usize]) -> Result<Vec<f64>, RunError> {
         Ok(real(&self.accelerations_at(state, t, dropped)?.mu))
@@ -1212,7 +1203,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Multipliers in the step made last, at its start or end, and their changes by time.
     fn multipliers(&self, at_start: bool) -> [Vec<f64>; 2] {
-        let (start, end) = (&self.mu_before, real(&self.between.last.mu));
+        let (start, end) = (&self.mu_before, real(&self.between.forces));
         let rates = end.iter().zip(start).map(|(end, start)| (end - start) / self.record.h).collect();
         [if at_start { start.clone() } else { end }, rates]
     }
@@ -1255,7 +1246,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut at = VectorsAvq { a: vec![S::zero(); carried[0].len()], v: carried[1].clone(), q: carried[0].clone() };
         let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));
         self.clock.iter().for_each(|clock| clock.set_pace(&mut at));
-        let mu = [&self.between.last.mu[..], &[]];
+        let mu = [&self.between.forces[..], &[]];
         events.number(switch, Moment { a: &at.a, v: &at.v, q: &at.q, mu, t }, &self.p)
     }
 
@@ -1296,7 +1287,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.dropped.clone_from(&state.dropped);
         record.switched = std::mem::take(&mut state.switched);
         record.clock = self.clock;
-        record.restart = None;
+        (record.restart, record.forces) = (None, None);
         record.set.clear();
         record.impacts.clear();
         record.axes.clear();
@@ -1312,9 +1303,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         } else if breakpoint {
             state.forget_course();
         }
-        if self.events.is_some() {
-            self.mu_before = real(&state.last.mu);
-        }
+        self.mu_before = real(&state.forces);
         state.prepare_guesses(scheme, table.stages.len());
         // from one step no change is known
         let is_known = table.embedded.is_some() || state.prediction.tracks.iter().any(|track| !track.times.is_empty());
@@ -1332,9 +1321,37 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             state.allowed = Some([LEFT * q, LEFT * v, h]);
         }
         state.step += 1;
+        state.forces.clear();
+        let asks = match guided {
+            Some(step) => step.forces.is_some(),
+            None => self.events.as_ref().is_some_and(|events| events.release_of(&state.sides).is_some()),
+        };
+        if asks {
+            let first = InitialGuess::guided(guided.and_then(|step| step.forces.as_ref()));
+            let forces = record.forces.insert(SolveRecord::default());
+            self.solve_forces(&state, (t, end), first, forces)?;
+            state.forces.clone_from(&forces.unknowns.mu);
+        }
         self.between = state;
         self.record = record;
         Ok(())
+    }
+
+    /// Accelerations of the state at the end of a step, with the forces that they take.
+    fn solve_forces(
+        &mut self,
+        state: &StepState<S>,
+        (t, end): (f64, f64),
+        first: InitialGuess,
+        record: &mut SolveRecord<S>,
+    ) -> Result<(), RunError> {
+        let clock = self.clock;
+        let pace = clock.map_or(S::one(), |clock| clock.pace());
+        let v: Vec<S> = state.carried[1].iter().map(|&v| v * pace).collect();
+        self.clock = clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
+        let solved = self.solve_acceleration((&state.carried[0], &v), end, state.step, first, record);
+        self.clock = clock;
+        solved
     }
 
     /// Estimated error of the step just made, in coordinates \[m\] and velocities \[m/s\]: that of an embedded solution; where the method has

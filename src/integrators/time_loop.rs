@@ -175,6 +175,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
                 }
             }
             None => {
+                stepper.forget_forces();
                 let jumps = interval.jumps_next().map(<[SideChange]>::to_vec);
                 let may_jump = !is_made_again && interval.is_breakpoint(reached) && stepper.may_release();
                 let jumps = match may_jump {

@@ -89,6 +89,7 @@ pub fn adjoint(
         analyses: Vec::new(),
         impacts: Vec::new(),
         ending: Vec::new(),
+        forces: Vec::new(),
     };
     sweep.run(rerun, history)
 }
@@ -119,6 +120,8 @@ struct Sweep<'m> {
     impacts: Vec<TransposedSolver<'m>>,
     /// What functionals read of the solution of the last stage, where an event ends the run.
     ending: Vec<(usize, SolutionSeed)>,
+    /// Adjoints of the forces at an event.
+    forces: Vec<(usize, SolutionSeed)>,
 }
 
 impl<'m> Sweep<'m> {
@@ -417,7 +420,7 @@ impl<'m> Sweep<'m> {
         }
         if let Some(change) = ends {
             let own = back.last_mut().unwrap_or_else(|| unreachable!("the number of the event has a place"));
-            let mu = step.stages.last().map_or(&[][..], |last| &last.solve.unknowns.mu);
+            let mu = step.forces.as_ref().map_or(&[][..], |own| &own.unknowns.mu);
             let moment = Moment { a: &vec![0.0; step.q.len()], v: &step.v, q: &step.q, mu: [mu, &[]], t: step.end };
             let mut of_multipliers = SolutionSeed::zeros(step.q.len(), mu.len());
             let mut accelerations = Vec::new();
@@ -441,8 +444,9 @@ impl<'m> Sweep<'m> {
                 Place::Mu(row) => of_multipliers.mu[row] += rate,
                 Place::A(_) => {}
             });
-            self.ending.push((self.functionals.len(), of_multipliers));
+            self.forces.push((self.functionals.len(), of_multipliers));
         }
+        self.forces_back(step, back)?;
         let rule = StepRule { method: self.method, constrained: self.system.is_constrained() };
         self.pace(&step.carried_behind(rule), -1.0, back);
         self.step_through(step, place, weights, back, solvers)?;
@@ -544,7 +548,8 @@ impl<'m> Sweep<'m> {
         place.events_end.iter().for_each(|change| after[change.switch] = change.sides[1]);
         let (mut turned, mut pulled) = (Vec::new(), Vec::new());
         let Some(last) = step.stages.last() else { return (turned, pulled) };
-        let Unknowns { x, mu, .. } = &last.solve.unknowns;
+        let x = &last.solve.unknowns.x;
+        let mu = &step.forces.as_ref().unwrap_or(&last.solve).unknowns.mu;
         for friction in self.events.turned(&self.sides, &after) {
             let JointFriction { joints, direction, axis: places, .. } = self.events.friction(friction).clone();
             let rows = self.problem.model.constraints[joints[1]].equations.clone();
@@ -567,7 +572,7 @@ impl<'m> Sweep<'m> {
                 } else {
                     let mut seed = SolutionSeed::zeros(step.q.len(), mu.len());
                     seed.mu[rows.clone()].copy_from_slice(&along_axis(&bar, axis));
-                    self.ending.push((k, seed));
+                    self.forces.push((k, seed));
                     let of_axis = along_axis(&bar, &mu[rows.clone()]);
                     pulled.extend(places.clone().zip(of_axis).map(|(place, bar)| (k, place, bar)));
                 }
@@ -617,6 +622,16 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
+    /// Back through the forces at the end of a step, by which events happen there.
+    fn forces_back(&mut self, step: &StepRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
+        let all = std::mem::take(&mut self.forces);
+        let Some(record) = step.forces.as_ref().filter(|_| !all.is_empty()) else { return Ok(()) };
+        let Unknowns { x, mu, .. } = &record.unknowns;
+        let mut seeds: Vec<SolutionSeed> = back.iter().map(|_| SolutionSeed::zeros(x.len(), mu.len())).collect();
+        all.into_iter().for_each(|(k, own)| add(&mut seeds[k].mu, 1.0, &own.mu));
+        self.through_apart((record, &step.dropped), &self.p.clone(), &seeds, back)
+    }
+
     /// Back through the equations of an impact.
     fn through_impact(
         &mut self,
@@ -626,10 +641,21 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut p = self.p.clone();
         impact.set_parameters(&self.problem.model.frictions, &mut p);
-        let place = match self.impacts.iter().position(|own| own.system.options.dropped == impact.dropped) {
+        self.through_apart((&impact.solve, &impact.dropped), &p, seeds, back)
+    }
+
+    /// Back through a system at the end of a step that is none of its stages, at the time that this end has.
+    fn through_apart(
+        &mut self,
+        (record, dropped): (&SolveRecord<f64>, &[usize]),
+        p: &[f64],
+        seeds: &[SolutionSeed],
+        back: &mut [Backward],
+    ) -> Result<(), RunError> {
+        let place = match self.impacts.iter().position(|own| own.system.options.dropped == dropped) {
             Some(place) => place,
             None => {
-                let system = self.method.system(self.problem.model, &impact.dropped);
+                let system = self.method.system(self.problem.model, dropped);
                 self.impacts.push(TransposedSolver::new(system, self.method, self.active)?);
                 self.impacts.len() - 1
             }
@@ -637,7 +663,7 @@ impl<'m> Sweep<'m> {
         // its numbers do not depend on the impacts before
         let mut solver = self.impacts[place].clone_analysis()?;
         solver.clock = shifting_clock;
-        let bases = solver.through(&impact.solve, &p, seeds, back, &mut self.counters)?;
+        let bases = solver.through(record, p, seeds, back, &mut self.counters)?;
         carry(bases, back);
         Ok(())
     }
