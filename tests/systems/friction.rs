@@ -458,6 +458,104 @@ functional = [
     );
 }
 
+/// A ball hits another one at rest, of the same kind, off its centre. With the normal impulse J = (1 + e) m v_n / 2 and the slip s between the surfaces, friction
+/// changes tangential velocities by min(mu J / m, s / 7), where I = 2/5 m r^2.
+#[test]
+fn two_balls_throw_each_other_by_friction() {
+    for mu in [0.03, 0.5] {
+        let (values, rows) = values_of(&format!(
+            r#"
+version = 1
+settings = {{ end = 0.8, steps = 200 }}
+variable.mu = {{ initial = {mu}, bounds = [0, 1] }}
+variable.e = {{ initial = 0.9, bounds = [0, 1] }}
+variable.spin = {{ initial = 5, bounds = [-50, 50] }}
+body = [
+  {{ name = "cue", position = [-1, 0, 0], velocity = [2, 0, 0], angular_velocity = [0, 0, "spin"], mass = 0.2, inertia = [0.0002, 0.0002, 0.0002] }},
+  {{ name = "object", position = [0, 0.06, 0], mass = 0.2, inertia = [0.0002, 0.0002, 0.0002] }},
+]
+shape = [
+  {{ name = "cue", on = "cue", type = "sphere", radius = 0.05 }},
+  {{ name = "object", on = "object", type = "sphere", radius = 0.05 }},
+]
+contact = [{{ name = "hit", between = ["cue", "object"], sliding = "mu", restitution = "e" }}]
+functional = [
+  {{ name = "x", type = "formula", nodes = {{ b = "object" }}, value = "b.velocity.x", unit = "m/s", over = "terminal" }},
+  {{ name = "y", type = "formula", nodes = {{ b = "object" }}, value = "b.velocity.y", unit = "m/s", over = "terminal" }},
+]
+"#
+        ));
+        // the line between the centres is that of sides 0.08 and 0.06
+        let (e, [n, t], speed, spin) = (0.9, [[0.8, 0.6], [-0.6, 0.8]], 2.0, 5.0);
+        let (normal, slip) = (speed * n[0], speed * t[0] + spin * 0.05);
+        let [along, across] =
+            [(1.0 + e) * normal / 2.0, (slip / 7.0).abs().min(mu * (1.0 + e) * normal / 2.0) * slip.signum()];
+        let sticks = across.abs() < mu * along;
+        let by_mu = if sticks { 0.0 } else { along * slip.signum() };
+        let by_e = if sticks { 0.0 } else { mu * normal / 2.0 * slip.signum() };
+        let by_spin = if sticks { 0.05 / 7.0 } else { 0.0 };
+        for k in 0..2 {
+            assert_near(values[k], along * n[k] + across * t[k], 1e-12, "velocity");
+            assert_near(rows[k][0], by_mu * t[k], 1e-11, "by the coefficient");
+            assert_near(rows[k][1], normal / 2.0 * n[k] + by_e * t[k], 1e-11, "by the restitution");
+            assert_near(rows[k][2], by_spin * t[k], 1e-11, "by the spin");
+        }
+    }
+}
+
+/// A ball that slides without friction from a larger one leaves it where cos th = 2/3 cos th_0, and flies on with sqrt(g R) (2/3 cos th_0)^1.5, R = r_1 + r_2.
+#[test]
+fn a_ball_leaves_the_ball_on_which_it_slides() {
+    let (values, rows) = values_of(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 1.5, steps = 300 }
+variable.r = { initial = 0.8, bounds = [0.1, 2] }
+variable.start = { initial = 0.3, bounds = [0, 1] }
+point = [{ name = "ball", position = ["(r + 0.2) * sin(start)", 0, "(r + 0.2) * cos(start)"], mass = 2 }]
+shape = [
+  { name = "ball", on = "ball", type = "sphere", radius = 0.2 },
+  { name = "hill", on = "ground", type = "sphere", centre = [0, 0, 0], radius = "r" },
+]
+contact = [{ name = "hill", between = ["hill", "ball"] }]
+functional = [{ name = "x", type = "formula", nodes = { b = "ball" }, value = "b.velocity.x", unit = "m/s", over = "terminal" }]
+"#,
+    );
+    let (radius, start) = (1.0_f64, 0.3_f64);
+    let own = (9.81 * radius).sqrt() * (2.0 / 3.0 * start.cos()).powf(1.5);
+    assert_near(values[0], own, 1e-8, "velocity");
+    assert_near(rows[0][0], 0.5 * own / radius, 1e-7, "by the radius");
+    assert_near(rows[0][1], -1.5 * own * start.tan(), 1e-7, "by the start");
+}
+
+/// A ball is thrown onto a larger one, bounces, slides, rolls, and falls from it.
+#[test]
+fn a_ball_that_rolls_on_a_ball_has_the_derivatives_of_quotients() {
+    has_the_derivatives_of_quotients(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = { end = 1.2, steps = 240 }
+variable.speed = { initial = 0.3, bounds = [-3, 3] }
+variable.spin = { initial = 8, bounds = [-50, 50] }
+variable.mu = { initial = 0.6, bounds = [0, 1] }
+variable.e = { initial = 0.3, bounds = [0, 1] }
+variable.r = { initial = 0.9, bounds = [0.5, 2] }
+body = [{ name = "ball", position = [0.01, 0.02, "r + 0.12"], velocity = ["speed", 0.1, 0], angular_velocity = [2, "spin", 0], mass = 2, inertia = [0.008, 0.008, 0.008] }]
+shape = [
+  { name = "ball", on = "ball", type = "sphere", radius = 0.1 },
+  { name = "hill", on = "ground", type = "sphere", centre = [0, 0, 0], radius = "r" },
+]
+contact = [{ name = "hill", between = ["hill", "ball"], sliding = "mu", restitution = "e", rest_speed = 0.05 }]
+functional = [
+  { name = "x", type = "position", on = "ball", direction = [1, 0, 0], over = "terminal" },
+  { name = "y", type = "position", on = "ball", direction = [0, 1, 0], over = "terminal" },
+]
+"#,
+    );
+}
+
 /// A lever on a hinge with friction hits a stop: the hinge slips the other way behind it, with e times the rate.
 #[test]
 fn an_impact_turns_the_slip_of_a_hinge_round() {

@@ -39,7 +39,7 @@ pub(crate) mod types {
 
 pub use cable_end::HeldSlope;
 pub use held_node::Freedom;
-pub(crate) use rolling::{ROLLING, SphereFriction, contact_and_rolling};
+pub(crate) use rolling::{ROLLING, SphereFriction, SpheresFriction, contact_and_rolling};
 pub use surfaces::Surfaces;
 pub(crate) use surfaces::{Apart, JointSurfaces};
 pub(crate) use types::*;

@@ -85,6 +85,48 @@ impl Friction for SphereFriction {
     }
 }
 
+/// Coulomb friction of two spheres: s = (u' . dv, w' . dv) [m/s] with the relative velocity dv of their surfaces where the line between the centres,
+/// of direction n, meets these. u' and w' are u and w turned as n_0 into n on the shortest way, u' = u - (u . n) / (1 + n_0 . n) (n_0 + n).
+///
+/// * `centre a`, `centre b`  in the frames of the bodies \[m\]
+/// * `u`, `w`, `normal`  unit vectors in the world, at right angles: n_0 is the direction from a to b at the start; it is never reversed
+/// * `radius a`, `radius b`  at least 0 \[m\]
+/// * `sliding`, `static`  coefficients mu [-]
+pub struct SpheresFriction(pub NodePair);
+
+impl Friction for SpheresFriction {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.to_vec()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let radii = ["radius a", "radius b"].map(|name| Parameter::new(name, "m"));
+        let numbers = ["sliding", "static"].map(|name| Parameter::new(name, "-"));
+        [Parameter::vectors(&["centre a", "centre b"], "m"), vectors(&["u", "w", "normal"]), [radii, numbers].concat()]
+            .concat()
+    }
+    fn directions(&self) -> usize {
+        2
+    }
+    fn slip<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, s: &mut [S]) {
+        let ([a, b], split) = (Frame::pair(self.0, q), self.0[0].dofs());
+        let centres = [a.point(p), b.point(&p[3..])];
+        let between = centres[1] - centres[0];
+        let n = between * (S::one() / between.length());
+        let surfaces = [centres[0] + n * p[15], centres[1] - n * p[16]];
+        let velocity =
+            velocity_at(self.0[1], &v[split..], &q[split..], surfaces[1]) - velocity_at(self.0[0], v, q, surfaces[0]);
+        let [u, w, normal] = [6, 9, 12].map(|place| Vector3::first_three(&p[place..]));
+        let turn = |own: Vector3<S>| own - (normal + n) * (own.dot(&n) / (S::one() + normal.dot(&n)));
+        (s[0], s[1]) = (turn(u).dot(&velocity), turn(w).dot(&velocity));
+    }
+    fn load<S: Scalar>(&self, mu: &[S], _q: &[S], _p: &[S], _t: S) -> S {
+        -mu[0]
+    }
+    fn limits<S: Scalar>(&self, load: S, _state: State<S>, p: &[S], _t: S) -> [S; 2] {
+        [p[17] * load, p[18] * load]
+    }
+}
+
 /// Centre, axis, normal and radius of a disc.
 fn disc_parameters() -> Vec<Parameter> {
     let (centre, vectors) = (Parameter::vectors(&["centre"], "m"), vectors(&["axis", "normal"]));

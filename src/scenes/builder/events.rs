@@ -2,7 +2,9 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{Attached, Closing, ConstraintId, Event, EventArguments, JointFriction, NodeId, Stop, Target};
-use crate::elements::joints::{Apart, JointSurfaces, PointInPlane, SphereFriction, Surfaces};
+use crate::elements::joints::{
+    Apart, DistanceJoint, JointSurfaces, PointInPlane, SphereFriction, SpheresFriction, Surfaces,
+};
 use crate::elements::{
     AnyFriction, Constraint, ConstraintPhysics, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking,
     directed_by, going_on, unrelated_numbers,
@@ -275,6 +277,36 @@ impl<S: Scalar> MechanismBuilder<S> {
         let of_friction = friction.and_then(|own| {
             let p = [of_centre, axes, vec![radius], own.to_vec()].concat();
             self.friction(joint, SphereFriction(kinds), &p)
+        });
+        Some((joint, hit, of_friction))
+    }
+
+    /// Two spheres that may touch, by their world centres and radii \[m\], of which one may be 0: the same as [`MechanismBuilder::sphere_on_plane`].
+    pub fn sphere_on_sphere(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        spheres: [(Vector3<S>, S); 2],
+        [restitution, rest_speed]: [S; 2],
+        friction: Option<[S; 2]>,
+    ) -> Option<(ConstraintId, usize, Option<[usize; 2]>)> {
+        let [(centre_a, radius_a), (centre_b, radius_b)] = spheres;
+        let mut given = self.given(name, &nodes, vec![("line between the centres", (centre_b - centre_a).into())]);
+        let (kinds, normal) = (given.body_and_guided(), given.unit("line between the centres"));
+        let centres = given.local_points([0, 1], [centre_a, centre_b]);
+        let wrong = given.mistakes();
+        if !wrong.is_empty() {
+            self.keep_mistakes(name, wrong);
+            return None;
+        }
+        let law = StopLaw::Stop { is_upper: false, restitution, rest_speed };
+        let geometry = [&centres[..], &[radius_a + radius_b]].concat();
+        let (joint, hit) = self.stop(name, &nodes, DistanceJoint(kinds), &geometry, law)?;
+        let of_friction = friction.and_then(|own| {
+            let [u, w] = normal.perpendiculars();
+            let axes = [u, w, normal].map(|own| own.components().to_vec()).concat();
+            let p = [&centres[..], &axes, &[radius_a, radius_b], &own].concat();
+            self.friction(joint, SpheresFriction(kinds), &p)
         });
         Some((joint, hit, of_friction))
     }

@@ -72,7 +72,7 @@ const SHAPES: Type = Type::Item(&["shape"]);
 pub(super) const CONTACT: Section = Section {
     forms: one_form![
         NAME,
-        need("between", exactly(2, &SHAPES), "two shapes, of which one is a plane"),
+        need("between", exactly(2, &SHAPES), "two shapes, of which one at most is a plane"),
         may(
             "restitution",
             Number("-", Range::Share),
@@ -96,20 +96,29 @@ pub(super) const CONTACT: Section = Section {
             _ => None,
         };
         let shapes: Vec<Shape> = e.list("between").filter_map(shape).collect();
-        let (a, plane, b, centre, radius) = match shapes[..] {
-            [Shape::Plane(a, plane), Shape::Sphere(b, centre, radius)]
-            | [Shape::Sphere(b, centre, radius), Shape::Plane(a, plane)] => (a, plane, b, centre, radius),
-            _ => {
-                let text = "a contact is between a plane and a sphere or point: write corners of a body as points, and other pairs as [[stop]]s by formulas";
-                return e.wrong_key("between", text);
-            }
-        };
-        if a == b {
+        if let [Shape::Sphere(a, ..) | Shape::Plane(a, _), Shape::Sphere(b, ..) | Shape::Plane(b, _)] = shapes[..]
+            && a == b
+        {
             return e.wrong_key("between", "both shapes are on the same node: they never move against each other");
         }
         let friction = coefficients(e)?;
         let law = [e.number_or("restitution", 0.0)?, e.number_or("rest_speed", 0.0)?];
-        let made = m.sphere_on_plane(e.name(), [a, b], (centre, radius), (plane[0], plane[1]), law, friction);
+        let made = match shapes[..] {
+            [Shape::Plane(a, plane), Shape::Sphere(b, centre, radius)]
+            | [Shape::Sphere(b, centre, radius), Shape::Plane(a, plane)] => {
+                m.sphere_on_plane(e.name(), [a, b], (centre, radius), (plane[0], plane[1]), law, friction)
+            }
+            [Shape::Sphere(a, centre_a, radius_a), Shape::Sphere(b, centre_b, radius_b)]
+                if radius_a.value() + radius_b.value() > 0.0 =>
+            {
+                m.sphere_on_sphere(e.name(), [a, b], [(centre_a, radius_a), (centre_b, radius_b)], law, friction)
+            }
+            _ => {
+                let text = "a contact is between two spheres, of which one may be a point, or one and a plane: write corners of a body as points, and other pairs as \
+                            [[stop]]s by formulas";
+                return e.wrong_key("between", text);
+            }
+        };
         Ok(made.map_or(Built::Nothing, |(joint, hit, friction)| Built::Contact(joint, hit, friction)))
     },
     ..Section::listed(
