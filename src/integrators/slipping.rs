@@ -11,7 +11,7 @@ use super::record::{AxisRecord, ImpactRecord, SlipBefore};
 use super::redundancy::dependent_among;
 use super::step::{NO_FORCE, Stepper, real, size};
 use super::{ConstraintLevel, RunError, StartPlan};
-use crate::assembly::{JointFriction, Stop};
+use crate::assembly::{JointFriction, Stop, Unknowns};
 use crate::design::shortest;
 use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
@@ -21,10 +21,15 @@ use std::ops::Range;
 const STILL: f64 = 1e-4;
 /// Share of that to which it ends in impacts, whose slip is known to be another: nothing is left of the direction from which they are solved.
 const SHARP: f64 = 1e-4;
+/// Multiple of the speeds of the model to which it ends in impacts at first: friction has the direction that it is given.
+const BLUNT: f64 = 1e3;
+/// How far directions, of unit length, turn in such an impact from which one with their own is solved, and how often they are turned before.
+const AIMED: f64 = 0.01;
+const MOST_AIMS: usize = 8;
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
-const MOST_CHANGES: usize = 20;
+const MOST_CHANGES: usize = 60;
 
 fn length(values: &[f64]) -> f64 {
     values.iter().map(|own| own * own).sum::<f64>().sqrt()
@@ -80,6 +85,7 @@ pub(super) fn set(changes: &[SideChange], sides: &mut [f64]) {
 struct Treated {
     broken: Vec<usize>,
     aimed: Vec<usize>,
+    sharp: Vec<usize>,
 }
 
 /// Sides as far as what happens has come, and all that change.
@@ -116,6 +122,11 @@ impl<S: RunScalar> Stepper<'_, S> {
     /// Speed near which slip in two directions ends.
     fn still(&self) -> f64 {
         near(STILL * self.speed())
+    }
+
+    /// Speed near which slip in two directions ends in an impact whose friction has a given direction.
+    fn blunt(&self) -> f64 {
+        near(BLUNT * self.speed())
     }
 
     /// The changes by which surfaces that begin to slip, or are turned, do so in the direction of their slip, if they have any.
@@ -220,7 +231,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 let mut impact = ImpactRecord { set, dropped: dropped.to_vec(), ..ImpactRecord::default() };
                 let p = self.p.clone();
                 impact.set_parameters(&[], &mut self.p);
-                let solved = self.impact(own.joints[0], dropped);
+                let solved = self.impact(own.joints[0], dropped, Unknowns::default());
                 self.p = p;
                 impact.solve = solved.ok()?;
                 Some(impact)
@@ -444,6 +455,14 @@ impl<S: RunScalar> Stepper<'_, S> {
         if let Some(friction) = events.frictions().position(|own| own.joints.contains(&joint)) {
             set(&self.sticks(events, friction, &now), &mut now);
         }
+        let slipping = |sides: &[f64]| -> Vec<usize> {
+            let slips = |friction: &usize| events.direction(*friction, sides).iter().any(|own| *own != 0.0);
+            (0..model.frictions.len()).filter(|own| model.frictions[*own].kept.len() == 2).filter(slips).collect()
+        };
+        for friction in slipping(&now) {
+            let direction = events.direction(friction, &now).to_vec();
+            set(&events.turn(friction, &direction, self.blunt(), &now), &mut now);
+        }
         let mut treated = Treated::default();
         for _ in 0..MOST_CHANGES {
             impact.dropped = self.dropped_behind(&events.absent(&now));
@@ -467,7 +486,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             let mut directions = self.directions.clone();
             events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own].slip = None);
             events.write_turned(&directions, &mut self.p);
-            let solved = self.impact(joint, &impact.dropped);
+            // from the last one, whose surfaces slipped in a direction near by
+            let solved = self.impact(joint, &impact.dropped, std::mem::take(&mut impact.solve.unknowns));
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
@@ -497,6 +517,10 @@ impl<S: RunScalar> Stepper<'_, S> {
                     if let Some(own) = own.filter(|_| impact.restitution.is_some()) {
                         now[events.presence(model.frictions[own].joints[1])] = 0.0;
                         set(&self.stands(events, own, &now), &mut now);
+                    }
+                    for friction in slipping(&now).into_iter().filter(|own| !treated.sharp.contains(own)) {
+                        let direction = events.direction(friction, &now).to_vec();
+                        set(&events.turn(friction, &direction, self.still(), &now), &mut now);
                     }
                     now[events.presence(joint)] = before[events.presence(joint)];
                     let changed = (0..now.len()).filter(|&switch| now[switch] != before[switch]);
@@ -596,6 +620,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let ([v, q], mu, p) = (state.each_ref().map(|own| real(own)), real(&impact.solve.unknowns.mu), real(p));
         let none = self.no_impulse();
         let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: t.value() };
+        let turns = |friction: usize, direction: Vec<f64>| self.turns(events, friction, (direction, self.blunt()), now);
         for (friction, own) in events.frictions().enumerate() {
             let stick = events.presence(own.joints[1]);
             let direction = events.direction(friction, now);
@@ -603,7 +628,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let kept = impact.kept.iter().any(|own| own.friction == friction);
             if now[stick] > 0.0 && !kept && moves(&slip, self.speed()) {
                 // others hold it, and do not let it stick
-                let mut all = self.turns(events, friction, along(&slip), now);
+                let mut all = turns(friction, unit(&slip));
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
             }
@@ -611,7 +636,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             let stands = own.joints[1] == joint;
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
                 treated.broken.push(friction);
-                let mut all = self.slips(events, friction, &mu, now);
+                let pull = &mu[self.problem.model.constraints[own.joints[1]].equations.clone()];
+                let mut all = turns(friction, unit(&from_axis(pull, events.axis(friction, now))));
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
             }
@@ -625,17 +651,23 @@ impl<S: RunScalar> Stepper<'_, S> {
             if forth < -CONSISTENT * size(&v) {
                 // without a load it goes the way it is sent
                 return Some(match events.is_unloaded(friction, moment, &p, none) {
-                    true => self.turns(events, friction, along(&slip), now),
+                    true => turns(friction, unit(&slip)),
                     false => self.sticks(events, friction, now),
                 });
             }
             // the direction of friction is that of the slip, not of the force that broke it away
             let slip = events.slip(friction, [&in_impact[..], &q], t.value(), &p);
-            let aimed = along(&slip);
-            if direction.len() == 2 && aimed.1 > 2.0 * LEAST_SPEED && !treated.aimed.contains(&friction) {
-                treated.aimed.push(friction);
-                return Some(self.turns(events, friction, (aimed.0, SHARP * aimed.1), now));
+            let (aim, still) = along(&slip);
+            if direction.len() < 2 || still <= 2.0 * LEAST_SPEED || treated.sharp.contains(&friction) {
+                continue;
             }
+            let turned = length(&aim.iter().zip(direction).map(|(own, before)| own - before).collect::<Vec<f64>>());
+            if turned > AIMED && treated.aimed.iter().filter(|own| **own == friction).count() < MOST_AIMS {
+                treated.aimed.push(friction);
+                return Some(turns(friction, aim));
+            }
+            treated.sharp.push(friction);
+            return Some(self.turns(events, friction, (aim, SHARP * still), now));
         }
         None
     }

@@ -1074,8 +1074,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.dropped_with(absent, (&carried[0], &carried[1]), self.record.end)
     }
 
-    /// The impact by which the equations of a joint come to rest, without some: M x + A^T mu = 0, A (v + x) + g_t = 0.
-    pub(super) fn impact(&mut self, joint: usize, dropped: &[usize]) -> Result<SolveRecord<S>, RunError> {
+    /// The impact by which the equations of a joint come to rest, without some: M x + A^T mu = 0, A (v + x) + g_t = 0; it is looked for from a first guess.
+    pub(super) fn impact(
+        &mut self,
+        joint: usize,
+        dropped: &[usize],
+        mut first: Unknowns<S>,
+    ) -> Result<SolveRecord<S>, RunError> {
         let (end, t) = (self.record.end, self.record.t);
         let mut newton = self.analysis(dropped)?;
         newton.residual.clock = self.clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
@@ -1084,9 +1089,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let v = v.iter().map(|&v| v * pace).collect();
         let mut own = SolveRecord { t: end, equations: Equations::impact(), ..SolveRecord::default() };
         own.base = VectorsAvq { a: vec![S::zero(); q.len()], v, q: q.clone() };
+        first
+            .mu
+            .iter_mut()
+            .enumerate()
+            .filter(|(row, _)| dropped.binary_search(row).is_ok())
+            .for_each(|own| *own.1 = S::zero());
+        own.unknowns = first;
         let name = &self.problem.model.constraints[joint].name;
         let place = || format!("impact of \"{name}\" (t = {} s)", shortest(end));
-        solve(&mut newton, &mut own, InitialGuess::Zero, &self.p, &place)?;
+        solve(&mut newton, &mut own, InitialGuess::Given, &self.p, &place)?;
         if S::PARTS > 0 {
             // the search ends with the values, and their derivatives follow in a step of its own
             let Unknowns { x, mu, local_mu } = &own.unknowns;
