@@ -22,8 +22,10 @@ pub struct EnergyBalance {
     pub change: f64,
     /// Work of all that is in no energy: loads, dampers, actuators, losses \[J\].
     pub forces: f64,
-    /// Work of drivers \[J\].
+    /// Work of drivers, and of the friction of joints and contacts \[J\].
     pub drivers: f64,
+    /// Which of these there are.
+    who: &'static str,
     /// What events change, impacts among them \[J\].
     pub events: f64,
     /// What energy there was to lose: the largest kinetic energy, the range of the potential one, and all that works put in and took out \[J\].
@@ -53,7 +55,7 @@ impl EnergyBalance {
             0.0 => String::new(),
             work => format!(", {words} {} J", number(work)),
         };
-        let beside = beside("drivers", self.drivers) + &beside("events and impacts change it by", self.events);
+        let beside = beside(self.who, self.drivers) + &beside("events and impacts change it by", self.events);
         let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of all energy that moved"));
         let [change, forces, apart] = [self.change, self.forces, self.left()].map(number);
         format!("energy changes by {change} J, loads and losses work {forces} J{beside}: {apart} J apart{left}")
@@ -198,7 +200,14 @@ impl RunningBalance<'_> {
         let round_off = round_off.max(LONG_SUM * self.held.max(start.abs()).max(end.abs()));
         let (works, ..) = self.values.finish();
         let (change, drivers) = (end - start, works[1..].iter().sum());
+        let constraints = &self.model.constraints;
+        let is_driven = constraints.iter().any(|own| own.physics.is_driver());
+        let who = match (is_driven, constraints.iter().any(|own| own.physics.has_friction())) {
+            (_, false) => "drivers",
+            (true, true) => "drivers and friction",
+            (false, true) => "friction",
+        };
         let size = kinetic + (highest - lowest) + self.exchanged;
-        change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, events, size, round_off })
+        change.is_finite().then_some(EnergyBalance { change, forces: works[0], drivers, who, events, size, round_off })
     }
 }
