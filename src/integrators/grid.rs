@@ -214,17 +214,20 @@ impl TimeGrid {
         if self.is_fixed(end) {
             return 0.0;
         }
-        let [_, to] = self.ends_of(self.stretch_of(end));
-        let (own, left) = (self.times[end] - self.times[end - 1], to - self.times[end - 1]);
-        let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
-        // steps that are all alike up to the end are no halves
-        let laid = match self.asked == 0 && !self.is_interrupted(end - 1) {
-            true => self.times[end - 1] - self.times[end - 2],
-            false => self.laid_size(end),
+        let stretch = self.stretch_of(end);
+        let Some((&event, _)) = self.events.range(stretch[0]..end).next_back() else { return 0.0 };
+        let [_, to] = self.ends_of(stretch);
+        let is_half = |place: &usize| {
+            let (own, left) = (self.times[*place] - self.times[place - 1], to - self.times[place - 1]);
+            let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
+            // steps that are all alike up to the end are no halves
+            let laid = || match self.asked == 0 && !self.is_interrupted(place - 1) {
+                true => self.times[place - 1] - self.times[place - 2],
+                false => self.laid_size(*place),
+            };
+            is_like(0.5 * left) && !is_like(laid())
         };
-        let is_half = is_like(0.5 * left) && !is_like(laid);
-        let before = if self.events.contains_key(&(end - 1)) { 1.0 } else { self.share_behind_event(end - 1) };
-        if is_half { 0.5 * before } else { before }
+        (event + 1..=end).filter(is_half).fold(1.0, |share, _| 0.5 * share)
     }
 
     /// How an end of a step moves: in a stretch between breakpoints with both of its ends; behind an event with that, by the sizes of the steps that
