@@ -469,7 +469,7 @@ class Model:
         """Two shapes that hit, push and leave each other, rigidly, with Coulomb friction: they stick and roll, or slip. Its reaction is that of a joint of its name.
 
         * ``name`` (text): name, by which others refer to it
-        * ``between`` (list of 2 times text): two shapes, of which one is a plane
+        * ``between`` (list of 2 times text): two shapes, of which one at most is a plane
         * ``restitution`` (number or formula, optional): e: behind a hit they part at e times the speed at which they met, from 0, where they stay together, to 1; 0 [-]
         * ``rest_speed`` (number or formula, optional): hits with less than this have no restitution: what bounces comes to rest; 0 [m/s]
         * ``sliding`` (number or formula, optional): coefficient of friction where they slip; no friction [-]
