@@ -624,8 +624,12 @@ impl<'m> Sweep<'m> {
 
     /// Back through the forces at the end of a step, by which events happen there.
     fn forces_back(&mut self, step: &StepRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
-        let all = std::mem::take(&mut self.forces);
-        let Some(record) = step.forces.as_ref().filter(|_| !all.is_empty()) else { return Ok(()) };
+        let mut all = std::mem::take(&mut self.forces);
+        all.retain(|own| !own.1.is_zero());
+        if all.is_empty() {
+            return Ok(());
+        }
+        let Some(record) = &step.forces else { unreachable!("forces by which an event happens are kept with its step") };
         let Unknowns { x, mu, .. } = &record.unknowns;
         let mut seeds: Vec<SolutionSeed> = back.iter().map(|_| SolutionSeed::zeros(x.len(), mu.len())).collect();
         all.into_iter().for_each(|(k, own)| add(&mut seeds[k].mu, 1.0, &own.mu));

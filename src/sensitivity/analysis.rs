@@ -391,7 +391,6 @@ impl<'m> Analysis<'m> {
 
     fn by_perturbed_runs<S: RunScalar>(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         self.check_forward(x, forward)?;
-        self.check_directions(forward)?;
         let (mut rows, mut counters) = (vec![Vec::new(); self.functionals.len()], Counters::default());
         for (seeded, lanes) in seeded_designs::<S>(x) {
             let (values, own) = self.perturbed_values(&seeded, forward)?;
@@ -513,6 +512,7 @@ impl<'m> Analysis<'m> {
         recorder: &mut dyn Observer<S>,
     ) -> Result<Counters, RunError> {
         self.check_exactness()?;
+        self.check_directions(forward)?;
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
         let mut steps = forward.history.read(&rerun, Direction::Forward)?;

@@ -288,7 +288,9 @@ fn the_direction_of_a_push_that_jumps_is_told_to_have_no_derivative() {
     let prepared = Prepared::new(&scene).expect("it is sound");
     let run = prepared.run().expect("it is pushed away");
     assert!(run.value("x").expect("there") > 0.1);
-    for why in [run.gradient().err(), prepared.analysis().complex_step(&prepared.x, &run.forward).err()] {
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let over_time = analysis.tangent_over_time(x, &run.forward).map(|_| ()).err();
+    for why in [run.gradient().err(), analysis.complex_step(x, &run.forward).err(), over_time] {
         let why = why.expect("it is refused").to_string();
         assert!(why.contains("begin to slip from standstill"), "{why}");
     }

@@ -257,7 +257,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: [NodeId; 2],
         (centre, radius): (Vector3<S>, S),
         (point, normal): (Vector3<S>, Vector3<S>),
-        [restitution, rest_speed]: [S; 2],
+        law: [S; 2],
         friction: Option<[S; 2]>,
     ) -> Option<(ConstraintId, usize, Option<[usize; 2]>)> {
         let mut given = self.given(name, &nodes, vec![("normal", normal.into())]);
@@ -272,13 +272,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.keep_mistakes(name, wrong);
             return None;
         }
-        let law = StopLaw::Stop { is_upper: false, restitution, rest_speed };
-        let (joint, hit) = self.stop(name, &nodes, PointInPlane(kinds), &geometry, law)?;
-        let of_friction = friction.and_then(|own| {
-            let p = [of_centre, axes, vec![radius], own.to_vec()].concat();
-            self.friction(joint, SphereFriction(kinds), &p)
-        });
-        Some((joint, hit, of_friction))
+        let own = friction.map(|own| (SphereFriction(kinds), [of_centre, axes, vec![radius], own.to_vec()].concat()));
+        self.contact(name, &nodes, (PointInPlane(kinds), &geometry), law, own)
     }
 
     /// Two spheres that may touch, by their world centres and radii \[m\], of which one may be 0: the same as [`MechanismBuilder::sphere_on_plane`].
@@ -287,7 +282,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         nodes: [NodeId; 2],
         spheres: [(Vector3<S>, S); 2],
-        [restitution, rest_speed]: [S; 2],
+        law: [S; 2],
         friction: Option<[S; 2]>,
     ) -> Option<(ConstraintId, usize, Option<[usize; 2]>)> {
         let [(centre_a, radius_a), (centre_b, radius_b)] = spheres;
@@ -299,15 +294,24 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.keep_mistakes(name, wrong);
             return None;
         }
-        let law = StopLaw::Stop { is_upper: false, restitution, rest_speed };
+        let [u, w] = normal.perpendiculars();
+        let axes = [u, w, normal].map(|own| own.components().to_vec()).concat();
         let geometry = [&centres[..], &[radius_a + radius_b]].concat();
-        let (joint, hit) = self.stop(name, &nodes, DistanceJoint(kinds), &geometry, law)?;
-        let of_friction = friction.and_then(|own| {
-            let [u, w] = normal.perpendiculars();
-            let axes = [u, w, normal].map(|own| own.components().to_vec()).concat();
-            let p = [&centres[..], &axes, &[radius_a, radius_b], &own].concat();
-            self.friction(joint, SpheresFriction(kinds), &p)
-        });
+        let own = friction.map(|own| (SpheresFriction(kinds), [&centres[..], &axes, &[radius_a, radius_b], &own].concat()));
+        self.contact(name, &nodes, (DistanceJoint(kinds), &geometry), law, own)
+    }
+
+    /// A gap that is never below zero, with the friction of what is together there.
+    fn contact(
+        &mut self,
+        name: &str,
+        nodes: &[NodeId],
+        (gap, p): (impl Constraint + Clone, &[S]),
+        [restitution, rest_speed]: [S; 2],
+        friction: Option<(impl Friction, Vec<S>)>,
+    ) -> Option<(ConstraintId, usize, Option<[usize; 2]>)> {
+        let (joint, hit) = self.stop(name, nodes, gap, p, StopLaw::Stop { is_upper: false, restitution, rest_speed })?;
+        let of_friction = friction.and_then(|(own, p)| self.friction(joint, own, &p));
         Some((joint, hit, of_friction))
     }
 
