@@ -531,7 +531,7 @@ mod tests {
         long.push(0);
         assert!(read(&long).is_none());
         // a length beyond all memory, and one that is another vector's
-        let carried = 8 * (3 + 1 + 2 + 1 + 1 + 1 + 1 + 1);
+        let carried = 8 * (3 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 1 + 1);
         assert_eq!(whole[carried..carried + 8], 3_u64.to_le_bytes());
         for length in [u64::MAX, 2] {
             let mut other = whole.clone();
