@@ -41,6 +41,8 @@ pub struct TimeGrid {
     pub(super) laid_end: Option<f64>,
     /// Breakpoints behind that event, up to the first of which steps were laid.
     pub(super) unreached: Vec<(f64, Vec<usize>)>,
+    /// Places of steps behind events that are half of what was left to the end of their stretch, once the run has ended.
+    halves: Vec<usize>,
     /// Of steps that were chosen, to be made again: sizes of those behind each event in turn, with the shares of its motion that their ends have.
     pub(super) behind_events: Vec<Vec<(f64, f64)>>,
 }
@@ -94,6 +96,7 @@ impl TimeGrid {
             asked,
             laid_end: None,
             unreached: Vec::new(),
+            halves: Vec::new(),
             behind_events: Vec::new(),
         }
     }
@@ -214,10 +217,17 @@ impl TimeGrid {
         if self.is_fixed(end) {
             return 0.0;
         }
-        let stretch = self.stretch_of(end);
-        let Some((&event, _)) = self.events.range(stretch[0]..end).next_back() else { return 0.0 };
-        let [_, to] = self.ends_of(stretch);
+        let from = self.stretch_of(end)[0];
+        let Some((&event, _)) = self.events.range(from..end).next_back() else { return 0.0 };
+        let until = |place: usize| self.halves.partition_point(|half| *half <= place);
+        (until(event)..until(end)).fold(1.0, |share, _| 0.5 * share)
+    }
+
+    /// Ends a run: finds the halves behind its events.
+    pub(super) fn finish(&mut self) {
+        let behind = |place: &usize| self.is_behind_event(place - 1) && !self.is_fixed(*place);
         let is_half = |place: &usize| {
+            let [_, to] = self.ends_of(self.stretch_of(*place));
             let (own, left) = (self.times[*place] - self.times[place - 1], to - self.times[place - 1]);
             let is_like = |size: f64| (own - size).abs() <= SAME_TIME * own;
             // steps that are all alike up to the end are no halves
@@ -227,7 +237,7 @@ impl TimeGrid {
             };
             is_like(0.5 * left) && !is_like(laid())
         };
-        (event + 1..=end).filter(is_half).fold(1.0, |share, _| 0.5 * share)
+        self.halves = (1..self.steps()).filter(behind).filter(is_half).collect();
     }
 
     /// How an end of a step moves: in a stretch between breakpoints with both of its ends; behind an event with that, by the sizes of the steps that

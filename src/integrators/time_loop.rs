@@ -195,6 +195,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
+    interval.grid.finish();
     recorder.end(&|| stepper.pause(interval.t(), interval.step_size))?;
     Ok(stepper.end(interval.step_size.rejected))
 }
