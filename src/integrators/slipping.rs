@@ -474,12 +474,14 @@ impl<S: RunScalar> Stepper<'_, S> {
                 impact.dropped = self.dropped_behind(&events.absent(&now));
             }
             impact.set = events.set_in_impact(&now);
-            impact.kept = Vec::new();
-            let is_kept =
-                |own: &usize| impact.restitution.is_some() && now[events.presence(events.friction(*own).joints[1])] > 0.0;
-            for friction in own.into_iter().filter(is_kept) {
-                impact.kept.push(SlipBefore { friction, slip: self.slip(events, friction) });
-            }
+            // what comes to stand does so behind its restitution
+            let comes_to_stand = |own: &usize| {
+                let stick = events.presence(events.friction(*own).joints[1]);
+                impact.restitution.is_some() && now[stick] > 0.0 && before[stick] == 0.0
+            };
+            let slip = |friction| SlipBefore { friction, slip: self.slip(events, friction) };
+            let kept = (0..model.frictions.len()).filter(comes_to_stand).map(slip).collect();
+            impact.kept = kept;
             let p = self.p.clone();
             impact.set_parameters(&model.frictions, &mut self.p);
             // those that an impact leaves as they are have derivatives
@@ -618,15 +620,17 @@ impl<S: RunScalar> Stepper<'_, S> {
         add_scaled(&mut in_impact, &real(&impact.solve.unknowns.x), 1.0);
         impact.add_to(&mut state[0], p, S::one());
         let ([v, q], mu, p) = (state.each_ref().map(|own| real(own)), real(&impact.solve.unknowns.mu), real(p));
-        let none = self.no_impulse();
+        // of the slip that it keeps nothing is left
+        let (none, behind) = (self.no_impulse(), real(&self.p));
         let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: t.value() };
         let turns = |friction: usize, direction: Vec<f64>| self.turns(events, friction, (direction, self.blunt()), now);
         for (friction, own) in events.frictions().enumerate() {
             let stick = events.presence(own.joints[1]);
             let direction = events.direction(friction, now);
-            let slip = events.slip(friction, [&v[..], &q], t.value(), &p);
-            let kept = impact.kept.iter().any(|own| own.friction == friction);
-            if now[stick] > 0.0 && !kept && moves(&slip, self.speed()) {
+            let slip = events.slip(friction, [&v[..], &q], t.value(), &behind);
+            // what bounces is apart behind it
+            let bounces = impact.restitution.is_some() && own.joints[0] == joint;
+            if now[stick] > 0.0 && !bounces && moves(&slip, self.speed()) {
                 // others hold it, and do not let it stick
                 let mut all = turns(friction, unit(&slip));
                 all.extend(events.presence_change(own.joints[1], false, now));
@@ -656,7 +660,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 });
             }
             // the direction of friction is that of the slip, not of the force that broke it away
-            let slip = events.slip(friction, [&in_impact[..], &q], t.value(), &p);
+            let slip = events.slip(friction, [&in_impact[..], &q], t.value(), &behind);
             let (aim, still) = along(&slip);
             if direction.len() < 2 || still <= 2.0 * LEAST_SPEED || treated.sharp.contains(&friction) {
                 continue;
