@@ -488,8 +488,14 @@ impl<S: RunScalar> Stepper<'_, S> {
             let mut directions = self.directions.clone();
             events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own].slip = None);
             events.write_turned(&directions, &mut self.p);
-            // from the last one, whose surfaces slipped in a direction near by
-            let solved = self.impact(joint, &impact.dropped, std::mem::take(&mut impact.solve.unknowns));
+            let all = slipping(&now);
+            let are_sharp = !all.is_empty() && all.iter().all(|own| treated.sharp.contains(own));
+            let first = match are_sharp {
+                // from the last one, whose surfaces slipped in a direction near by
+                true => Ok(std::mem::take(&mut impact.solve.unknowns)),
+                false => self.impact_without_friction(events, joint, &impact.dropped),
+            };
+            let solved = first.and_then(|first| self.impact(joint, &impact.dropped, first));
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
@@ -507,7 +513,12 @@ impl<S: RunScalar> Stepper<'_, S> {
                     if let Some(held) = self.hit_again(events, (&impact, &of_impact), [&before, &now]) {
                         now[events.presence(held)] = 1.0;
                         if let Some(friction) = events.frictions().position(|own| own.joints[0] == held) {
-                            set(&self.sticks(events, friction, &now), &mut now);
+                            let slip = self.slip_behind(events, friction, (&impact, &of_impact));
+                            let again = match moves(&slip, self.speed()) {
+                                true => self.turns(events, friction, (unit(&slip), self.blunt()), &now),
+                                false => self.sticks(events, friction, &now),
+                            };
+                            set(&again, &mut now);
                         }
                         continue;
                     }
@@ -535,6 +546,33 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
         }
         Err(self.no_law(joint))
+    }
+
+    /// The impact of a joint whose surfaces slip without friction, from which one with it is found: limits are convex in the impulses, so that of several
+    /// solutions of Coulomb's law Newton's method then comes to that with the least friction, the one that follows from none.
+    fn impact_without_friction(
+        &mut self,
+        events: &Events,
+        joint: usize,
+        dropped: &[usize],
+    ) -> Result<Unknowns<S>, RunError> {
+        let places: Vec<usize> = events.frictions().flat_map(|own| own.direction.iter().flat_map(Range::clone)).collect();
+        let zero = |own: &&usize| self.p[**own].value() == 0.0;
+        if places.iter().all(|own| zero(&own)) {
+            return Ok(Unknowns::default());
+        }
+        let p = self.p.clone();
+        places.into_iter().for_each(|place| self.p[place] = S::zero());
+        let solved = self.impact(joint, dropped, Unknowns::default());
+        self.p = p;
+        Ok(solved?.unknowns)
+    }
+
+    /// How surfaces slip behind an impact.
+    fn slip_behind(&self, events: &Events, friction: usize, (impact, p): (&ImpactRecord<S>, &[S])) -> Vec<f64> {
+        let ([mut v, q], t) = self.state();
+        impact.add_to(&mut v, p, S::one());
+        events.slip(friction, [&real(&v), &real(&q)], t.value(), &real(&self.p))
     }
 
     /// A stop that an impact was to tear off, and that moves on beyond its limit behind it.
@@ -624,18 +662,22 @@ impl<S: RunScalar> Stepper<'_, S> {
         let (none, behind) = (self.no_impulse(), real(&self.p));
         let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: t.value() };
         let turns = |friction: usize, direction: Vec<f64>| self.turns(events, friction, (direction, self.blunt()), now);
-        for (friction, own) in events.frictions().enumerate() {
-            let stick = events.presence(own.joints[1]);
-            let direction = events.direction(friction, now);
-            let slip = events.slip(friction, [&v[..], &q], t.value(), &behind);
-            // what bounces is apart behind it
-            let bounces = impact.restitution.is_some() && own.joints[0] == joint;
-            if now[stick] > 0.0 && !bounces && moves(&slip, self.speed()) {
+        let slip_of = |friction: usize| events.slip(friction, [&v[..], &q], t.value(), &behind);
+        let stick_of = |own: &JointFriction| events.presence(own.joints[1]);
+        // what bounces is apart behind it
+        let bounces = |own: &JointFriction| impact.restitution.is_some() && own.joints[0] == joint;
+        for (friction, own) in events.frictions().enumerate().filter(|(_, own)| now[stick_of(own)] > 0.0 && !bounces(own)) {
+            let slip = slip_of(friction);
+            if moves(&slip, self.speed()) {
                 // others hold it, and do not let it stick
                 let mut all = turns(friction, unit(&slip));
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
             }
+        }
+        for (friction, own) in events.frictions().enumerate() {
+            let stick = stick_of(own);
+            let (direction, slip) = (events.direction(friction, now), slip_of(friction));
             // what has come to stand needs no impulse
             let stands = own.joints[1] == joint;
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
