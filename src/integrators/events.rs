@@ -234,6 +234,12 @@ impl Events {
         changes.filter(|own| own.sides[0] != own.sides[1]).collect()
     }
 
+    /// Whether surfaces do not move, at the limit of their friction, as others hold them.
+    pub fn is_held(&self, friction: usize, sides: &[f64]) -> bool {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        sides[first + own.held()] > 0.0
+    }
+
     /// The change of surfaces that do not move, at the limit of their friction, as others hold them: their slip does not end.
     pub fn held(&self, friction: usize, is_held: bool, sides: &[f64]) -> Option<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];

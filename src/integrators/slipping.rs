@@ -378,8 +378,15 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(sticking)
     }
 
-    /// What becomes of surfaces whose joint, or what made them stick, has been opened.
-    pub(super) fn opened(&mut self, events: &Events, joint: usize, (sides, changes): Sides, is_made_again: bool) {
+    /// What becomes of surfaces whose joint, or what made them stick, has been opened; and of those that what sticks no more has held so far: these
+    /// stick, as far as they can, where they would begin to slip against their friction.
+    pub(super) fn opened(
+        &mut self,
+        events: &Events,
+        joint: usize,
+        (sides, changes): Sides,
+        is_made_again: bool,
+    ) -> Result<(), RunError> {
         for (friction, own) in events.frictions().enumerate() {
             let mut all = Vec::new();
             if own.joints[0] == joint {
@@ -394,6 +401,32 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             self.change(events, &all, (sides, changes), is_made_again);
         }
+        let breaks_away = events.frictions().any(|own| own.joints[1] == joint);
+        for (friction, own) in events.frictions().enumerate().filter(|_| breaks_away) {
+            if !events.is_held(friction, sides) {
+                continue;
+            }
+            let stick = events.presence(own.joints[1]);
+            let is_its = |own: &SideChange| events.is_of(friction, own.switch) || own.switch == stick;
+            let all = match is_made_again {
+                true => changes.iter().copied().filter(is_its).collect(),
+                false if self.begins_against_friction(events, friction, sides)? => self.sticks(events, friction, sides),
+                false => Vec::new(),
+            };
+            self.change(events, &all, (sides, changes), is_made_again);
+        }
+        Ok(())
+    }
+
+    /// Whether surfaces at rest begin to slip where their friction pushes them, and not against it.
+    fn begins_against_friction(&mut self, events: &Events, friction: usize, sides: &[f64]) -> Result<bool, RunError> {
+        let dropped = self.dropped_behind(&events.absent(sides));
+        let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+        let a = self.accelerations_at((&q, &v), self.record.end, &dropped)?.x;
+        let none = vec![S::zero(); a.len()];
+        let rates = [&a, &none].map(|v| real(&events.slip(friction, [v, &q], self.record.end.into(), &self.p)));
+        let direction = events.direction(friction, sides).iter();
+        Ok(direction.zip(&rates[0]).zip(&rates[1]).map(|((d, rate), none)| d * (rate - none)).sum::<f64>() < 0.0)
     }
 
     fn change(&mut self, events: &Events, all: &[SideChange], (sides, changes): Sides, is_made_again: bool) {

@@ -916,7 +916,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if let Some(own) = events.presence_change(joint, false, sides) {
                 sides[own.switch] = own.sides[1];
                 changes.extend(Some(own).filter(|_| !is_made_again));
-                self.opened(events, joint, (sides, changes), is_made_again);
+                self.opened(events, joint, (sides, changes), is_made_again)?;
             }
         }
         for Closing { joint, stop, impulse } in closes {
