@@ -625,20 +625,29 @@ impl Events {
         let are_off: Vec<bool> = self.parts.iter().map(|part| !self.may_happen(part, sides)).collect();
         let Events { parts, numbers, work, .. } = self;
         let mut all = Vec::with_capacity(sides.len());
+        let speed = largest(moment.v);
         for (part, is_off) in parts.iter().zip(are_off) {
             let inputs = part.inputs(&moment, p);
             part.switches.evaluate(&inputs, numbers, work);
             let rates = part.switches.rates(&inputs, &part.direction(&moment), work);
             all.extend(part.switches.excesses(&sides[part.first..part.first + part.count], numbers, &rates));
-            if let Some(last) = all.last_mut().filter(|_| is_off) {
+            let own = all.len() - part.count;
+            if is_off {
                 // it stays on its side
-                (last.by, last.rate, last.terms) = (-1.0, 0.0, 1.0);
-            } else if let Some(last) = all.last_mut().filter(|_| part.event.is_some()) {
-                let largest = inputs.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-                if last.by.abs() <= CLOSE * largest {
-                    let gradient = part.switches.number_by_arguments(0, &inputs);
-                    last.size = gradient.iter().zip(&inputs).map(|(own, input)| (own * input).abs()).sum();
-                }
+                all[own..].iter_mut().for_each(|own| (own.by, own.rate, own.terms) = (-1.0, 0.0, 1.0));
+                continue;
+            }
+            // what holds velocities at zero leaves a share of those of the model
+            let size = |(place, input): (&Place, &f64)| match place {
+                _ if part.event.is_some() => input.abs(),
+                Place::V(_) => speed,
+                _ => 0.0,
+            };
+            let sizes: Vec<f64> = part.places.iter().zip(&inputs).map(size).collect();
+            let largest = largest(&sizes);
+            for (place, own) in all[own..].iter_mut().enumerate().filter(|(_, own)| own.by.abs() <= CLOSE * largest) {
+                let gradient = part.switches.number_by_arguments(place, &inputs);
+                own.size = gradient.iter().zip(&sizes).map(|(own, size)| (own * size).abs()).sum();
             }
         }
         all
