@@ -401,16 +401,16 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             self.change(events, &all, (sides, changes), is_made_again);
         }
-        let breaks_away = events.frictions().any(|own| own.joints[1] == joint);
-        for (friction, own) in events.frictions().enumerate().filter(|_| breaks_away) {
-            if !events.is_held(friction, sides) {
+        let Some(breaks_away) = events.frictions().position(|own| own.joints[1] == joint) else { return Ok(()) };
+        for (friction, own) in events.frictions().enumerate() {
+            if friction == breaks_away || !events.is_held(friction, sides) {
                 continue;
             }
             let stick = events.presence(own.joints[1]);
             let is_its = |own: &SideChange| events.is_of(friction, own.switch) || own.switch == stick;
             let all = match is_made_again {
                 true => changes.iter().copied().filter(is_its).collect(),
-                false if self.begins_against_friction(events, friction, sides)? => self.sticks(events, friction, sides),
+                false if self.is_against(events, friction, breaks_away, sides)? => self.sticks(events, friction, sides),
                 false => Vec::new(),
             };
             self.change(events, &all, (sides, changes), is_made_again);
@@ -418,11 +418,18 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(())
     }
 
-    /// Whether surfaces at rest begin to slip where their friction pushes them, and not against it.
-    fn begins_against_friction(&mut self, events: &Events, friction: usize, sides: &[f64]) -> Result<bool, RunError> {
-        let dropped = self.dropped_behind(&events.absent(sides));
+    /// Whether surfaces at rest begin to slip where their friction pushes them, and not against it, where others break away: what pulls these decides, as
+    /// their own friction balances it at first.
+    fn is_against(&mut self, events: &Events, friction: usize, breaks_away: usize, sides: &[f64]) -> Result<bool, RunError> {
         let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
-        let a = self.accelerations_at((&q, &v), self.record.end, &dropped)?.x;
+        let mut free = sides.to_vec();
+        set(&self.stands(events, breaks_away, sides), &mut free);
+        let dropped = self.dropped_behind(&events.absent(&free));
+        let p = self.p.clone();
+        events.write_directions(&free, &mut self.p);
+        let made = self.accelerations_at((&q, &v), self.record.end, &dropped);
+        self.p = p;
+        let a = made?.x;
         let none = vec![S::zero(); a.len()];
         let rates = [&a, &none].map(|v| real(&events.slip(friction, [v, &q], self.record.end.into(), &self.p)));
         let direction = events.direction(friction, sides).iter();

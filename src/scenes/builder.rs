@@ -28,7 +28,7 @@ mod weights;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
-pub use events::StopLaw;
+pub use events::{SoftLaw, StopLaw};
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
 pub use line_stress::LineElement;

@@ -39,7 +39,7 @@ pub use crate::design::DesignVariable;
 pub use builder::LineElement;
 pub use builder::{
     BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
-    MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, StopLaw, SurfaceMesh,
+    MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SoftLaw, SpringDamper, StopLaw, SurfaceMesh,
     ThinWalls, Torque,
 };
 pub use differentiated_modes::{DifferentiatedModes, ModeGradient};

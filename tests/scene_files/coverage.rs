@@ -12,6 +12,7 @@ const FILES: &[(&str, &str)] = &[
     ("bodies and joints", include_str!("coverage/joints.toml")),
     ("loads and springs", include_str!("coverage/loads.toml")),
     ("laws of springs", include_str!("coverage/laws.toml")),
+    ("contacts that give way", include_str!("coverage/contacts.toml")),
     ("coordinates", include_str!("coverage/coordinates.toml")),
     ("beams and cables", include_str!("coverage/members.toml")),
     ("shells", include_str!("coverage/shells.toml")),

@@ -6,7 +6,7 @@ use costate::prelude::*;
 use costate::scenes::{AnyScene, FileScene};
 use costate::sensitivity::Analysis;
 
-fn assert_near(own: f64, exact: f64, limit: f64, what: &str) {
+pub fn assert_near(own: f64, exact: f64, limit: f64, what: &str) {
     assert!((own - exact).abs() <= limit, "{what}: {own} for {exact}, {limit:e}");
 }
 
@@ -297,7 +297,7 @@ fn the_direction_of_a_push_that_jumps_is_told_to_have_no_derivative() {
 }
 
 /// Values of a scene with their derivatives by its variables, and that adjoint and complex step agree.
-fn values_of(text: &str) -> (Vec<f64>, Vec<Vec<f64>>) {
+pub fn values_of(text: &str) -> (Vec<f64>, Vec<Vec<f64>>) {
     let scene = parsed(text);
     let prepared = Prepared::new(&scene).expect("it is sound");
     let run = prepared.run().expect("it moves");
@@ -358,6 +358,85 @@ functional = [{ name = "rate", type = "formula", nodes = { x = "disc" }, value =
     let t = 4.0 - 5.0 / 2.3;
     assert_near(values[0], 0.5 * 2.3 * t * t, 1e-12, "rate");
     rows[0].iter().for_each(|own| assert_near(*own, -t, 1e-12, "by a capacity"));
+}
+
+/// The first of two brakes to yield holds on at its limit, one way; where the moment C (0.9 - t), C = C1 + C2, has turned round it yields to, and both
+/// hold until t = 1.9.
+#[test]
+fn brakes_that_yielded_hold_the_other_way() {
+    let (values, rows) = values_of(
+        r#"
+version = 1
+settings = { end = 2.2, steps = 88 }
+variable.first = { initial = 3, bounds = [1, 10] }
+variable.second = { initial = 2, bounds = [1, 10] }
+variable.inertia = { initial = 1.5, bounds = [1, 10] }
+coordinate = [{ name = "disc" }]
+element = [{ name = "disc", nodes = { x = "disc" }, kinetic = "0.5 * inertia * x.rate^2", force = { x = "5 * (0.9 - t)" } }]
+clutch = [
+  { name = "a", between = ["disc"], capacity = "first" },
+  { name = "b", between = ["disc"], capacity = "second" },
+]
+functional = [{ name = "rate", type = "formula", nodes = { x = "disc" }, value = "x.rate", unit = "rad/s", over = "terminal" }]
+"#,
+    );
+    assert_near(values[0], -0.5 * 5.0 * 0.09 / 1.5, 1e-12, "rate");
+    let exact = [0.3 / 1.5, 0.3 / 1.5, 0.5 * 5.0 * 0.09 / 2.25];
+    rows[0].iter().zip(exact).for_each(|(own, exact)| assert_near(*own, exact, 1e-12, "derivative"));
+}
+
+/// A stone hits a cart with restitution, m u (1 + e) across its rail: the rail takes mu times that of the cart's momentum, at most all.
+#[test]
+fn a_rail_brakes_or_stops_a_cart_by_a_hit() {
+    for (mu, stops) in [(0.2, false), (2.0, true)] {
+        let (values, rows) = values_of(&format!(
+            r#"
+version = 1
+settings = {{ end = 1, steps = 20 }}
+variable.e = {{ initial = 0.4, bounds = [0, 1] }}
+variable.mu = {{ initial = {mu}, bounds = [0, 3] }}
+body = [{{ name = "cart", position = [0, 0, 0], velocity = [2, 0, 0], mass = 3, inertia = [1, 1, 1] }}]
+point = [{{ name = "stone", position = [0, 0, 1], velocity = [2, 0, -5], mass = 0.7 }}]
+joint = [{{ name = "rail", type = "prismatic", between = ["ground", "cart"], point = [0, 0, 0], axis = [1, 0, 0] }}]
+friction = [{{ name = "rub", joint = "rail", sliding = "mu" }}]
+shape = [{{ name = "top", on = "cart", type = "plane", point = [0, 0, 0], normal = [0, 0, 1] }}, {{ name = "tip", on = "stone", type = "point" }}]
+contact = [{{ name = "hit", between = ["tip", "top"], restitution = "e" }}]
+functional = [{{ name = "speed", type = "formula", nodes = {{ c = "cart" }}, value = "c.velocity.x", unit = "m/s", over = "terminal" }}]
+"#
+        ));
+        let of_impulse = 0.7 * 5.0 / 3.0;
+        let [speed, by_e, by_mu] =
+            if stops { [0.0; 3] } else { [2.0 - mu * 1.4 * of_impulse, -mu * of_impulse, -1.4 * of_impulse] };
+        assert_near(values[0], speed, 1e-12, "speed");
+        assert_near(rows[0][0], by_e, 1e-12, "by the restitution");
+        assert_near(rows[0][1], by_mu, 1e-12, "by the friction");
+    }
+}
+
+/// A disc with an own law of friction comes to rest by a brake: the law, of a velocity that is zero but for round-off then, does not change any more.
+#[test]
+fn a_law_of_what_a_brake_holds_does_not_change() {
+    let (values, rows) = values_of(
+        r#"
+version = 1
+settings = { end = 4, steps = 1600 }
+variable.brake = { initial = 3, bounds = [1, 10] }
+variable.c = { initial = 0.8, bounds = [0, 10] }
+body = [{ name = "disc", position = [0, 0, 0], angular_velocity = [0, 0, 8], mass = 2, inertia = [1, 1, 1.7] }]
+joint = [{ name = "hinge", type = "revolute", between = ["ground", "disc"], point = [0, 0, 0], axis = [0, 0, 1] }]
+joint_angle = [{ name = "angle", between = ["ground", "disc"], axis = [0, 0, 1] }]
+spring = [{ name = "law", type = "angle_law", on = "angle", moment = "c * if_less(v, 0, -1, 1)" }]
+friction = [{ name = "brake", joint = "hinge", sliding = 0.1, radius = 1, preload = "10 * brake" }]
+point = [{ name = "other", position = [1, 0, 0], velocity = [1, 2, 3], mass = 1 }]
+functional = [
+  { name = "time", type = "event_time", event = "brake", which = "stick", over = "terminal" },
+  { name = "rate", type = "formula", nodes = { x = "angle" }, value = "x.rate", unit = "rad/s", over = "terminal" },
+]
+"#,
+    );
+    assert_near(values[0], 8.0 * 1.7 / 3.8, 1e-9, "time");
+    rows[0].iter().for_each(|own| assert_near(*own, -8.0 * 1.7 / (3.8 * 3.8), 1e-8, "of time"));
+    assert_near(values[1], 0.0, 1e-10, "rate");
 }
 
 /// What a driver moves to and fro slips with it and sticks nowhere: over n periods it takes the work 4 n A mu m g of the driver.

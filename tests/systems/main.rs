@@ -18,6 +18,7 @@ mod programs;
 mod redundancy;
 mod round_off;
 mod scalar_laws;
+mod soft_contacts;
 mod solvers;
 mod stability;
 mod statics;

@@ -47,7 +47,8 @@ const AT_REST: [&str; 1] = ["HeldNode"];
 
 /// Friction, whose motions have events: files of the tests and the study of events have their gradients held to complex steps
 /// (`tests/scene_files/coverage/friction.toml`).
-const OF_FRICTION: [&str; 5] = ["Apart", "JointSurfaces", "SphereFriction", "SpheresFriction", "Surfaces"];
+const OF_FRICTION: [&str; 7] =
+    ["Apart", "JointSurfaces", "SoftContact", "SphereFriction", "SpheresFriction", "Surfaces", "Touching"];
 
 /// The names that a file hands on: the last one of each path of a `pub use`, over as many lines as it takes.
 fn names_of(file: &str) -> impl Iterator<Item = &str> {

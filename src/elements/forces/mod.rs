@@ -10,6 +10,7 @@ mod line_spring;
 pub(crate) mod load_frame;
 mod slide_spring_damper;
 mod soft;
+mod soft_contact;
 mod spring_law;
 mod torsion_spring_damper;
 mod vector_damper;
@@ -19,13 +20,14 @@ pub(crate) mod types {
     pub use super::{
         applied_force::AppliedForce, applied_torque::AppliedTorque, bushing::Bushing,
         coordinate_spring_damper::CoordinateSpringDamper, gravity::Gravity, line_damper::LineDamper,
-        line_spring::LineSpring, slide_spring_damper::SlideSpringDamper, soft::Soft, spring_law::AngleLaw,
-        spring_law::LineLaw, spring_law::SlideLaw, spring_law::TorsionLaw, torsion_spring_damper::TorsionSpringDamper,
-        vector_damper::VectorDamper,
+        line_spring::LineSpring, slide_spring_damper::SlideSpringDamper, soft::Soft, soft_contact::SoftContact,
+        spring_law::AngleLaw, spring_law::LineLaw, spring_law::SlideLaw, spring_law::TorsionLaw,
+        torsion_spring_damper::TorsionSpringDamper, vector_damper::VectorDamper,
     };
 }
 
 pub use load_frame::LoadFrame;
+pub use soft_contact::Touching;
 pub use spring_law::{AngleLaw, LineLaw, SlideLaw, TorsionLaw};
 pub(crate) use types::*;
 

@@ -39,6 +39,7 @@ pub(crate) mod types {
 
 pub use cable_end::HeldSlope;
 pub use held_node::Freedom;
+pub(in crate::elements) use rolling::velocity_at;
 pub(crate) use rolling::{ROLLING, SphereFriction, SpheresFriction, contact_and_rolling};
 pub use surfaces::Surfaces;
 pub(crate) use surfaces::{Apart, JointSurfaces};

@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Velocity of the material point of a body that is at the world point `place` now [m/s]: v + omega x (place - r).
 #[inline(always)]
-fn velocity_at<S: Scalar>(body: NodeKind, v: &[S], q: &[S], place: Vector3<S>) -> Vector3<S> {
+pub(in crate::elements) fn velocity_at<S: Scalar>(body: NodeKind, v: &[S], q: &[S], place: Vector3<S>) -> Vector3<S> {
     Vector3::first_three(v) + body.angular_velocity(v, q).cross(&(place - Vector3::first_three(q)))
 }
 
