@@ -53,6 +53,12 @@ impl<'c> RunInterval<'c> {
         self.stretches.times[self.stretch_end()]
     }
 
+    /// Time from an end of a step to the next breakpoint, or to the end of the run.
+    pub fn stretch_behind(&self, t: f64) -> f64 {
+        let all = self.stretches.breakpoints.range(self.target..).map(|(&place, _)| self.stretches.times[place]);
+        all.chain([self.stretches.end()]).find(|&end| end > t).map_or(0.0, |end| end - t)
+    }
+
     /// How the end of the next step moves, with the motion of the event before it and those of breakpoints at some times.
     pub fn moves_next(&self) -> (f64, [(f64, f64); 2]) {
         let EndMoves { by_event, by_breakpoints } = self.stretches.moves_of(self.target);

@@ -28,6 +28,8 @@ const AIMED: f64 = 0.01;
 const MOST_AIMS: usize = 8;
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
+/// Share of what is left to the next breakpoint after which is looked where a driver moves surfaces that it has at rest.
+const AHEAD: f64 = 1e-3;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
 const MOST_CHANGES: usize = 60;
 
@@ -321,21 +323,57 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(())
     }
 
-    /// The changes of surfaces that begin, or end, to be held by others while they pull at their limit.
-    pub(super) fn held_by_others(&self, events: &Events, sides: &[f64], state: (&[S], &[S]), t: f64) -> Vec<SideChange> {
+    /// The changes of surfaces that begin, or end, to be held by others while they pull at their limit; and of those that a driver has at rest to the
+    /// direction in which it will move them.
+    pub(super) fn held_by_others(
+        &mut self,
+        events: &Events,
+        sides: &[f64],
+        state: (&[S], &[S]),
+        t: f64,
+    ) -> Result<Vec<SideChange>, RunError> {
         let dropped = self.dropped_with(&events.absent(sides), state, t);
-        let is_held = |friction: usize, own: &JointFriction| {
+        let mut all = Vec::new();
+        for (friction, own) in events.frictions().enumerate() {
             let slip = real(&events.slip(friction, [state.1, state.0], t.into(), &self.p));
-            let pulls = events.direction(friction, sides).iter().any(|own| *own != 0.0);
-            if !pulls || length(&slip) > CONSISTENT * self.speed().max(size(state.1)) {
-                return false;
+            let direction = events.direction(friction, sides);
+            let pulls = direction.iter().any(|own| *own != 0.0);
+            let mut is_held = false;
+            if pulls && length(&slip) <= CONSISTENT * self.speed().max(size(state.1)) {
+                let rows: Vec<usize> = self.problem.model.constraints[own.joints[1]].equations.clone().collect();
+                let without: Vec<usize> = dropped.iter().copied().filter(|row| !rows.contains(row)).collect();
+                is_held = self.left_out_of(&without, state, t, &rows) == dropped;
+                if is_held && self.is_driven(events, friction, &dropped, (state, t)) {
+                    let soon = self.slip_soon(events, friction, (sides, &dropped), t)?;
+                    is_held = !moves(&soon, self.speed().max(length(&soon)).max(size(state.1)));
+                    if !is_held && soon[0] * direction[0] < 0.0 {
+                        all.extend(self.turns(events, friction, (unit(&soon), 0.0), sides));
+                    }
+                }
             }
-            let rows: Vec<usize> = self.problem.model.constraints[own.joints[1]].equations.clone().collect();
-            let without: Vec<usize> = dropped.iter().copied().filter(|row| !rows.contains(row)).collect();
-            self.left_out_of(&without, state, t, &rows) == dropped && !self.is_driven(events, friction, &dropped, (state, t))
-        };
-        let all = events.frictions().enumerate();
-        all.filter_map(|(friction, own)| events.held(friction, is_held(friction, own), sides)).collect()
+            all.extend(events.held(friction, is_held, sides));
+        }
+        Ok(all)
+    }
+
+    /// How joints and drivers have surfaces slip a little later.
+    fn slip_soon(
+        &mut self,
+        events: &Events,
+        friction: usize,
+        (sides, dropped): (&[f64], &[usize]),
+        t: f64,
+    ) -> Result<Vec<f64>, RunError> {
+        let standing = events.frictions().flat_map(|own| &own.direction).flat_map(Range::clone).map(|place| (place, 0.0));
+        let set = events.set_in_impact(sides).into_iter().chain(standing).collect();
+        let (p, end, soon) = (self.p.clone(), self.record.end, t + AHEAD * self.stretch);
+        ImpactRecord { set, ..ImpactRecord::default() }.set_parameters(&[], &mut self.p);
+        self.record.end = soon;
+        let solved = self.impact(events.friction(friction).joints[0], dropped, Unknowns::default());
+        (self.p, self.record.end) = (p, end);
+        let ([mut v, q], _) = self.state();
+        add_scaled(&mut v, &solved?.unknowns.x, 1.0);
+        Ok(real(&events.slip(friction, [&v, &q], soon.into(), &self.p)))
     }
 
     /// That no limit of friction is below zero.

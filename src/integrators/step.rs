@@ -40,6 +40,8 @@ pub struct Stepper<'m, S> {
     pub(super) close_by: usize,
     /// What the step made last would have lasted without an event \[s\].
     pub(super) planned: f64,
+    /// Time that is left to the next breakpoint [s].
+    pub(super) stretch: f64,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
     /// Directions in which surfaces slip, of two velocities, with their derivative parts.
@@ -174,6 +176,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             constrained: system.is_constrained(),
             close_by: 0,
             planned: 0.0,
+            stretch: 0.0,
             mu_before: Vec::new(),
             behind: None,
             directions: vec![Directions::default(); problem.model.frictions.len()],
@@ -483,7 +486,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             set(&self.sticks(&events, friction, sides), sides);
         }
         events.write_directions(sides, &mut self.p);
-        set(&self.held_by_others(&events, sides, (q, v), t), sides);
+        let held = self.held_by_others(&events, sides, (q, v), t)?;
+        set(&held, sides);
+        events.write_directions(sides, &mut self.p);
         self.check_contacts(&events, sides, (q, v), t)?;
         self.events = Some(events);
         Ok(dropped)
@@ -762,15 +767,17 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         made
     }
 
-    /// Whether changes are those by which a force lets go.
+    /// Whether changes are those by which a force lets go, or a driver goes on another way.
     pub(super) fn is_jump(&self, changes: &[SideChange]) -> bool {
-        let is_release = |own: &SideChange| self.events.as_ref().is_some_and(|events| events.is_release(own.switch));
-        changes.first().is_some_and(is_release)
+        let (Some(events), Some(first)) = (&self.events, changes.first()) else { return false };
+        (0..events.frictions().len()).any(|own| events.is_of(own, first.switch)) || events.is_release(first.switch)
     }
 
     /// Whether a joint is there that a force may remove.
     pub(super) fn may_release(&self) -> bool {
-        self.events.as_ref().is_some_and(|events| events.release_of(&self.between.sides).is_some())
+        self.events
+            .as_ref()
+            .is_some_and(|events| events.frictions().len() > 0 || events.release_of(&self.between.sides).is_some())
     }
 
     /// Forces that tell no event at the end of the step made last are of no use to the way back.
@@ -868,12 +875,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 changes.extend(passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] }));
             }
         }
-        if !is_made_again && !happened.is_empty() && events.frictions().len() > 0 {
+        // at a breakpoint drivers may go on another way
+        if !is_made_again && (!happened.is_empty() || self.behind.is_some()) && events.frictions().len() > 0 {
             let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
             let directed = self.directed(events, &before, &self.between.sides);
             set(&directed, &mut self.between.sides);
             changes.extend(directed);
-            changes.extend(self.held_by_others(events, &self.between.sides, (&q, &v), self.record.end));
+            let sides = self.between.sides.clone();
+            changes.extend(self.held_by_others(events, &sides, (&q, &v), self.record.end)?);
             set(&changes, &mut self.between.sides);
         }
         if !happened.is_empty() && events.frictions().len() > 0 {

@@ -74,6 +74,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     if let Some(clocks) = clocks {
         stepper.clocks.clone_from(clocks);
     }
+    stepper.stretch = interval.stretch_behind(interval.t());
     recorder.start(&stepper.start(interval.t(), plan, guided)?)?;
     let mut before = Checkpoint::default();
     let mut begins = Vec::new();
@@ -166,6 +167,7 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             }
             stepper.resume(&before)?;
         };
+        stepper.stretch = interval.stretch_behind(reached);
         match changes {
             Some(changes) => {
                 let (changes, ends_run) = stepper.pass(changes, is_made_again)?;

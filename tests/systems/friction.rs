@@ -684,3 +684,24 @@ fn a_friction_that_impacts_cannot_use_is_told() {
         assert!(why.contains(words), "{why}");
     }
 }
+
+/// A motor turns an arm to either side, from the start or later, and holds it then: its work is the friction mu r N of the bearing times the angle.
+#[test]
+fn a_motor_turns_a_bearing_to_either_side() {
+    for (to, start) in [(1, 0.0), (1, 0.5), (-1, 0.0), (-1, 0.5)] {
+        let (values, rows) = values_of(&format!(
+            r#"
+version = 1
+settings = {{ end = 2, steps = 100 }}
+variable.mu = {{ initial = 0.3, bounds = [0, 2] }}
+body = [{{ name = "arm", position = [0, 0, 0], mass = 2, inertia = [0.1, 0.2, 0.3] }}]
+joint = [{{ name = "hinge", type = "revolute", between = ["ground", "arm"], point = [0, 0, 0], axis = [0, 0, 1] }}]
+friction = [{{ name = "bearing", joint = "hinge", sliding = "mu", radius = 0.1, preload = 50 }}]
+driver = [{{ name = "motor", type = "rotation", between = ["ground", "arm"], axis = [0, 0, 1], angle = {{ type = "smooth_ramp", to = {to}, start = {start}, duration = 1 }} }}]
+functional = [{{ name = "work", type = "joint_power", joint = "motor", over = "integral" }}]
+"#
+        ));
+        assert_near(values[0], 0.3 * 0.1 * 50.0, 1e-6, "work");
+        assert_near(rows[0][0], 0.1 * 50.0, 1e-6, "by the friction");
+    }
+}

@@ -5,7 +5,7 @@ use ShellSection::{Isotropic, Laminate};
 use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
 use costate::elements::entries::{Entry, Given, JointVisitor, Placed, SpringVisitor};
 use costate::elements::flexible::ShellSection;
-use costate::elements::forces::LoadFrame;
+use costate::elements::forces::{LoadFrame, Touching};
 use costate::elements::joints::Freedom;
 use costate::elements::{
     AnyConstraint, AnyElement, Constraint, Element, Flexible, Nonholonomic, TimeFunction, forces, joints,
@@ -13,7 +13,7 @@ use costate::elements::{
 use costate::internals::{
     AngleCoordinate, BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DiscOnPlane, EulerParameterNorm, Face,
     Gravity, HeldNode, NaturalBody, OrthonormalAxes, PointMass, Quad4, Quad9, RevoluteJoint, RigidBody, RollingDisc,
-    RollingSphere, ShellField, ShellPressureField, SmallStrainCableField, Soft, TiedNode, Triangle6,
+    RollingSphere, ShellField, ShellPressureField, SmallStrainCableField, Soft, SoftContact, TiedNode, Triangle6,
 };
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
@@ -88,6 +88,9 @@ fn elements() -> Vec<Item> {
         element("inertia of a cable", CABLE, move || CableInertia),
         element("weight of a cable", CABLE, move || CableGravity),
         element("weight", &[Body], move || Gravity { on }),
+        element("contact of spheres that gives way", BODIES, move || -> Box<dyn AnyElement> {
+            Box::new(SoftContact { nodes: [a, b], touching: Touching::Spheres, exponent: 1.5, has_friction: true })
+        }),
         element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint([a, b]))) }),
     ]
 }
