@@ -459,6 +459,11 @@ impl Events {
         self.part(switch).event == Some(event)
     }
 
+    /// Whether it is that at which slip ends.
+    pub fn is_end_of_slip(&self, switch: usize) -> bool {
+        self.frictions.iter().any(|own| self.is_condition(switch, own.own.events[0]))
+    }
+
     /// Whether a switch is the condition of an event by a force.
     pub fn is_release(&self, switch: usize) -> bool {
         self.part(switch).is_by_force()

@@ -372,7 +372,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let [q, v, p] = [q, v, &self.p].map(real);
         let moment = Moment { a: &a, v: &v, q: &q, mu: [&mu, &[]], t };
         let excesses = events.excesses(moment, &p, sides);
-        let passed = excesses.into_iter().enumerate().filter(|(_, own)| own.by.abs() <= own.noise(t) && own.rate > 0.0);
+        // which way surfaces slip is known
+        let own = excesses.into_iter().enumerate().filter(|(switch, _)| !events.is_end_of_slip(*switch));
+        let passed = own.filter(|(_, own)| own.by.abs() <= own.noise(t) && own.rate > 0.0);
         let passed: Vec<(usize, f64)> = passed.map(|(switch, own)| (switch, own.other)).collect();
         passed.iter().for_each(|(switch, other)| sides[*switch] = *other);
         if let Some(own) = events.released((sides, sides), moment, &p, NO_FORCE * size(&first.unknowns.mu)) {
