@@ -465,15 +465,23 @@ class Model:
         rest_speed: Scalar | None = None,
         sliding: Scalar | None = None,
         static: Scalar | None = None,
+        stiffness: Scalar | None = None,
+        modulus: Scalar | None = None,
+        damping: Scalar | None = None,
+        slip_speed: Scalar | None = None,
     ) -> str:
-        """Two shapes that hit, push and leave each other, rigidly, with Coulomb friction: they stick and roll, or slip. Its reaction is that of a joint of its name.
+        """Two shapes that hit, push and leave each other. Rigid ones have Coulomb friction: they stick and roll, or slip, and their reaction is that of a joint of the same name. With `stiffness` or `modulus` they give way, and friction is a function of the slip.
 
         * ``name`` (text): name, by which others refer to it
-        * ``between`` (list of 2 times text): two shapes, of which one at most is a plane
+        * ``between`` (list of 2 times text): two shapes: a plane and another one, or two spheres or points
         * ``restitution`` (number or formula, optional): e: behind a hit they part at e times the speed at which they met, from 0, where they stay together, to 1; 0 [-]
         * ``rest_speed`` (number or formula, optional): hits with less than this have no restitution: what bounces comes to rest; 0 [m/s]
         * ``sliding`` (number or formula, optional): coefficient of friction where they slip; no friction [-]
         * ``static`` (number or formula, optional): the same where they stick, not below that; sliding [-]
+        * ``stiffness`` (number or formula, optional): k: they give way by the depth d under k d, instead of being rigid [N/m]
+        * ``modulus`` (number or formula, optional): E of Hertz's law instead, under 4/3 E sqrt(R) d^(3/2): 1/E is the sum of (1 - nu^2)/E of both, 1/R that of 1/radius [Pa]
+        * ``damping`` (number or formula, optional): c of what gives way: its force is 1 + c dd/dt times as large, never below 0; 0 [s/m]
+        * ``slip_speed`` (number or formula, optional): s_0 of what gives way, with sliding: friction is |s| / sqrt(|s|^2 + s_0^2) times as large at a slip s, so that all creeps that would stick [m/s]
         """
     def latch(
         self,
@@ -2112,6 +2120,46 @@ class _Shape:
         * ``on`` (text): node, or ground
         * ``centre`` (vector, optional): its centre in the world at the start; the place of the node [m]
         * ``radius`` (number or formula): radius [m]
+        """
+    def capsule(
+        self,
+        name: str,
+        /,
+        *,
+        on: str,
+        from_: Vector,
+        to: Vector,
+        radius: Scalar,
+    ) -> str:
+        """A cylinder with a half sphere at each end: a contact with a plane is one of each of these.
+        What of a node touches others: a contact is between two of them.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text): node, or ground
+        * ``from_`` (vector): centre of its first half sphere in the world at the start [m]
+        * ``to`` (vector): that of its second one [m]
+        * ``radius`` (number or formula): radius [m]
+        """
+    def box(
+        self,
+        name: str,
+        /,
+        *,
+        on: str,
+        centre: Vector | None = None,
+        size: Vector,
+        axis: Vector | None = None,
+        second_axis: Vector | None = None,
+    ) -> str:
+        """A box: a contact with a plane is one of each of its 8 corners.
+        What of a node touches others: a contact is between two of them.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text): node, or ground
+        * ``centre`` (vector, optional): its centre in the world at the start; the place of the node [m]
+        * ``size`` (vector): lengths of its edges along axis, second_axis, and at right angles to both [m]
+        * ``axis`` (vector, optional): direction of its first edges in the world at the start; x [-]
+        * ``second_axis`` (vector, optional): that of its second ones, at right angles to the first; y [-]
         """
     def plane(
         self,
