@@ -40,7 +40,7 @@ pub struct Stepper<'m, S> {
     pub(super) close_by: usize,
     /// What the step made last would have lasted without an event \[s\].
     pub(super) planned: f64,
-    /// Time that is left to the next breakpoint [s].
+    /// Time that is left to the next breakpoint \[s\].
     pub(super) stretch: f64,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
