@@ -29,9 +29,9 @@ const MOST_AIMS: usize = 8;
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
 /// Share of what is left to the next breakpoint after which is looked where a driver moves surfaces that it has at rest.
-const AHEAD: f64 = 1e-3;
-/// Share of coordinates that is round-off of what a driver moves until then.
-const STANDS: f64 = 1e-13;
+const AHEAD: f64 = 1e-2;
+/// Share of coordinates, and of how far the model moves until then, that joints leave of what a driver has at rest.
+const STANDS: f64 = 1e-11;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
 const MOST_CHANGES: usize = 60;
 
@@ -347,7 +347,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 is_held = self.left_out_of(&without, state, t, &rows) == dropped;
                 if is_held && self.is_driven(events, friction, &dropped, (state, t)) {
                     let soon = self.slip_soon(events, friction, (sides, &dropped), t)?;
-                    is_held = length(&soon) * self.stretch <= STANDS * size(state.0);
+                    is_held = length(&soon) * self.stretch <= STANDS * (size(state.0) + self.speed() * self.stretch);
                     if !is_held && soon[0] * direction[0] < 0.0 {
                         all.extend(self.turns(events, friction, (unit(&soon), 0.0), sides));
                     }
