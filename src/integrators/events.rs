@@ -214,6 +214,12 @@ impl Events {
         all
     }
 
+    /// The same where nothing rubs, whatever slips.
+    pub fn set_without_friction(&self, sides: &[f64]) -> Vec<(usize, f64)> {
+        let directions = self.frictions().flat_map(|own| &own.direction).flat_map(Range::clone);
+        self.set_in_impact(sides).into_iter().chain(directions.map(|place| (place, 0.0))).collect()
+    }
+
     /// Which way the surfaces of a friction slip; zero where they stick or are apart.
     pub fn direction<'s>(&self, friction: usize, sides: &'s [f64]) -> &'s [f64] {
         let Slip { own, first, .. } = &self.frictions[friction];

@@ -15,7 +15,6 @@ use crate::assembly::{JointFriction, Stop, Unknowns};
 use crate::design::shortest;
 use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
-use std::ops::Range;
 
 /// Share of a slip in two directions near which it ends, or of the speeds of the model where nothing slips yet: its square is an error of directions.
 const STILL: f64 = 1e-4;
@@ -224,9 +223,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 continue;
             };
             // it moves on that line alone, whatever moves it
-            let standing =
-                events.frictions().flat_map(|own| &own.direction).flat_map(Range::clone).map(|place| (place, 0.0));
-            let standing: Vec<(usize, f64)> = events.set_in_impact(sides).into_iter().chain(standing).collect();
+            let standing = events.set_without_friction(sides);
             let axis = events.axis(friction, sides);
             let along = [[axis[0], axis[1]], [-axis[1], axis[0]]][kept];
             let impacts = [0.0, 1.0].map(|speed| {
@@ -366,8 +363,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         (sides, dropped): (&[f64], &[usize]),
         t: f64,
     ) -> Result<Vec<f64>, RunError> {
-        let standing = events.frictions().flat_map(|own| &own.direction).flat_map(Range::clone).map(|place| (place, 0.0));
-        let set = events.set_in_impact(sides).into_iter().chain(standing).collect();
+        let set = events.set_without_friction(sides);
         let (p, end, soon) = (self.p.clone(), self.record.end, t + AHEAD * self.stretch);
         ImpactRecord { set, ..ImpactRecord::default() }.set_parameters(&[], &mut self.p);
         self.record.end = soon;
@@ -573,7 +569,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let first = match are_sharp {
                 // from the last one, whose surfaces slipped in a direction near by
                 true => Ok(std::mem::take(&mut impact.solve.unknowns)),
-                false => self.impact_without_friction(events, joint, &impact.dropped),
+                false => self.impact_without_friction(events, joint, (&now, &impact.dropped)),
             };
             let solved = first.and_then(|first| self.impact(joint, &impact.dropped, first));
             let of_impact = std::mem::replace(&mut self.p, p);
@@ -634,15 +630,13 @@ impl<S: RunScalar> Stepper<'_, S> {
         &mut self,
         events: &Events,
         joint: usize,
-        dropped: &[usize],
+        (sides, dropped): (&[f64], &[usize]),
     ) -> Result<Unknowns<S>, RunError> {
-        let places: Vec<usize> = events.frictions().flat_map(|own| own.direction.iter().flat_map(Range::clone)).collect();
-        let zero = |own: &&usize| self.p[**own].value() == 0.0;
-        if places.iter().all(|own| zero(&own)) {
+        if (0..events.frictions().len()).all(|own| events.direction(own, sides).iter().all(|d| *d == 0.0)) {
             return Ok(Unknowns::default());
         }
         let p = self.p.clone();
-        places.into_iter().for_each(|place| self.p[place] = S::zero());
+        events.set_without_friction(sides).into_iter().for_each(|(place, own)| self.p[place] = S::from(own));
         let solved = self.impact(joint, dropped, Unknowns::default());
         self.p = p;
         Ok(solved?.unknowns)

@@ -274,8 +274,8 @@ enum Law {
 
 fn law_of(e: Entry, shapes: &[Shape]) -> Result<Law> {
     let is_soft = e.has("stiffness") || e.has("modulus");
-    let others = if is_soft { ["restitution", "rest_speed", "static"] } else { ["damping", "slip_speed", "slip_speed"] };
-    if let Some(key) = others.into_iter().find(|key| e.has(key)) {
+    let others = if is_soft { &["restitution", "rest_speed", "static"][..] } else { &["damping", "slip_speed"] };
+    if let Some(key) = others.iter().find(|key| e.has(key)) {
         return e.wrong_key(
             key,
             match is_soft {
