@@ -301,7 +301,8 @@ impl Check {
             check.round_off[k] = apart.fold(ROUNDINGS * rounding, f64::max);
             let measure = Measure { round_off: check.round_off[k], ..Measure::of(prepared, value) };
             check.differences[k] = measure.differences([&adjoint.gradient.rows[k], &check.other.gradient.rows[k]]);
-            let rows = nearby.each_ref().map(|run| &run.rows[k][..]);
+            let own = std::iter::once(&check.other.gradient.rows[k][..]);
+            let rows: Vec<&[f64]> = own.chain(nearby.iter().map(|run| &run.rows[k][..])).collect();
             let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| [*one, *other]));
             let apart: Vec<_> = pairs.map(|pair| measure.differences(pair)).collect();
             check.scatter[k] = Some(largest_of(&apart));

@@ -140,8 +140,8 @@ impl<'m> Sweep<'m> {
             // of the number that is zero at an event
             back.push(zero());
         }
-        if rerun.grid.has_events() || !model.frictions.is_empty() {
-            self.sides = history.start_record().map_or_else(Vec::new, |start| start.sides.clone());
+        if let Some(start) = history.start_record().filter(|start| !start.sides.is_empty()) {
+            self.sides.clone_from(&start.sides);
             let changes = rerun.grid.changes().flat_map(|(_, changes)| changes);
             changes.for_each(|change| self.sides[change.switch] = change.sides[1]);
             self.change_back(rerun.grid.changes_at(rerun.grid.steps()).map_or(&[][..], Vec::as_slice));

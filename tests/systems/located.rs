@@ -371,3 +371,30 @@ functional = [
         row.iter().zip(by).for_each(|(own, exact)| assert_near(*own, exact, 1e-12));
     }
 }
+
+/// What moves off from rest to the other side of a switch than that of zero passes nothing, and its gradients are those of that side from the start on.
+#[test]
+fn motions_from_rest_have_the_side_to_which_they_go() {
+    for method in ["esdirk4", "sdirk4", "newmark", "generalized-alpha", "bdf2", "bdf3"] {
+        let scene = parsed(
+            &r#"
+            version = 1
+            variable.load = { initial = 3, bounds = [2, 5], unit = "N" }
+            variable.drag = { initial = 1, bounds = [0.1, 2], unit = "N" }
+            settings = { end = 1, steps = 10, method = "METHOD" }
+            coordinate = [{ name = "x" }]
+            element = [{ name = "m", nodes = { x = "x" }, kinetic = "0.5 * 2 * x.rate^2", force = { x = "-load - drag * if_less(x.rate, 0, -1, 1)" } }]
+            functional = [{ name = "x", type = "coordinate", on = "x", over = "terminal" }]
+            "#
+            .replace("METHOD", method),
+        );
+        let prepared = Prepared::new(&scene).expect("it is sound");
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let forward = analysis.forward(x).expect("it runs");
+        let row = &analysis.adjoint(x, &forward).expect("it is smooth").rows[0];
+        assert_near(forward.values[0], -0.5, 1e-12);
+        // x(1) = (drag - load) / (2 m)
+        assert_near(row[0], -0.25, 1e-12);
+        assert_near(row[1], 0.25, 1e-12);
+    }
+}
