@@ -412,10 +412,13 @@ pub fn warnings(prepared: &Prepared, forward: &Forward) -> Vec<String> {
     if let Some(Statement::Warning(words)) = stability::statement(prepared, forward) {
         warnings.push(words);
     }
-    warnings.extend(rough_reactions(prepared));
+    warnings.extend(rough_reactions(prepared).or_else(|| swinging_reactions(prepared, forward)));
     warnings.extend(beside_ends(prepared, forward));
     warnings
 }
+
+/// Share of a reaction by which it may swing from step to step.
+const SWINGING: f64 = 0.01;
 
 /// The warning of a method that does not damp the reactions of constraints at position level (Cardona & Geradin, Computers & Structures 33 (1989)),
 /// or whose stages do not have them.
@@ -444,6 +447,22 @@ fn rough_reactions(prepared: &Prepared) -> Option<String> {
              {DEFAULT_TABLE}",
             quoted(&names),
             table.name
+        )
+    })
+}
+
+/// The warning that reactions at the end alternate from step to step, as those of constraints at position level do behind a change of steps (Arnold,
+/// Bruls, Cardona, Numerische Mathematik 129 (2015)).
+fn swinging_reactions(prepared: &Prepared, forward: &Forward) -> Option<String> {
+    let swinging = || prepared.functionals().iter().zip(&forward.swings).filter(|(_, share)| **share > SWINGING);
+    let names: Vec<&str> = swinging().map(|(own, _)| own.name.as_str()).collect();
+    let most = swinging().fold(0.0, |most: f64, (_, share)| most.max(*share));
+    (!names.is_empty()).then(|| {
+        format!(
+            "{}: reactions swing by {:.1} % of the largest from each step to the next at the end of the run, and their derivatives by more, as those of constraints \
+             at position level do where steps have changed; take constraints at acceleration level, or smaller steps",
+            quoted(&names),
+            100.0 * most
         )
     })
 }

@@ -6,6 +6,9 @@ use crate::assembly::Model;
 use crate::elements::RunScalar;
 use crate::integrators::{Combination, Events, SideChange, StartRecord, StepRecord, Table};
 
+/// Ends of steps of which is known how they alternate.
+const LATEST: usize = 4;
+
 /// Values of functionals, accumulated while a run goes on: no step needs to be kept for them.
 ///
 /// An integral z of f follows the table's own recursion for z' = f, z = sum of earlier z + h sum of weights f: a method that looks
@@ -35,6 +38,8 @@ pub struct Values<'f, S> {
     sample: Sample<S>,
     /// Whether any functional reads multipliers.
     reading: bool,
+    /// Of those that do at the end, with constraints at position level: the largest so far, times and values at the ends of the last steps.
+    latest: Option<Vec<(f64, Vec<[f64; 2]>)>>,
     work: GroupWork<S>,
 }
 
@@ -61,6 +66,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             last: None,
             sample: Sample::empty(),
             reading: functionals.iter().any(Functional::reads_multipliers),
+            latest: None,
             work: GroupWork::shared(),
         }
     }
@@ -75,6 +81,24 @@ impl<'f, S: RunScalar> Values<'f, S> {
     ) -> Self {
         let offsets = totals.iter().map(|totals| totals.offset).collect();
         Values { following: false, offsets, ..Self::new(functionals, model, table, p) }
+    }
+
+    /// Watches whether what is read at the end swings from step to step.
+    pub fn watch_swings(&mut self) {
+        self.latest = self.reading.then(|| vec![(0.0, Vec::new()); self.functionals.len()]);
+    }
+
+    /// With which share of their largest value functionals that read multipliers at the end alternate from each of the last steps to the next: an
+    /// eighth of the second difference of their slopes, times the step.
+    pub fn swings(&self) -> Vec<f64> {
+        let of = |(largest, own): &(f64, Vec<[f64; 2]>)| match own[..] {
+            [a, b, c, d] => {
+                let slope = |[t, y]: [f64; 2], [end, value]: [f64; 2]| (value - y) / (end - t);
+                (slope(a, b) - 2.0 * slope(b, c) + slope(c, d)).abs() * (d[0] - c[0]) / (8.0 * largest)
+            }
+            _ => 0.0,
+        };
+        self.latest.iter().flatten().map(of).collect()
     }
 
     /// Adds what functional `k` reads at a sample with a weight in time.
@@ -146,6 +170,9 @@ impl<'f, S: RunScalar> Values<'f, S> {
             last.follow(clock);
             last.follow_events(step, &self.p);
         }
+        if self.latest.is_some() {
+            self.note_latest();
+        }
         if self.at(Times::Run).next().is_none() {
             return;
         }
@@ -178,6 +205,21 @@ impl<'f, S: RunScalar> Values<'f, S> {
             }
         }
         self.sample = sample;
+    }
+
+    fn note_latest(&mut self) {
+        let (Some(mut last), Some(mut latest)) = (self.last.take(), self.latest.take()) else { return };
+        last.share(self.model, &self.p);
+        for k in self.at(Times::End).filter(|&k| self.functionals[k].reads_multipliers()).collect::<Vec<_>>() {
+            self.read(k, &last);
+            let ((largest, own), value) = (&mut latest[k], self.so_far(k).value());
+            *largest = largest.max(value.abs());
+            if own.len() == LATEST {
+                own.remove(0);
+            }
+            own.push([last.t.value(), value]);
+        }
+        (self.last, self.latest) = (Some(last), Some(latest));
     }
 
     /// What an integral is so far.

@@ -9,9 +9,9 @@ use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Sample, StepEnds, Totals, Values};
 use crate::history::{Direction, History, Keep, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
-    Clocks, Counters, Crossing, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay, RunError,
-    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, Steps, SwitchWatch, TimeGrid,
-    march_adaptive, march_along, march_dividing, march_given, unit_part,
+    Clocks, ConstraintLevel, Counters, Crossing, InitialState, Method, NewtonTolerance, Observer, Pause, Problem, Replay,
+    RunError, StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, StepRule, Steps, SwitchWatch,
+    TimeGrid, march_adaptive, march_along, march_dividing, march_given, unit_part,
 };
 use crate::program::Digest;
 use crate::scalar::{Complex64, Tangents};
@@ -64,6 +64,9 @@ pub struct Forward {
     pub error: Option<StepError>,
     /// Start \[s\] and number of the first step that leaps over a dead point of a driven mechanism onto another branch.
     pub leap: Option<(f64, usize)>,
+    /// With which share of their largest value functionals that read multipliers at the end, with constraints at position level, alternate from each
+    /// of the last steps to the next.
+    pub swings: Vec<f64>,
     /// Of equilibria: whether they stand; gradients at an unstable one are those of a state that no structure keeps.
     pub stability: Option<StabilityCourse>,
     /// Parts and functionals whose formulas pass from one piece to another on the way: behind a jump the gradient is wrong, behind a kink right to first order of
@@ -161,7 +164,10 @@ impl<'m> Analysis<'m> {
         let signature = Signature::of(self);
         let run = self.fingerprint(&signature.structure, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
-        let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
+        let mut values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
+        if self.method.constraint_level() == ConstraintLevel::Position {
+            values.watch_swings();
+        }
         let mut switches = SwitchWatch::new(self.model, self.method.ends_at_switches(self.model));
         self.functionals.iter().for_each(|functional| functional.watch(self.model, &mut switches));
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
@@ -173,6 +179,7 @@ impl<'m> Analysis<'m> {
         };
         let Measuring { values, history, switches, .. } = recorder;
         let crossings = switches.finish();
+        let swings = values.swings();
         let (values, totals, extremes) = values.finish();
         let (counters, rejected, error, leap, stability, stopped) = match run {
             Ok(run) => (run.counters, run.rejected, run.error, run.leap, run.stability, None),
@@ -190,6 +197,7 @@ impl<'m> Analysis<'m> {
             extremes,
             error,
             leap,
+            swings,
             stability,
             crossings,
             counters,

@@ -254,10 +254,13 @@ impl Case {
             let rows = analysis.adjoint(x, &forward).map_err(unchecked)?.rows;
             let moved = energy_moved(&own, &forward).map_err(unchecked)?;
             let all = 0..forward.values.len();
-            // of two neighbours that are least apart the shorter one
+            // of two neighbours that are least apart the shorter one, if the shortest does not say otherwise: what vibrates fast makes long ones agree
             let best = all.clone().map(|k| {
-                let apart = |i: usize| (quotients[i][k] - quotients[i + 1][k]).abs() + noise[k] / WITH_EVENTS[i + 1];
-                let i = if apart(0) < apart(1) { 0 } else { 1 };
+                let noise = |i: usize| noise[k] / WITH_EVENTS[i];
+                let away = |i: usize, j: usize| (quotients[i][k] - quotients[j][k]).abs();
+                let apart = |i: usize| away(i, i + 1) + noise(i + 1);
+                let is_chance = away(1, 2) > SAFETY * (apart(0) + noise(2));
+                let i = if apart(0) < apart(1) && !is_chance { 0 } else { 1 };
                 (quotients[i + 1][k], apart(i))
             });
             let (slopes, scatter) = best.unzip();
