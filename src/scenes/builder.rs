@@ -1,6 +1,7 @@
 mod beams;
 mod cables;
 mod carriers;
+mod contacts;
 mod entries;
 mod events;
 mod forces;
@@ -28,7 +29,8 @@ mod weights;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
-pub use events::{SoftLaw, StopLaw};
+pub use contacts::{ContactShape, SoftLaw};
+pub use events::StopLaw;
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
 pub use line_stress::LineElement;

@@ -39,7 +39,7 @@ const FILES: &[(&str, &[u8])] = files!(
     "flying-rod.toml" "right-angle-cantilever.toml" "chain-common.toml" "chain-separate.toml" "von-mises-truss.toml"
     "air-loads.toml" "rotor.toml" "ground-resonance.toml" "rotor-hub.toml" "rotor-hub-flight.toml" "road.csv"
     "bouncing-ball.toml" "knee-stop.toml" "latching-panel.toml" "pendulum-lets-go.toml" "crane-rope.toml"
-    "mode-controller.toml" "escapement.toml" "billiards.toml" "cam.toml"
+    "mode-controller.toml" "escapement.toml" "billiards.toml" "cam.toml" "gripper.toml"
 );
 
 /// Names of the scenes.

@@ -38,7 +38,7 @@ pub use crate::design::DesignVariable;
 #[doc(hidden)]
 pub use builder::LineElement;
 pub use builder::{
-    BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Edge, Extrusion, Force, FreeMesh,
+    BeamLine, BeamMember, BushingRates, CableLine, CableMember, ContactShape, DRILLING, Edge, Extrusion, Force, FreeMesh,
     MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SoftLaw, SpringDamper, StopLaw, SurfaceMesh,
     ThinWalls, Torque,
 };

@@ -166,6 +166,8 @@ impl<'m> Sweep<'m> {
             carry(bases, &mut back);
         }
         self.axes_back(&start.axes, &mut back)?;
+        // numbers decide sides until the motion begins
+        self.p.clone_from(&rerun.problem.p);
         for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
                 let seeds: Vec<SolutionSeed> = back

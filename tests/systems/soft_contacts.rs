@@ -162,3 +162,100 @@ functional = [{ name = "z", type = "position", on = "ball", direction = [0, 0, 1
         assert_near(rows[0][0], depth / 5e3, 1e-15, "by the stiffness");
     }
 }
+
+/// What falls without turning hits for half a period, whatever round or flat places touch: on a capsule, on a box, on end and side of a cylinder, capsules
+/// across and along each other, and a wheel on its two rims.
+#[test]
+fn every_pair_of_shapes_bounces_as_its_springs_say() {
+    let (on, above) = ("on = \"ground\"", "on = \"ball\"");
+    let ball = "type = \"sphere\", radius = 0.3, centre = [0.4, 0.1, 1.5]";
+    let lying = |radius: f64| format!("from = [-1, 0.1, -{radius}], to = [1, 0.1, -{radius}], radius = {radius}");
+    let across = "type = \"capsule\", from = [0.3, -0.8, 1.5], to = [0.3, 1, 1.5], radius = 0.3";
+    let along = "type = \"capsule\", from = [-0.9, 0.1, 1.5], to = [1.3, 0.1, 1.5], radius = 0.3";
+    let turned = "type = \"box\", centre = [0, 0, -0.5], size = [1, 2, 3], axis = [0, 0, 1], second_axis = [3, 4, 0]";
+    let standing = "type = \"cylinder\", from = [0, 0, -1], to = [0, 0, 0], radius = 0.8";
+    let wheel = "type = \"cylinder\", from = [0.1, 0.2, 1.5], to = [0.4, 0.6, 1.5], radius = 0.3";
+    let plane = "type = \"plane\", point = [0, 0, 0], normal = [0, 0, 3]";
+    let (capsule, roll) = (format!("type = \"capsule\", {}", lying(0.2)), format!("type = \"cylinder\", {}", lying(0.4)));
+    let pairs = [
+        (&*capsule, ball, 1.0),
+        (turned, ball, 1.0),
+        (standing, ball, 1.0),
+        (&roll, ball, 1.0),
+        (&capsule, across, 1.0),
+        (&capsule, along, 1.0),
+        (plane, wheel, 2.0),
+    ];
+    for (below, thing, springs) in pairs {
+        for between in [r#"["below", "thing"]"#, r#"["thing", "below"]"#] {
+            let (values, rows) = values_of(&format!(
+                r#"
+version = 1
+settings = {{ end = 1, tolerance = 1e-10 }}
+variable.k = {{ initial = 3000, bounds = [1, 1e5] }}
+variable.v = {{ initial = 3, bounds = [1, 10] }}
+body = [{{ name = "ball", position = [0, 0, 1.5], velocity = [0, 0, "-v"], mass = 2, inertia = [0.3, 0.4, 0.5] }}]
+joint = [{{ name = "guide", type = "prismatic", between = ["ground", "ball"], point = [0, 0, 0], axis = [0, 0, 1] }}]
+shape = [{{ name = "below", {on}, {below} }}, {{ name = "thing", {above}, {thing} }}]
+contact = [{{ name = "hit", between = {between}, stiffness = "k" }}]
+functional = [{{ name = "z", type = "position", on = "ball", direction = [0, 0, 1], over = "terminal" }}]
+"#
+            ));
+            let (k, v) = (3000.0 * springs, 3.0);
+            let half = std::f64::consts::PI * f64::sqrt(2.0 / k);
+            let place = format!("{below}, {thing}");
+            assert_near(values[0], 0.3 + v * (1.0 - half) - 1.2, 1e-9, &place);
+            assert_near(rows[0][0], 0.5 * v * half / 3000.0, 1e-8, &place);
+            assert_near(rows[0][1], 1.0 - half, 1e-8, &place);
+        }
+    }
+}
+
+/// Three balls and a wall, paired by a loop whose range begins behind the number of the one around it: each pair once.
+#[test]
+fn loops_pair_what_they_number() {
+    let scene = parsed(
+        r#"
+version = 1
+settings = { end = 0.1, steps = 4 }
+define.n = 3
+body = [{ for = { i = { from = 1, to = "n" } }, name = "ball {i}", position = ["{i}", 0, 0], mass = 1, inertia = [1, 1, 1] }]
+shape = [{ for = { i = { from = 1, to = "n" } }, name = "ball {i}", on = "ball {i}", type = "sphere", radius = 0.3 }]
+contact = [{ for = { i = { from = 1, to = "n" }, j = { from = "i + 1", to = "n" } }, name = "{i} and {j}", between = ["ball {i}", "ball {j}"], stiffness = 1 }]
+functional = [{ name = "z", type = "position", on = "ball 1", direction = [0, 0, 1], over = "terminal" }]
+"#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let names: Vec<&str> =
+        prepared.model().elements.iter().map(|own| &*own.name).filter(|own| own.contains("and")).collect();
+    assert_eq!(names, ["1 and 2", "1 and 3", "2 and 3"]);
+}
+
+/// The gripper's box creeps as m z'' = -m g + 2 mu G s / sqrt(s^2 + s_0^2) and the table's force say, with s = h' - z' of the hand's height h.
+#[test]
+fn the_box_of_the_gripper_creeps_as_its_equation_says() {
+    let text = include_str!("../../examples/scenes/gripper.toml").replacen("tolerance = 1e-6", "tolerance = 1e-9", 1);
+    let (values, _) = values_of(&text);
+    let (m, mu, grip, still, k) = (0.4, 0.6, 12.0, 1e-3, 8e4);
+    let ramp = |t: f64, start: f64, duration: f64| {
+        let s = ((t - start) / duration).clamp(0.0, 1.0);
+        (s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * (s * (1.0 - s)).powi(2) / duration)
+    };
+    let rate = |t: f64, [z, v]: [f64; 2]| {
+        let slip = 0.2 * ramp(t, 0.3, 0.4).1 - v;
+        let table = k * f64::max(0.0, m * 9.81 / k - z) * f64::max(0.0, 1.0 - v);
+        [v, -9.81 + (table + 2.0 * mu * grip * ramp(t, 0.0, 0.2).0 * slip / slip.hypot(still)) / m]
+    };
+    let (steps, mut y) = (400_000, [0.0, 0.0]);
+    let h = 0.8 / f64::from(steps);
+    for step in 0..steps {
+        let t = h * f64::from(step);
+        let ahead = |share: f64, by: [f64; 2]| [y[0] + share * h * by[0], y[1] + share * h * by[1]];
+        let a = rate(t, y);
+        let b = rate(t + 0.5 * h, ahead(0.5, a));
+        let c = rate(t + 0.5 * h, ahead(0.5, b));
+        let d = rate(t + h, ahead(1.0, c));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    assert_near(values[0], 0.2 - y[0], 1e-9, "creep");
+}

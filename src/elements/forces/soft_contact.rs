@@ -3,14 +3,45 @@ use crate::elements::joints::{vectors, velocity_at};
 use crate::elements::{Element, Frame, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// What a [`SoftContact`] is between.
+/// What a [`SoftContact`] is between, of two nodes a and b; its parameters are points and directions in their frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touching {
-    /// A plane of a, with what is behind it, and a sphere or point of b. Parameters: `point` of the plane and `normal` away from it in the frame of a,
-    /// `centre` in that of b, `radius`.
+    /// A plane of a, with what is behind it, and a sphere or point of b. Parameters: `point` of the plane and `normal` away from it, `centre`, `radius`.
     SphereOnPlane,
-    /// Two spheres, of which one may be a point. Parameters: `centre a`, `centre b` in the frames of the bodies, `radius a`, `radius b`.
+    /// A plane of a and the rim of a disc of b, which has no derivative where the disc lies flat. Parameters: those of the plane, `centre`, `axis` and
+    /// `radius` of the disc.
+    RimOnPlane,
+    /// Two spheres, of which one may be a point. Parameters: `centre a`, `centre b`, `radius a`, `radius b`.
     Spheres,
+    /// A capsule of a and a sphere or point of b. Parameters: `from`, `to`, `radius a`, `centre`, `radius b`.
+    SphereOnCapsule,
+    /// A box of a and a sphere of b. Parameters: `middle` and three halves of edges from there, `centre`, `radius`.
+    SphereOnBox,
+    /// A cylinder of a with flat ends and a sphere of b. Parameters: `from`, `to`, `radius a`, `centre`, `radius b`.
+    SphereOnCylinder,
+    /// Two capsules, which touch at their middles where they are parallel. Parameters: `from a`, `to a`, `radius a`, `from b`, `to b`, `radius b`.
+    Capsules,
+}
+
+/// Share of the product of squared lengths by which capsules that are nearly parallel touch near their middles.
+const PARALLEL: f64 = 1e-9;
+
+/// Where something is along an edge, from 0 to 1.
+fn along<S: Scalar>(share: S) -> S {
+    S::zero().max(share).min(S::one())
+}
+
+/// The places of two segments that are nearest to each other, as shares of these.
+///
+/// Source: Ericson (2005), Real-Time Collision Detection, section 5.1.9, with a term that chooses among those of parallel ones.
+fn nearest<S: Scalar>([from_a, a]: [Vector3<S>; 2], [from_b, b]: [Vector3<S>; 2]) -> [S; 2] {
+    let between = from_a - from_b;
+    let (aa, bb, ab) = (a.dot(&a), b.dot(&b), a.dot(&b));
+    let (of_a, of_b) = (a.dot(&between), b.dot(&between));
+    let held = aa * bb * PARALLEL;
+    let first = along((ab * of_b - of_a * bb + held * 0.5) / (aa * bb - ab * ab + held));
+    let second = along((ab * first + of_b) / bb);
+    [along((ab * second - of_a) / aa), second]
 }
 
 /// A contact that gives way by the depth d, where that is above 0: N = k d^n max(0, 1 + c dd/dt) \[N\], which pushes apart, and a friction force of the size
@@ -43,19 +74,55 @@ impl SoftContact {
     /// The gap between the surfaces, the direction from a to b, and the place where they touch.
     fn gap<S: Scalar>(&self, q: &[S], p: &[S]) -> (S, Vector3<S>, Vector3<S>) {
         let ([a, b], p) = (Frame::pair(self.nodes, q), &p[self.first()..]);
-        match self.touching {
+        // nearest places with the radius of each around it
+        let [(of_a, radius_a), (of_b, radius_b)] = match self.touching {
             Touching::SphereOnPlane => {
                 let (normal, centre) = (a.direction(&p[3..]), b.point(&p[6..]));
-                (normal.dot(&(centre - a.point(p))) - p[9], normal, centre - normal * p[9])
+                return (normal.dot(&(centre - a.point(p))) - p[9], normal, centre - normal * p[9]);
             }
-            Touching::Spheres => {
-                let centres = [a.point(p), b.point(&p[3..])];
-                let between = centres[1] - centres[0];
-                let distance = between.length();
-                let normal = between * (S::one() / distance);
-                (distance - p[6] - p[7], normal, centres[0] + normal * p[6])
+            Touching::RimOnPlane => {
+                let (normal, axis) = (a.direction(&p[3..]), b.direction(&p[9..]));
+                let inward = axis * normal.dot(&axis) - normal;
+                let lowest = b.point(&p[6..]) + inward * (p[12] / inward.length());
+                return (normal.dot(&(lowest - a.point(p))), normal, lowest);
             }
-        }
+            Touching::Spheres => [(a.point(p), p[6]), (b.point(&p[3..]), p[7])],
+            Touching::SphereOnCapsule => {
+                let (from, centre) = (a.point(p), b.point(&p[7..]));
+                let edge = a.point(&p[3..]) - from;
+                let share = along((centre - from).dot(&edge) / edge.dot(&edge));
+                [(from + edge * share, p[6]), (centre, p[10])]
+            }
+            Touching::SphereOnBox => {
+                let (middle, centre) = (a.point(p), b.point(&p[12..]));
+                let edges = [3, 6, 9].map(|k| a.direction(&p[k..]));
+                let nearest = edges.iter().fold(middle, |at, edge| {
+                    let share = (centre - middle).dot(edge) / edge.dot(edge);
+                    at + *edge * (-S::one()).max(share).min(S::one())
+                });
+                [(nearest, S::zero()), (centre, p[15])]
+            }
+            Touching::SphereOnCylinder => {
+                let (from, centre) = (a.point(p), b.point(&p[7..]));
+                let edge = a.point(&p[3..]) - from;
+                let share = (centre - from).dot(&edge) / edge.dot(&edge);
+                let aside = centre - from - edge * share;
+                let kept = p[6] / aside.dot(&aside).max(p[6] * p[6]).sqrt();
+                [(from + edge * along(share) + aside * kept, S::zero()), (centre, p[10])]
+            }
+            Touching::Capsules => {
+                let [of_a, of_b] = [(a, p), (b, &p[7..])].map(|(frame, p)| {
+                    let from = frame.point(p);
+                    [from, frame.point(&p[3..]) - from]
+                });
+                let [share_a, share_b] = nearest(of_a, of_b);
+                [(of_a[0] + of_a[1] * share_a, p[6]), (of_b[0] + of_b[1] * share_b, p[13])]
+            }
+        };
+        let between = of_b - of_a;
+        let distance = between.length();
+        let normal = between * (S::one() / distance);
+        (distance - radius_a - radius_b, normal, of_a + normal * radius_a)
     }
 
     /// k d^n, and the share of it that its rate leaves.
@@ -74,14 +141,25 @@ impl Element for SoftContact {
         let own = |name, unit| Parameter { admissible: NonNegative, ..Parameter::new(name, unit) };
         let stiffness = own("stiffness", if self.exponent == 1.0 { "N/m" } else { "N/m^1.5" }).as_size();
         let friction = [own("sliding", "-"), Parameter::positive("slip speed", "m/s")];
+        let places = |names| Parameter::vectors(names, "m");
+        let plane = || [places(&["point"]), vectors(&["normal"])].concat();
         let geometry = match self.touching {
-            Touching::SphereOnPlane => {
-                let [point, centre] = ["point", "centre"].map(|name| Parameter::vectors(&[name], "m"));
-                [point, vectors(&["normal"]), centre, vec![own("radius", "m")]].concat()
-            }
+            Touching::SphereOnPlane => [plane(), places(&["centre"]), vec![own("radius", "m")]].concat(),
+            Touching::RimOnPlane => [plane(), places(&["centre"]), vectors(&["axis"]), vec![own("radius", "m")]].concat(),
             Touching::Spheres => {
-                let centres = Parameter::vectors(&["centre a", "centre b"], "m");
-                [centres, vec![own("radius a", "m"), own("radius b", "m")]].concat()
+                [places(&["centre a", "centre b"]), vec![own("radius a", "m"), own("radius b", "m")]].concat()
+            }
+            Touching::SphereOnCapsule | Touching::SphereOnCylinder => {
+                let (first, second) = (vec![own("radius a", "m")], vec![own("radius b", "m")]);
+                [places(&["from", "to"]), first, places(&["centre"]), second].concat()
+            }
+            Touching::SphereOnBox => {
+                let all = ["middle", "first edge", "second edge", "third edge", "centre"];
+                [places(&all), vec![own("radius", "m")]].concat()
+            }
+            Touching::Capsules => {
+                let (first, second) = (vec![own("radius a", "m")], vec![own("radius b", "m")]);
+                [places(&["from a", "to a"]), first, places(&["from b", "to b"]), second].concat()
             }
         };
         let friction = friction.into_iter().filter(|_| self.has_friction);

@@ -1,16 +1,13 @@
 //! Events, and numbers that they alone change.
 
 use super::MechanismBuilder;
-use crate::assembly::{
-    Attached, Closing, ConstraintId, ElementId, Event, EventArguments, JointFriction, NodeId, Stop, Target,
-};
-use crate::elements::forces::{SoftContact, Touching};
+use crate::assembly::{Attached, Closing, ConstraintId, Event, EventArguments, JointFriction, NodeId, Stop, Target};
 use crate::elements::joints::{
     Apart, DistanceJoint, JointSurfaces, PointInPlane, SphereFriction, SpheresFriction, Surfaces,
 };
 use crate::elements::{
-    AnyFriction, Constraint, ConstraintPhysics, Element, Friction, NodeKind, NodePair, Output, Parameter, Slipping, State,
-    Sticking, directed_by, going_on, unrelated_numbers,
+    AnyFriction, Constraint, ConstraintPhysics, Element, Friction, NodeKind, Output, Parameter, Slipping, State, Sticking,
+    directed_by, going_on, unrelated_numbers,
 };
 use crate::functionals::{Over, Quantity};
 use crate::program::Recorded;
@@ -55,19 +52,6 @@ pub enum StopLaw<S> {
         /// Size of the multiplier beyond which it opens for good.
         strength: Option<S>,
     },
-}
-
-/// The law of a [`SoftContact`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SoftLaw<S> {
-    /// k [N/m^n].
-    pub stiffness: S,
-    /// n: 1, or 3/2 of Hertz's law.
-    pub exponent: f64,
-    /// c [s/m].
-    pub damping: S,
-    /// Coefficient of friction mu [-] and the slip speed below which it is a damper [m/s].
-    pub friction: Option<[S; 2]>,
 }
 
 /// A number that only events change.
@@ -315,55 +299,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         let geometry = [&centres[..], &[radius_a + radius_b]].concat();
         let own = friction.map(|own| (SpheresFriction(kinds), [&centres[..], &axes, &[radius_a, radius_b], &own].concat()));
         self.contact(name, &nodes, (DistanceJoint(kinds), &geometry), law, own)
-    }
-
-    /// A sphere that may touch a plane of another body, by a law that gives way: the same as [`MechanismBuilder::sphere_on_plane`] otherwise.
-    pub fn soft_sphere_on_plane(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        (centre, radius): (Vector3<S>, S),
-        (point, normal): (Vector3<S>, Vector3<S>),
-        law: SoftLaw<S>,
-    ) -> ElementId {
-        let mut given = self.given(name, &nodes, vec![("normal", normal.into())]);
-        let (kinds, normal) = (given.body_and_guided(), given.unit("normal"));
-        let [of_a, of_b] = [(0, point), (1, centre)].map(|(node, own)| given.node(node).local_point(own).components());
-        let p = [&of_a[..], &given.local_directions(0, [normal]), &of_b, &[radius]].concat();
-        let wrong = given.mistakes();
-        self.soft_contact(name, &nodes, (kinds, Touching::SphereOnPlane), (p, wrong), law)
-    }
-
-    /// Two spheres that may touch, by a law that gives way: the same as [`MechanismBuilder::sphere_on_sphere`] otherwise.
-    pub fn soft_sphere_on_sphere(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        [(centre_a, radius_a), (centre_b, radius_b)]: [(Vector3<S>, S); 2],
-        law: SoftLaw<S>,
-    ) -> ElementId {
-        let mut given = self.given(name, &nodes, Vec::new());
-        let kinds = given.body_and_guided();
-        let p = [given.local_points([0, 1], [centre_a, centre_b]), vec![radius_a, radius_b]].concat();
-        let wrong = given.mistakes();
-        self.soft_contact(name, &nodes, (kinds, Touching::Spheres), (p, wrong), law)
-    }
-
-    fn soft_contact(
-        &mut self,
-        name: &str,
-        nodes: &[NodeId],
-        (kinds, touching): (NodePair, Touching),
-        (geometry, wrong): (Vec<S>, Vec<(Option<&'static str>, String)>),
-        SoftLaw { stiffness, exponent, damping, friction }: SoftLaw<S>,
-    ) -> ElementId {
-        if !wrong.is_empty() {
-            self.keep_mistakes(name, wrong);
-            return self.model.refused_element();
-        }
-        let law = SoftContact { nodes: kinds, touching, exponent, has_friction: friction.is_some() };
-        let p = [vec![stiffness, damping], friction.map_or_else(Vec::new, Vec::from), geometry].concat();
-        self.add_element(name, nodes, Box::new(law), &p)
     }
 
     /// A gap that is never below zero, with the friction of what is together there.

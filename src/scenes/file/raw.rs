@@ -273,10 +273,10 @@ fn raw(text: &str, value: &DeValue, at: usize) -> Raw {
 const MOST_ENTRIES: usize = 10_000;
 
 /// A name of a loop with one of its values.
-type Turn = (String, Step);
+pub(super) type Turn = (String, Step);
 
 #[derive(Clone)]
-enum Step {
+pub(super) enum Step {
     Whole(i64),
     Word(String),
 }
@@ -293,16 +293,16 @@ impl Wholes {
     pub fn of(root: &Raw) -> Self {
         let mut wholes = Wholes::default();
         for entry in root.get("define").and_then(Raw::table).unwrap_or_default() {
-            if let Some(value) = wholes.value(&entry.value) {
+            if let Some(value) = wholes.value(&entry.value, &[]) {
                 wholes.0.push((entry.key.clone(), value));
             }
         }
         wholes
     }
 
-    /// A whole number, or a formula that gives one.
-    pub fn value(&self, raw: &Raw) -> Option<i64> {
-        raw.whole().or_else(|| whole_number(raw.formula()?, &self.scope(&[])).ok())
+    /// A whole number, or a formula that gives one, which knows names of loops.
+    pub fn value(&self, raw: &Raw, turn: &[Turn]) -> Option<i64> {
+        raw.whole().or_else(|| whole_number(raw.formula()?, &self.scope(turn)).ok())
     }
 
     /// What braces know: these, and the names of loops, which stand in front of them.
@@ -327,14 +327,15 @@ fn whole_number(text: &str, scope: &Scope) -> Result<i64, String> {
     }
 }
 
-fn steps_of(own: &KeyValue, wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
+/// The values of a name, whose range knows those of the names before it: where these make it end just before it begins, it has none.
+fn steps_of(own: &KeyValue, turn: &[Turn], wholes: &Wholes) -> Result<Vec<Step>, Mistake> {
     let wrong = |what: String| Mistake::new(own.value.at, what);
-    let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own));
+    let number = |key: &str| own.value.get(key).and_then(|own| wholes.value(own, turn));
     let steps = match own.value.table() {
         None => listed(&own.value),
         Some([only]) if only.key == "values" => listed(&only.value),
         Some(entries) => match (entries.len(), number("from"), number("to")) {
-            (2, Some(from), Some(to)) if from > to => {
+            (2, Some(from), Some(to)) if from > to + i64::from(!turn.is_empty()) => {
                 let text = "which makes nothing: the smaller number comes first";
                 return Err(wrong(format!("for: {} goes from {from} to {to}, {text}", own.key)));
             }
@@ -416,15 +417,15 @@ fn repeated(entry: &Raw, around: &[Turn], wholes: &Wholes) -> Result<Vec<Raw>, M
         if around.iter().any(|turn| turn.0 == own.key) {
             return Err(Mistake::new(own.at, format!("for: {} is a name of the loop around this one", own.key)));
         }
-        let steps = steps_of(own, wholes)?;
-        if turns.len() * steps.len() > MOST_ENTRIES {
-            return Err(Mistake::new(loops.at, format!("for makes more than {MOST_ENTRIES} entries")));
+        let mut longer = Vec::new();
+        for turn in &turns {
+            let steps = steps_of(own, turn, wholes)?;
+            if longer.len() + steps.len() > MOST_ENTRIES {
+                return Err(Mistake::new(loops.at, format!("for makes more than {MOST_ENTRIES} entries")));
+            }
+            longer.extend(steps.into_iter().map(|step| [&turn[..], &[(own.key.clone(), step)]].concat()));
         }
-        let longer = |turn: &Vec<Turn>| {
-            let before = turn.clone();
-            steps.iter().map(move |step| [&before[..], &[(own.key.clone(), step.clone())]].concat()).collect::<Vec<_>>()
-        };
-        turns = turns.iter().flat_map(longer).collect();
+        turns = longer;
     }
     let once = without_for(entry);
     turns.iter().map(|turn| replaced(&once, turn, wholes)).collect()

@@ -226,7 +226,7 @@ impl Reader {
                 each = None;
             }
             // what is no such number is told where values are checked
-            let count = count.and_then(|own| self.wholes.value(own)?.try_into().ok()).filter(|own| MANY.contains(own));
+            let count = count.and_then(|own| self.wholes.value(own, &[])?.try_into().ok()).filter(|own| MANY.contains(own));
             match (&each, count) {
                 (Some(each), _) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
                 (None, Some(count)) => self.scope.add_array(&own, count),

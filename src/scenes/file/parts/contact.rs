@@ -2,43 +2,35 @@
 
 use crate::assembly::NodeId;
 use crate::elements::NodeKind;
-use crate::scenes::SoftLaw;
 use crate::scenes::file::describing::*;
+use crate::scenes::{ContactShape, SoftLaw};
 use crate::tolerances::CONSISTENT;
 
 /// What of a node touches others.
 #[derive(Clone)]
-pub(in crate::scenes::file) enum Shape {
-    /// Spheres, or points, whose radius is 0, by their centres; of several the hull is meant.
-    Spheres(NodeId, Vec<Vector3<Recorded>>, Recorded),
-    /// A plane, by a point and its normal.
-    Plane(NodeId, [Vector3<Recorded>; 2]),
-}
-
-impl Shape {
-    fn node(&self) -> NodeId {
-        match self {
-            Shape::Spheres(node, ..) | Shape::Plane(node, _) => *node,
-        }
-    }
-}
+pub(in crate::scenes::file) struct Shape(NodeId, ContactShape<Recorded>);
 
 const ON: Key = need("on", Node, "node, or ground");
 const CENTRE: Key = may("centre", Vector("m"), "its centre in the world at the start; the place of the node");
 const RADIUS: Key = need("radius", Number("m", Positive), "radius");
 
-const FORMS: [Form; 5] = [
+const ENDS: [Key; 2] = [
+    need("from", Vector("m"), "middle of its first end in the world at the start"),
+    need("to", Vector("m"), "that of its second one"),
+];
+
+const FORMS: [Form; 6] = [
     Form { name: "point", doc: "a point", keys: &[ON, CENTRE] },
     Form { name: "sphere", doc: "a sphere", keys: &[ON, CENTRE, RADIUS] },
     Form {
         name: "capsule",
         doc: "a cylinder with a half sphere at each end: a contact with a plane is one of each of these",
-        keys: &[
-            ON,
-            need("from", Vector("m"), "centre of its first half sphere in the world at the start"),
-            need("to", Vector("m"), "that of its second one"),
-            RADIUS,
-        ],
+        keys: &[ON, ENDS[0], ENDS[1], RADIUS],
+    },
+    Form {
+        name: "cylinder",
+        doc: "a cylinder with flat ends: a contact with a plane is one of each of its rims, and has no derivatives where it stands on an end",
+        keys: &[ON, ENDS[0], ENDS[1], RADIUS],
     },
     Form {
         name: "box",
@@ -74,20 +66,23 @@ pub(super) const SHAPE: Section = Section {
         let at = |key: &str| if e.has(key) { e.vector(key) } else { Ok(m.position(node)) };
         let zero = Recorded::from(0.0);
         let shape = match e.form {
-            "plane" => Shape::Plane(node, [at("point")?, e.vector("normal")?]),
-            "point" => Shape::Spheres(node, vec![at("centre")?], zero),
-            "capsule" => {
-                let [from, to] = [e.vector("from")?, e.vector("to")?];
-                if (to - from).length().value() == 0.0 {
+            "plane" => ContactShape::Plane { point: at("point")?, normal: e.vector("normal")? },
+            "point" => ContactShape::Sphere { middle: at("centre")?, radius: zero },
+            "capsule" | "cylinder" => {
+                let (ends, radius) = ([e.vector("from")?, e.vector("to")?], e.number("radius")?);
+                if (ends[1] - ends[0]).length().value() == 0.0 {
                     return e.wrong_key("to", "both ends are at one place: that is a sphere");
                 }
-                Shape::Spheres(node, vec![from, to], e.number("radius")?)
+                match e.form {
+                    "capsule" => ContactShape::Capsule { ends, radius },
+                    _ => ContactShape::Cylinder { ends, radius },
+                }
             }
-            "box" => Shape::Spheres(node, corners(e, at("centre")?)?, zero),
-            _ => Shape::Spheres(node, vec![at("centre")?], e.number("radius")?),
+            "box" => ContactShape::Box { middle: at("centre")?, edges: edges(e)? },
+            _ => ContactShape::Sphere { middle: at("centre")?, radius: e.number("radius")? },
         };
-        outline(&shape, m);
-        Ok(Built::Shape(shape))
+        outline(node, &shape, m);
+        Ok(Built::Shape(Shape(node, shape)))
     },
     ..Section::listed("shape", "What of a node touches others: a contact is between two of them.")
 };
@@ -97,35 +92,37 @@ const EDGES: [usize; 16] = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4];
 /// Lines of which a circle is drawn.
 const LINES: usize = 24;
 
-/// Draws a shape but a plane, which has no end: the edges of a box, circles of spheres, lines along capsules.
-fn outline(shape: &Shape, m: &mut Builder) {
-    let Shape::Spheres(node, centres, radius) = shape else { return };
-    if centres.len() == 8 {
-        m.draw(*node, &EDGES.map(|corner| centres[corner]));
+/// Draws a shape but a plane, which has no end: the edges of a box, circles of spheres and ends, lines along what is long.
+fn outline(node: NodeId, shape: &ContactShape<Recorded>, m: &mut Builder) {
+    let (middles, radius) = shape.spheres();
+    if let ContactShape::Box { .. } = shape {
+        m.draw(node, &EDGES.map(|corner| middles[corner]));
     }
     if radius.value() == 0.0 {
         return;
     }
-    let axes = match centres[..] {
+    let axes = match middles[..] {
         [first, second] => (second - first).perpendiculars(),
         _ => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from_f64),
     };
-    let [u, w] = axes.map(|own| own * *radius);
-    let third = axes[0].cross(&axes[1]) * *radius;
+    let [u, w] = axes.map(|own| own * radius);
+    let third = axes[0].cross(&axes[1]) * radius;
     let circle = |centre: Vector3<Recorded>, [u, w]: [Vector3<Recorded>; 2]| {
         let at = |k: usize| std::f64::consts::TAU * k as f64 / LINES as f64;
         (0..=LINES).map(|k| centre + u * Recorded::from(at(k).cos()) + w * Recorded::from(at(k).sin())).collect::<Vec<_>>()
     };
-    for &centre in centres {
-        [[u, w], [w, third], [third, u]].into_iter().for_each(|axes| m.draw(*node, &circle(centre, axes)));
+    let circles = if let ContactShape::Cylinder { .. } = shape { 1 } else { 3 };
+    for &middle in &middles {
+        let all = [[u, w], [w, third], [third, u]];
+        all.into_iter().take(circles).for_each(|axes| m.draw(node, &circle(middle, axes)));
     }
-    if let [first, second] = centres[..] {
-        [u, -u, w, -w].into_iter().for_each(|aside| m.draw(*node, &[first + aside, second + aside]));
+    if let [first, second] = middles[..] {
+        [u, -u, w, -w].into_iter().for_each(|aside| m.draw(node, &[first + aside, second + aside]));
     }
 }
 
-/// The corners of a box.
-fn corners(e: Entry, centre: Vector3<Recorded>) -> Result<Vec<Vector3<Recorded>>> {
+/// Halves of three edges of a box.
+fn edges(e: Entry) -> Result<[Vector3<Recorded>; 3]> {
     let size = e.vector("size")?;
     if (0..3).any(|k| size[k].value() <= 0.0) {
         return e.wrong_key("size", "the edges of a box are longer than 0");
@@ -144,12 +141,8 @@ fn corners(e: Entry, centre: Vector3<Recorded>) -> Result<Vec<Vector3<Recorded>>
     if first.dot(&second).value().abs() > CONSISTENT {
         return e.wrong("axis and second_axis of a box are at right angles to each other");
     }
-    let edges = [first * size[0], second * size[1], first.cross(&second) * size[2]];
-    let corner = |k: usize| {
-        let sides = (0..3).map(|axis| if k >> axis & 1 == 0 { -0.5 } else { 0.5 });
-        edges.iter().zip(sides).fold(centre, |at, (edge, side)| at + *edge * Recorded::from(side))
-    };
-    Ok((0..8).map(corner).collect())
+    let half = |k: usize| size[k] * Recorded::from(0.5);
+    Ok([first * half(0), second * half(1), first.cross(&second) * half(2)])
 }
 
 /// Coefficients of sliding and static friction, where they are given.
@@ -173,7 +166,11 @@ const SHAPES: Type = Type::Item(&["shape"]);
 pub(super) const CONTACT: Section = Section {
     forms: one_form![
         NAME,
-        need("between", exactly(2, &SHAPES), "two shapes: a plane and another one, or two spheres or points"),
+        need(
+            "between",
+            exactly(2, &SHAPES),
+            "two shapes: a plane and another one, or two spheres, of which one may be a point; of those that give way also a sphere and another one, or two capsules"
+        ),
         may(
             "restitution",
             Number("-", Range::Share),
@@ -213,46 +210,43 @@ pub(super) const CONTACT: Section = Section {
             _ => None,
         };
         let mut shapes: Vec<Shape> = e.list("between").filter_map(shape).collect();
-        // the plane, or the sphere of a body, is first
-        if matches!(shapes[..], [Shape::Spheres(..), Shape::Plane(..)]) {
+        // the plane is first
+        if matches!(shapes[..], [_, Shape(_, ContactShape::Plane { .. })]) {
             shapes.swap(0, 1);
         }
-        if shapes[0].node() == shapes[1].node() {
+        let [Shape(a, first), Shape(b, second)] = shapes[..] else {
+            return e.wrong_key("between", "two shapes are wanted");
+        };
+        if a == b {
             return e.wrong_key("between", "both shapes are on the same node: they never move against each other");
         }
-        let law = law_of(e, &shapes)?;
-        let nodes = [shapes[0].node(), shapes[1].node()];
+        let (law, friction) = match law_of(e, &[first, second])? {
+            Law::Rigid(law, friction) => (law, friction),
+            Law::Soft(law) => {
+                m.soft_contact(e.name(), [a, b], [first, second], law);
+                return Ok(Built::SoftJoint);
+            }
+        };
         let mut made = Vec::new();
-        match &shapes[..] {
-            [Shape::Plane(_, [point, normal]), Shape::Spheres(_, centres, radius)] => {
-                for (k, &centre) in centres.iter().enumerate() {
-                    let name = if centres.len() == 1 { e.name().to_string() } else { format!("{}, {}", e.name(), k + 1) };
-                    let (sphere, plane) = ((centre, *radius), (*point, *normal));
-                    match law {
-                        Law::Rigid(law, friction) => {
-                            made.extend(m.sphere_on_plane(&name, nodes, sphere, plane, law, friction))
-                        }
-                        Law::Soft(law) => drop(m.soft_sphere_on_plane(&name, nodes, sphere, plane, law)),
-                    }
+        match [first, second] {
+            [ContactShape::Plane { .. }, ContactShape::Plane { .. } | ContactShape::Cylinder { .. }] => {
+                return e.wrong_key("between", RIGID_PAIRS);
+            }
+            [ContactShape::Plane { point, normal }, other] => {
+                let (middles, radius) = other.spheres();
+                for (k, &middle) in middles.iter().enumerate() {
+                    let name = if middles.len() == 1 { e.name().to_string() } else { format!("{}, {}", e.name(), k + 1) };
+                    made.extend(m.sphere_on_plane(&name, [a, b], (middle, radius), (point, normal), law, friction));
                 }
             }
-            [Shape::Spheres(_, a, radius_a), Shape::Spheres(_, b, radius_b)]
-                if a.len() + b.len() == 2 && radius_a.value() + radius_b.value() > 0.0 =>
+            [ContactShape::Sphere { middle, radius }, ContactShape::Sphere { middle: other, radius: of_other }]
+                if radius.value() + of_other.value() > 0.0 =>
             {
-                let spheres = [(a[0], *radius_a), (b[0], *radius_b)];
-                match law {
-                    Law::Rigid(law, friction) => made.extend(m.sphere_on_sphere(e.name(), nodes, spheres, law, friction)),
-                    Law::Soft(law) => drop(m.soft_sphere_on_sphere(e.name(), nodes, spheres, law)),
-                }
+                made.extend(m.sphere_on_sphere(e.name(), [a, b], [(middle, radius), (other, of_other)], law, friction));
             }
-            _ => {
-                let text = "a contact is between a plane and another shape, or between two spheres, of which one may be a point: write corners of a body \
-                            as points, and other pairs as [[stop]]s by formulas";
-                return e.wrong_key("between", text);
-            }
+            _ => return e.wrong_key("between", RIGID_PAIRS),
         }
         Ok(match made[..] {
-            [] if matches!(law, Law::Soft(_)) => Built::SoftJoint,
             [] => Built::Nothing,
             [(joint, hit, friction)] => Built::Contact(joint, hit, friction),
             _ => Built::Stops(made.into_iter().map(|(joint, hit, _)| (joint, hit)).collect()),
@@ -265,6 +259,9 @@ pub(super) const CONTACT: Section = Section {
     )
 };
 
+const RIGID_PAIRS: &str = "a rigid contact is between a plane and a sphere, point, capsule or box, or between two spheres, of which one may be a point: give \
+                           others a stiffness, write corners of a body as points, or pairs as [[stop]]s by formulas";
+
 #[derive(Clone, Copy)]
 enum Law {
     /// Restitution and rest speed, coefficients of friction.
@@ -272,7 +269,7 @@ enum Law {
     Soft(SoftLaw<Recorded>),
 }
 
-fn law_of(e: Entry, shapes: &[Shape]) -> Result<Law> {
+fn law_of(e: Entry, shapes: &[ContactShape<Recorded>; 2]) -> Result<Law> {
     let is_soft = e.has("stiffness") || e.has("modulus");
     let others = if is_soft { &["restitution", "rest_speed", "static"][..] } else { &["damping", "slip_speed"] };
     if let Some(key) = others.iter().find(|key| e.has(key)) {
@@ -297,12 +294,15 @@ fn law_of(e: Entry, shapes: &[Shape]) -> Result<Law> {
     let (stiffness, exponent) = match [e.given("stiffness", Entry::number)?, e.given("modulus", Entry::number)?] {
         [Some(stiffness), None] => (stiffness, 1.0),
         [None, Some(modulus)] => {
-            let curvature = |shape: &Shape| match shape {
-                Shape::Spheres(_, _, radius) if radius.value() > 0.0 => Ok(radius.recip()),
-                Shape::Plane(..) => Ok(Recorded::from(0.0)),
-                Shape::Spheres(..) => {
-                    e.wrong_key("modulus", "Hertz's law is of round surfaces: corners and points have a stiffness")
+            let curvature = |shape: &ContactShape<Recorded>| match shape {
+                ContactShape::Plane { .. } => Ok(Recorded::from(0.0)),
+                ContactShape::Sphere { radius, .. } | ContactShape::Capsule { radius, .. } if radius.value() > 0.0 => {
+                    Ok(radius.recip())
                 }
+                _ => e.wrong_key(
+                    "modulus",
+                    "Hertz's law is of spheres, capsules and planes: what has corners or rims has a stiffness",
+                ),
             };
             let all = curvature(&shapes[0])? + curvature(&shapes[1])?;
             (modulus * Recorded::from(4.0 / 3.0) / all.sqrt(), 1.5)
