@@ -399,7 +399,7 @@ fn motions_from_rest_have_the_side_to_which_they_go() {
     }
 }
 
-/// An equilibrium is on the side of zero of a switch of the velocity, also where the motion behind it begins on the other one.
+/// An equilibrium is on the side of zero of a switch of the velocity, also where the motion begins on the other one with a velocity of its own.
 #[test]
 fn equilibria_have_the_side_of_rest() {
     let scene = parsed(
@@ -408,7 +408,7 @@ fn equilibria_have_the_side_of_rest() {
         variable.load = { initial = 3, bounds = [2, 5], unit = "N" }
         variable.push = { initial = 1, bounds = [0.1, 2], unit = "N" }
         settings = { end = 1, tolerance = 1e-10, start = "equilibrium" }
-        coordinate = [{ name = "x" }]
+        coordinate = [{ name = "x", rate = -1 }]
         element = [
             { name = "m", nodes = { x = "x" }, kinetic = "0.5 * 2 * x.rate^2", potential = "0.5 * 8 * x.value^2" },
             { name = "f", nodes = { x = "x" }, force = { x = "push * if_less(x.rate, 0, -1, 1) - load - load * t" } },
@@ -420,11 +420,11 @@ fn equilibria_have_the_side_of_rest() {
     let (analysis, x) = (prepared.analysis(), &prepared.x);
     let forward = analysis.forward(x).expect("it runs");
     let row = &analysis.adjoint(x, &forward).expect("it is smooth").rows[0];
-    // x'' = -4 (x - x0) - push - load t / 2 from rest at x0 = (push - load) / 8, with the push turned round
+    // 2 x'' = -8 x - push - load (1 + t), from x0 = (push - load) / 8 with the rate -1
     let (load, push) = (3.0, 1.0);
     let by_push = 1.0 / 8.0 - 2.0 / 8.0 * (1.0 - f64::cos(2.0));
     let by_load = -1.0 / 8.0 - (1.0 - f64::sin(2.0) / 2.0) / 8.0;
-    assert_near(forward.values[0], load * by_load + push * by_push, 1e-8);
+    assert_near(forward.values[0], load * by_load + push * by_push - f64::sin(2.0) / 2.0, 1e-8);
     assert_near(row[0], by_load, 1e-8);
     assert_near(row[1], by_push, 1e-8);
 }
