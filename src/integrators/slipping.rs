@@ -22,9 +22,8 @@ const STILL: f64 = 1e-4;
 const SHARP: f64 = 1e-4;
 /// Multiple of the speeds of the model to which it ends in impacts at first: friction has the direction that it is given.
 const BLUNT: f64 = 1e3;
-/// How far directions, of unit length, turn in such an impact from which one with their own is solved, and how often they are turned before.
-const AIMED: f64 = 0.01;
-const MOST_AIMS: usize = 8;
+/// Shares of the slip near which it ends, one after the other, from there on to that: friction turns from the direction that it is given to its own.
+const AIMS: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
 /// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
 const TURNS: f64 = 1e-3;
 /// Share of what is left to the next breakpoint after which is looked where a driver moves surfaces that it has at rest.
@@ -87,8 +86,17 @@ pub(super) fn set(changes: &[SideChange], sides: &mut [f64]) {
 #[derive(Default)]
 struct Treated {
     broken: Vec<usize>,
-    aimed: Vec<usize>,
+    /// With the speed near which the given direction counts.
+    aimed: Vec<(usize, f64)>,
     sharp: Vec<usize>,
+}
+
+impl Treated {
+    /// What begins to slip anew has no direction of its own yet.
+    fn forget(&mut self, friction: usize) {
+        self.aimed.retain(|own| own.0 != friction);
+        self.sharp.retain(|own| *own != friction);
+    }
 }
 
 /// Sides as far as what happens has come, and all that change.
@@ -565,8 +573,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own].slip = None);
             events.write_turned(&directions, &mut self.p);
             let all = slipping(&now);
-            let are_sharp = !all.is_empty() && all.iter().all(|own| treated.sharp.contains(own));
-            let first = match are_sharp {
+            let are_near = !all.is_empty() && all.iter().all(|own| treated.aimed.iter().any(|aimed| aimed.0 == *own));
+            let first = match are_near {
                 // from the last one, whose surfaces slipped in a direction near by
                 true => Ok(std::mem::take(&mut impact.solve.unknowns)),
                 false => self.impact_without_friction(events, joint, (&now, &impact.dropped)),
@@ -744,6 +752,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let slip = slip_of(friction);
             if moves(&slip, self.speed()) {
                 // others hold it, and do not let it stick
+                treated.forget(friction);
                 let mut all = turns(friction, unit(&slip));
                 all.extend(events.presence_change(own.joints[1], false, now));
                 return Some(all);
@@ -756,6 +765,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let stands = own.joints[1] == joint;
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
                 treated.broken.push(friction);
+                treated.forget(friction);
                 let pull = &mu[self.problem.model.constraints[own.joints[1]].equations.clone()];
                 let mut all = turns(friction, unit(&from_axis(pull, events.axis(friction, now))));
                 all.extend(events.presence_change(own.joints[1], false, now));
@@ -768,10 +778,16 @@ impl<S: RunScalar> Stepper<'_, S> {
                 return Some(self.sticks(events, friction, now));
             }
             let forth: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
-            if forth < -CONSISTENT * size(&v) {
+            let steps: Vec<f64> = treated.aimed.iter().filter(|own| own.0 == friction).map(|own| own.1).collect();
+            // a direction that turns away may be that of a slip, but not of one that is nothing without it
+            let may_turn = steps.last().is_some_and(|near| length(&slip) > *near) && !treated.sharp.contains(&friction);
+            if forth < -CONSISTENT * size(&v) && !may_turn {
                 // without a load it goes the way it is sent
                 return Some(match events.is_unloaded(friction, moment, &p, none) {
-                    true => turns(friction, unit(&slip)),
+                    true => {
+                        treated.forget(friction);
+                        turns(friction, unit(&slip))
+                    }
                     false => self.sticks(events, friction, now),
                 });
             }
@@ -781,10 +797,9 @@ impl<S: RunScalar> Stepper<'_, S> {
             if direction.len() < 2 || still <= 2.0 * LEAST_SPEED || treated.sharp.contains(&friction) {
                 continue;
             }
-            let turned = length(&aim.iter().zip(direction).map(|(own, before)| own - before).collect::<Vec<f64>>());
-            if turned > AIMED && treated.aimed.iter().filter(|own| **own == friction).count() < MOST_AIMS {
-                treated.aimed.push(friction);
-                return Some(turns(friction, aim));
+            if let Some(share) = AIMS.get(steps.len()) {
+                treated.aimed.push((friction, share * length(&slip)));
+                return Some(self.turns(events, friction, (direction.to_vec(), near(share * length(&slip))), now));
             }
             treated.sharp.push(friction);
             return Some(self.turns(events, friction, (aim, SHARP * still), now));

@@ -705,3 +705,45 @@ functional = [{{ name = "work", type = "joint_power", joint = "motor", over = "i
         assert_near(rows[0][0], 0.1 * 50.0, 1e-6, "by the friction");
     }
 }
+
+/// What breaks away in an impact, and hardly slips there, has friction against the slip that it has then: by quotients of whole runs.
+#[test]
+fn what_hardly_slips_in_an_impact_has_the_direction_of_its_slip() {
+    let scene = parsed(
+        r#"
+version = 1
+gravity = [1454.88, -562.541, 8810.38]
+settings = { end = 0.018, steps = 60 }
+variable.length = { initial = 1, bounds = [0.5, 2] }
+variable.mass = { initial = 1, bounds = [0.5, 2] }
+variable.restitution = { initial = 0.721535, bounds = [0.1, 0.9] }
+variable.sliding = { initial = 0.505909, bounds = [0.1, 0.9] }
+body = [{ name = "body", position = ["-2.68776 * length", "0.819576 * length", "-16.9417 * length"], mass = "0.00887455 * mass", inertia = ["0.335434 * length^2", "0.406024 * length^2", "0.263783 * length^2"], orientation = { type = "angle", axis = [0.007287366202302721, 0.8302853305386315, 0.5572909152195009], angle = 0.7 } }]
+joint = [{ name = "guide", type = "point_in_plane", between = ["ground", "body"], point = ["-1.34388 * length", "0.409788 * length", "-8.47086 * length"], normal = [0.45536405990085393, 0.28239107975828653, -0.8443333767082529] }]
+spring = [{ name = "bushing", type = "bushing", between = ["ground", "body"], point = [0, 0, 0], stiffness = [19.2225, 0.713955, 0.391231, 483.773, 126.112, 80.6852], damping = [0.0410361, 0.00207361, 0.0102663, 1.34946, 2.51519, 1.88716] }]
+shape = [
+    { name = "sphere", type = "sphere", on = "body", radius = "4.35329 * length" },
+    { name = "plane", type = "plane", on = "ground", point = ["-4.55166 * length", "-1.4755 * length", "-2.7764 * length"], normal = [-0.822786411613561, -0.266720714701588, -0.5018790503828128] },
+]
+contact = [{ name = "hit", between = ["sphere", "plane"], restitution = "restitution", sliding = "sliding", static = 0.644114 }]
+functional = [
+    { name = "turn", type = "velocity", on = "body", point = ["-7.06427 * length", "-5.55747 * length", "-18.3089 * length"], direction = [0.984516958936481, -0.138510946381139, -0.10742939681048556], over = "terminal" },
+    { name = "reaction", type = "reaction_norm", joint = "guide", over = "terminal" },
+]
+"#,
+    );
+    let prepared = Prepared::new(&scene).expect("it is sound");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("it runs");
+    assert_eq!(analysis.events(&forward).len(), 1);
+    let rows = analysis.adjoint(x, &forward).expect("it has derivatives").rows;
+    for (place, unit) in
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]].iter().enumerate()
+    {
+        let quotients = analysis.central_difference(x, unit, 1e-4).expect("it runs");
+        for (row, quotient) in rows.iter().zip(quotients) {
+            let size = row.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+            assert_near(row[place] / size, quotient / size, 1e-7, &format!("derivative {place}"));
+        }
+    }
+}
