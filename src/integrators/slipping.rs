@@ -777,10 +777,15 @@ impl<S: RunScalar> Stepper<'_, S> {
             if !moves(&slip, self.speed()) && own.joints[0] != joint && !treated.broken.contains(&friction) {
                 return Some(self.sticks(events, friction, now));
             }
+            // two directions are those of the slip before restitution
+            let slip =
+                if direction.len() < 2 { slip } else { events.slip(friction, [&in_impact[..], &q], t.value(), &behind) };
             let forth: f64 = slip.iter().zip(direction).map(|(slip, own)| slip * own).sum();
             let steps: Vec<f64> = treated.aimed.iter().filter(|own| own.0 == friction).map(|own| own.1).collect();
-            // a direction that turns away may be that of a slip, but not of one that is nothing without it
-            let may_turn = steps.last().is_some_and(|near| length(&slip) > *near) && !treated.sharp.contains(&friction);
+            // what broke away may turn from the direction that it is given to its own, but not if nothing is left of it then
+            let is_left = steps.len() < AIMS.len() || steps.last().is_some_and(|near| length(&slip) > *near);
+            let is_turning = treated.broken.contains(&friction) || !steps.is_empty();
+            let may_turn = direction.len() == 2 && is_turning && is_left && !treated.sharp.contains(&friction);
             if forth < -CONSISTENT * size(&v) && !may_turn {
                 // without a load it goes the way it is sent
                 return Some(match events.is_unloaded(friction, moment, &p, none) {
@@ -792,7 +797,6 @@ impl<S: RunScalar> Stepper<'_, S> {
                 });
             }
             // the direction of friction is that of the slip, not of the force that broke it away
-            let slip = events.slip(friction, [&in_impact[..], &q], t.value(), &behind);
             let (aim, still) = along(&slip);
             if direction.len() < 2 || still <= 2.0 * LEAST_SPEED || treated.sharp.contains(&friction) {
                 continue;
