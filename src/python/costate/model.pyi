@@ -473,7 +473,7 @@ class Model:
         """Two shapes that hit, push and leave each other. Rigid ones have Coulomb friction: they stick and roll, or slip, and their reaction is that of a joint of the same name. With `stiffness` or `modulus` they give way, and friction is a function of the slip.
 
         * ``name`` (text): name, by which others refer to it
-        * ``between`` (list of 2 times text): two shapes: a plane and another one, or two spheres or points
+        * ``between`` (list of 2 times text): two shapes: a plane and another one, or two spheres, of which one may be a point; of those that give way also a sphere and another one, or two capsules
         * ``restitution`` (number or formula, optional): e: behind a hit they part at e times the speed at which they met, from 0, where they stay together, to 1; 0 [-]
         * ``rest_speed`` (number or formula, optional): hits with less than this have no restitution: what bounces comes to rest; 0 [m/s]
         * ``sliding`` (number or formula, optional): coefficient of friction where they slip; no friction [-]
@@ -2136,7 +2136,26 @@ class _Shape:
 
         * ``name`` (text): name, by which others refer to it
         * ``on`` (text): node, or ground
-        * ``from_`` (vector): centre of its first half sphere in the world at the start [m]
+        * ``from_`` (vector): middle of its first end in the world at the start [m]
+        * ``to`` (vector): that of its second one [m]
+        * ``radius`` (number or formula): radius [m]
+        """
+    def cylinder(
+        self,
+        name: str,
+        /,
+        *,
+        on: str,
+        from_: Vector,
+        to: Vector,
+        radius: Scalar,
+    ) -> str:
+        """A cylinder with flat ends: a contact with a plane is one of each of its rims, and has no derivatives where it stands on an end.
+        What of a node touches others: a contact is between two of them.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``on`` (text): node, or ground
+        * ``from_`` (vector): middle of its first end in the world at the start [m]
         * ``to`` (vector): that of its second one [m]
         * ``radius`` (number or formula): radius [m]
         """
