@@ -7,7 +7,7 @@ use crate::elements::RunScalar;
 use crate::integrators::{Combination, Events, SideChange, StartRecord, StepRecord, Table};
 
 /// Ends of steps of which is known how they alternate.
-const LATEST: usize = 4;
+const LATEST: usize = 5;
 
 /// Values of functionals, accumulated while a run goes on: no step needs to be kept for them.
 ///
@@ -88,15 +88,20 @@ impl<'f, S: RunScalar> Values<'f, S> {
         self.latest = self.reading.then(|| vec![(0.0, Vec::new()); self.functionals.len()]);
     }
 
-    /// With which share of their largest value functionals that read multipliers at the end alternate from each of the last steps to the next: an
-    /// eighth of the second difference of their slopes, times the step.
+    /// With which share of their largest value functionals that read multipliers at the end alternate from each of the last steps to the next: a
+    /// quarter of the least change of their slope, times the step, where these changes alternate, too. A jump changes the slope twice.
     pub fn swings(&self) -> Vec<f64> {
-        let of = |(largest, own): &(f64, Vec<[f64; 2]>)| match own[..] {
-            [a, b, c, d] => {
-                let slope = |[t, y]: [f64; 2], [end, value]: [f64; 2]| (value - y) / (end - t);
-                (slope(a, b) - 2.0 * slope(b, c) + slope(c, d)).abs() * (d[0] - c[0]) / (8.0 * largest)
+        let of = |(largest, own): &(f64, Vec<[f64; 2]>)| {
+            let slopes: Vec<f64> =
+                own.windows(2).map(|ends| (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])).collect();
+            let changes: Vec<f64> = slopes.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            match (&own[..], &changes[..]) {
+                ([.., c, d], [first, second, third]) if first * second < 0.0 && second * third < 0.0 => {
+                    let least = first.abs().min(second.abs()).min(third.abs());
+                    least * (d[0] - c[0]) / (4.0 * largest)
+                }
+                _ => 0.0,
             }
-            _ => 0.0,
         };
         self.latest.iter().flatten().map(of).collect()
     }

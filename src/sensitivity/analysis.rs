@@ -165,7 +165,7 @@ impl<'m> Analysis<'m> {
         let run = self.fingerprint(&signature.structure, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let mut values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
-        if self.method.constraint_level() == ConstraintLevel::Position {
+        if self.method.constraint_level() == ConstraintLevel::Position && !self.method.table.is_static() {
             values.watch_swings();
         }
         let mut switches = SwitchWatch::new(self.model, self.method.ends_at_switches(self.model));
