@@ -23,7 +23,7 @@ const LONGEST_WAIT: &str = "COSTATE_LONGEST_WAIT";
 /// The longest wait where the environment does not say \[s\].
 const USUAL_WAIT: f64 = 120.0;
 /// The longest wait of a rank that failed for others that failed alike \[s\].
-const FAREWELL: Duration = Duration::from_secs(3);
+const FAREWELL: Duration = Duration::from_secs(5);
 /// Looks without a pause: a message of a few numbers takes a microsecond.
 const BUSY_LOOKS: usize = 2000;
 
