@@ -80,8 +80,24 @@ pub struct Events {
     frictions: Vec<Slip>,
     /// Where the sides stand in p.
     places: Vec<usize>,
+    known: Known,
     work: ProgramWork<f64>,
     numbers: Vec<f64>,
+}
+
+/// What is asked for again and again, by number.
+#[derive(Default)]
+struct Known {
+    /// The part that tells an event.
+    conditions: Vec<Option<usize>>,
+    /// Parts that tell events by forces.
+    releases: Vec<usize>,
+    /// Of a joint its place among those that come and go, and the part that tells of the event which removes it by a force.
+    of_joints: HashMap<usize, (usize, Option<usize>)>,
+    /// The friction whose slip ends with an event.
+    ends_of_slip: HashMap<usize, usize>,
+    /// Events that hit stops, with the place of the stop among what they close.
+    stops: Vec<(usize, usize)>,
 }
 
 /// An event of the model.
@@ -148,7 +164,29 @@ impl Events {
             events.frictions.push(Slip { own: own.clone(), first, formula: Arc::clone(sticking.physics.formula()), places });
             first += own.sides();
         }
+        events.known = events.find_all();
         events
+    }
+
+    fn find_all(&self) -> Known {
+        let Events { parts, events, joints, frictions, .. } = self;
+        let mut known = Known { conditions: vec![None; events.len()], ..Known::default() };
+        known.of_joints = joints.iter().enumerate().map(|(place, own)| (own.0, (place, None))).collect();
+        for (number, part) in parts.iter().enumerate() {
+            let Some(event) = part.event else { continue };
+            known.conditions[event] = Some(number);
+            if part.is_by_force() {
+                known.releases.push(number);
+                for joint in &events[event].opens {
+                    known.of_joints.entry(*joint).and_modify(|own| own.1 = own.1.or(Some(number)));
+                }
+            }
+        }
+        known.ends_of_slip = frictions.iter().enumerate().map(|(friction, own)| (own.own.events[0], friction)).collect();
+        for (event, own) in events.iter().enumerate() {
+            known.stops.extend((0..own.closes.len()).filter(|&k| own.closes[k].stop.is_some()).map(|k| (event, k)));
+        }
+        known
     }
 
     fn add<P>(
@@ -193,9 +231,8 @@ impl Events {
 
     /// Whether a joint is there, if it comes and goes.
     pub fn presence_of(&self, joint: usize, sides: &[f64]) -> Option<bool> {
-        let first = self.switches() + self.events.len();
-        let place = self.joints.iter().position(|own| own.0 == joint)?;
-        Some(sides[first + place] > 0.0)
+        let (place, _) = self.known.of_joints.get(&joint)?;
+        Some(sides[self.switches() + self.events.len() + place] > 0.0)
     }
 
     /// The joint whose presence stands at a place among all sides.
@@ -353,7 +390,7 @@ impl Events {
 
     /// Place of the side of a joint that comes and goes.
     pub fn presence(&self, joint: usize) -> usize {
-        let place = self.joints.iter().position(|own| own.0 == joint);
+        let place = self.known.of_joints.get(&joint).map(|own| own.0);
         self.switches() + self.events.len() + place.unwrap_or_else(|| unreachable!("a joint of an event comes and goes"))
     }
 
@@ -371,13 +408,12 @@ impl Events {
     }
 
     fn release(&self, joint: usize) -> Option<&Part> {
-        let opens = |part: &&Part| part.event.is_some_and(|event| self.events[event].opens.contains(&joint));
-        self.releases().find(opens)
+        self.known.of_joints.get(&joint)?.1.map(|part| &self.parts[part])
     }
 
     /// Conditions by forces of joints.
     fn releases(&self) -> impl Iterator<Item = &Part> {
-        self.parts.iter().filter(|part| part.is_by_force())
+        self.known.releases.iter().map(|&part| &self.parts[part])
     }
 
     /// An event that happens by a force of a joint that is there.
@@ -394,9 +430,9 @@ impl Events {
             let held = own.first + own.own.held();
             let direction = sides.get(own.first..own.first + own.own.kept.len());
             let is_still = direction.is_some_and(|own| own.iter().all(|d| *d == 0.0));
-            own.own.events[0] == event && (is_still || sides.get(held).is_some_and(|held| *held > 0.0))
+            is_still || sides.get(held).is_some_and(|held| *held > 0.0)
         };
-        if self.frictions.iter().any(is_still) {
+        if self.known.ends_of_slip.get(&event).is_some_and(|&own| is_still(&self.frictions[own])) {
             return false;
         }
         let has_been = sides.get(self.switches() + event).is_some_and(|own| *own > 0.0);
@@ -432,8 +468,8 @@ impl Events {
     pub fn torn(&self, sides: &[f64], (joint, mu): (usize, &[f64]), none: f64) -> Option<SideChange> {
         let held = self.stops().filter(|(_, own, _)| *own != joint && sides[self.presence(*own)] > 0.0);
         held.into_iter().find_map(|(_, own, stop)| {
-            let (_, rows, _) = self.joints.iter().find(|known| known.0 == own)?;
-            let impulse = mu[rows.start];
+            let (place, _) = self.known.of_joints[&own];
+            let impulse = mu[self.joints[place].1.start];
             let is_torn = impulse != 0.0 && !stop.pushes(impulse) && impulse.abs() > none.max(NOTHING * largest(mu));
             is_torn.then(|| self.presence_change(own, false, sides)).flatten()
         })
@@ -441,8 +477,10 @@ impl Events {
 
     /// Stops, with the event that hits each and its joint.
     pub fn stops(&self) -> impl Iterator<Item = (usize, usize, &Stop)> {
-        let all = self.events.iter().enumerate();
-        all.flat_map(|(event, own)| own.closes.iter().filter_map(move |own| Some((event, own.joint, own.stop.as_ref()?))))
+        self.known.stops.iter().filter_map(|&(event, k)| {
+            let Closing { joint, stop, .. } = &self.events[event].closes[k];
+            Some((event, *joint, stop.as_ref()?))
+        })
     }
 
     /// Whether the side of the switch at which an event hits a stop is not the free one.
@@ -467,7 +505,7 @@ impl Events {
 
     /// Whether it is that at which slip ends.
     pub fn is_end_of_slip(&self, switch: usize) -> bool {
-        self.frictions.iter().any(|own| self.is_condition(switch, own.own.events[0]))
+        self.part(switch).event.is_some_and(|event| self.known.ends_of_slip.contains_key(&event))
     }
 
     /// Whether a switch is the condition of an event by a force.
@@ -476,7 +514,7 @@ impl Events {
     }
 
     fn condition(&self, event: usize) -> Option<&Part> {
-        self.parts.iter().find(|part| part.event == Some(event))
+        self.known.conditions[event].map(|part| &self.parts[part])
     }
 
     /// Name of an event.
