@@ -81,7 +81,7 @@ pub struct JointFriction {
     pub joints: [usize; 2],
     /// Events at which slip ends, and at which it begins.
     pub events: [usize; 2],
-    /// Places in p of d, as the joint and the event at which slip ends read it; the joint of two velocities a speed near which slip ends beside it.
+    /// Places in p of d, as the joint and the event at which slip ends read it; of two velocities two speeds beside it.
     pub direction: [Range<usize>; 2],
     /// Places in p of the slip that an impact keeps.
     pub kept: Range<usize>,

@@ -90,34 +90,35 @@ pub struct Slipping {
 }
 
 /// Speed near which slip ends where nothing moves [m/s].
-pub(crate) const LEAST_SPEED: f64 = 1e-12;
+pub(crate) const LEAST_SPEED: f64 = 1e-16;
 
-/// How many numbers tell a direction of slip: of two velocities a speed beside it, near which slip ends.
+/// How many numbers tell a direction of slip: of two velocities a speed beside it within which friction has that direction, and the speed to which slip
+/// falls before another one is given.
 pub(crate) fn directed_by(directions: usize) -> usize {
-    if directions == 1 { 1 } else { 3 }
+    if directions == 1 { 1 } else { 4 }
 }
 
 /// What is above zero while slip goes on in a direction d, and falls to zero where it ends or has turned away from it by an eighth of a turn: the velocity
-/// along it, less of two velocities |s| / sqrt(2), which is smooth where they are still.
+/// along it, less of two velocities |s| / sqrt(2), which is smooth where they are still, and of a slip along d zero at its least speed.
 pub(crate) fn going_on(s: &[Recorded], d: &[Recorded]) -> Recorded {
     let along = s.iter().zip(d).map(|(&s, &d)| s * d).sum();
-    let Some(&still) = d.get(2) else { return along };
+    let &[_, _, still, least] = d else { return along };
     let squares = s.iter().map(|&s| s * s).sum::<Recorded>();
-    along - ((squares + still * still).sqrt() - still) * Recorded::from(std::f64::consts::FRAC_1_SQRT_2)
+    let share = std::f64::consts::FRAC_1_SQRT_2;
+    along - ((squares + still * still).sqrt() - still) * Recorded::from(share) - least * Recorded::from(1.0 - share)
 }
 
-/// The direction in which friction is overcome, zero where d is: that of slip, of two velocities d where they are still, for which it counts as much as
-/// slip at a speed near which it ends. A step may go on beyond the end of slip.
+/// The direction in which friction is overcome, zero where d is: that of slip, of two velocities d where they are still, within a speed near which it
+/// ends. A step may go on beyond the end of slip along d, where friction is what it was before it.
 fn direction(s: &[Recorded], d: &[Recorded]) -> Vec<Recorded> {
-    let &[first, second, still] = d else { return d.to_vec() };
+    let &[first, second, still, _] = d else { return d.to_vec() };
     let (zero, one) = (Recorded::from(0.0), Recorded::from(1.0));
     let sticks = (first * first + second * second).less(Recorded::from(0.5));
-    let least = sticks.select(one, still * still);
-    let share = least / (s[0] * s[0] + s[1] * s[1] + least).sqrt();
-    let own = [s[0] + share * first, s[1] + share * second];
-    let along = (own[0] * first + own[1] * second).less(zero).select(-one, one);
-    let size = sticks.select(one, own[0] * own[0] + own[1] * own[1]).sqrt();
-    own.into_iter().map(|own| sticks.select(zero, along * own / size)).collect()
+    let (along, across) = (first * s[0] + second * s[1], first * s[1] - second * s[0]);
+    let along = (along * along + sticks.select(one, still * still)).sqrt();
+    let size = (along * along + across * across).sqrt();
+    let own = [along * first - across * second, along * second + across * first];
+    own.into_iter().map(|own| sticks.select(zero, own / size)).collect()
 }
 
 impl AnyConstraint for Slipping {
@@ -137,8 +138,9 @@ impl AnyConstraint for Slipping {
         self.joint.is_driver()
     }
     fn parameter_list(&self) -> Vec<Parameter> {
-        let own =
-            ["are forces", "slip 1", "slip 2", "still"].into_iter().take(1 + directed_by(self.friction.direction_count()));
+        let own = ["are forces", "slip 1", "slip 2", "still", "least"]
+            .into_iter()
+            .take(1 + directed_by(self.friction.direction_count()));
         let own = own.map(|name| Parameter::named(name.to_string(), ""));
         self.joint.parameter_list().into_iter().chain(self.friction.parameter_list()).chain(own).collect()
     }

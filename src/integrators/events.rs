@@ -263,16 +263,22 @@ impl Events {
         &sides[*first..first + own.kept.len()]
     }
 
+    /// Whether slip in two directions is given another direction where it has fallen to some speed, before it ends.
+    pub fn has_least_slip(&self, friction: usize, sides: &[f64]) -> bool {
+        let Slip { own, first, .. } = &self.frictions[friction];
+        sides[first + own.held() - 1] > 0.0
+    }
+
     /// Whether a side is one of a friction.
     pub fn is_of(&self, friction: usize, switch: usize) -> bool {
         let Slip { own, first, .. } = &self.frictions[friction];
         (*first..first + own.sides()).contains(&switch)
     }
 
-    /// The changes to another direction of slip, and in two directions to the speed at which it ends.
-    pub fn turn(&self, friction: usize, direction: &[f64], speed: f64, sides: &[f64]) -> Vec<SideChange> {
+    /// The changes to another direction of slip, and in two directions to the speeds within which it is given, and to which slip falls before another is.
+    pub fn turn(&self, friction: usize, direction: &[f64], speeds: [f64; 2], sides: &[f64]) -> Vec<SideChange> {
         let Slip { own, first, .. } = &self.frictions[friction];
-        let values = direction.iter().copied().chain([speed]).take(own.direction[0].len()).enumerate();
+        let values = direction.iter().copied().chain(speeds).take(own.direction[0].len()).enumerate();
         let changes = values.map(|(k, value)| SideChange { switch: first + k, sides: [sides[first + k], value] });
         changes.filter(|own| own.sides[0] != own.sides[1]).collect()
     }
@@ -505,7 +511,23 @@ impl Events {
 
     /// Whether it is that at which slip ends.
     pub fn is_end_of_slip(&self, switch: usize) -> bool {
-        self.part(switch).event.is_some_and(|event| self.known.ends_of_slip.contains_key(&event))
+        self.slip_ended_by(switch).is_some()
+    }
+
+    /// The friction whose slip ends where a switch changes its side.
+    pub fn slip_ended_by(&self, switch: usize) -> Option<usize> {
+        self.slip_ended_at((switch < self.switches()).then(|| self.part(switch).event).flatten()?)
+    }
+
+    /// The friction whose slip ends with an event.
+    pub fn slip_ended_at(&self, event: usize) -> Option<usize> {
+        self.known.ends_of_slip.get(&event).copied()
+    }
+
+    /// Whether surfaces stick by such changes.
+    pub fn sticks_by(&self, friction: usize, changes: &[SideChange]) -> bool {
+        let stick = self.presence(self.frictions[friction].own.joints[1]);
+        changes.iter().any(|own| own.switch == stick && own.sides[1] > 0.0)
     }
 
     /// Whether a switch is the condition of an event by a force.
@@ -550,7 +572,9 @@ impl Events {
         for SideChange { switch, sides: [before, _] } in changes.iter().filter(|own| own.switch < self.switches()) {
             let Some(event) = self.part(*switch).event else { continue };
             let Happening { directions: [rising, falling], once, .. } = self.events[event];
-            let is_wanted = if *before > 0.0 { rising } else { falling };
+            // surfaces may slip on in another direction
+            let goes_on = self.slip_ended_by(*switch).is_some_and(|friction| !self.sticks_by(friction, changes));
+            let is_wanted = if *before > 0.0 { rising } else { falling } && !goes_on;
             let has_been = sides.get(self.switches() + event).is_some_and(|has_been| *has_been > 0.0);
             let is_over = once && (has_been || all.contains(&event)) || rising && falling && all.contains(&event);
             if is_wanted && !is_over {

@@ -16,20 +16,35 @@ use crate::design::shortest;
 use crate::elements::{LEAST_SPEED, RunScalar};
 use crate::tolerances::CONSISTENT;
 
-/// Share of a slip in two directions near which it ends, or of the speeds of the model where nothing slips yet: its square is an error of directions.
+/// Share of a slip in two directions within which friction has a direction that is given: its square is an error of directions.
+const GIVEN: f64 = 1e-7;
+/// Share of a slip in two directions to which it falls before another direction is given: friction turns the faster the slower slip is.
+const LEAST: f64 = 1.0 / 64.0;
+/// Shares of the speeds of the model, and of what accelerations make of them in [`BEFORE_LONG`] of the run, from which slip in two directions goes on along
+/// a line to its end: if it has been straight, and whether it has or not, as nearer to the end its direction, and more so the derivative of that, is
+/// round-off of the speeds.
+const ENDS: [f64; 2] = [1e-4, 1e-5];
+/// Angle by which slip is turned that is straight.
+const STRAIGHT: f64 = 1e-4;
+const BEFORE_LONG: f64 = 1e-3;
+/// Multiple of the slip within which friction has one direction then.
+const ALONG_A_LINE: f64 = 1e3;
+/// Share of the speeds of the model within which friction has the direction of the force that breaks surfaces away.
 const STILL: f64 = 1e-4;
-/// Share of that to which it ends in impacts, whose slip is known to be another: nothing is left of the direction from which they are solved.
-const SHARP: f64 = 1e-4;
+/// Share of a slip behind an impact within which friction has its direction before restitution.
+const SHARP: f64 = 1e-8;
 /// Multiple of the speeds of the model to which it ends in impacts at first: friction has the direction that it is given.
 const BLUNT: f64 = 1e3;
 /// Shares of the slip near which it ends, one after the other, from there on to that: friction turns from the direction that it is given to its own.
 const AIMS: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
-/// Share of the speed at the start of a step from which surfaces turn to another direction instead of sticking.
-const TURNS: f64 = 1e-3;
 /// Share of what is left to the next breakpoint after which is looked where a driver moves surfaces that it has at rest.
 const AHEAD: f64 = 1e-2;
 /// Share of coordinates, and of how far the model moves until then, that joints leave of what a driver has at rest.
 const STANDS: f64 = 1e-11;
+/// Multiple, or share, to which the force of a contact that slips has come before it is looked into again.
+const GROWS: f64 = 1.5;
+/// How many times as large as without friction a force is that a step behind it ends in none.
+const JAMS: f64 = 100.0;
 /// Changes between slipping and sticking in one impact behind which no law is found that all surfaces keep.
 const MOST_CHANGES: usize = 60;
 
@@ -53,9 +68,12 @@ pub(crate) fn moves(slip: &[f64], speed: f64) -> bool {
     length(slip) > CONSISTENT * speed
 }
 
-/// A slip as its direction and the speed near which it ends.
-fn along(slip: &[f64]) -> (Vec<f64>, f64) {
-    (unit(slip), near(STILL * length(slip)))
+/// Directions of a slip, and of two the speeds within which they are given, and to which slip falls before others are.
+type Course = (Vec<f64>, [f64; 2]);
+
+/// That of a slip as it is.
+fn along(slip: &[f64]) -> Course {
+    (unit(slip), [GIVEN, LEAST].map(|share| near(share * length(slip))))
 }
 
 /// Some numbers by their length; of none the first direction.
@@ -130,14 +148,14 @@ impl<S: RunScalar> Stepper<'_, S> {
         speed_of(&v, &real(&self.between.last.x), self.record.h)
     }
 
-    /// Speed near which slip in two directions ends.
-    fn still(&self) -> f64 {
-        near(STILL * self.speed())
+    /// Speeds of slip in two directions that begins.
+    fn still(&self) -> [f64; 2] {
+        [near(STILL * self.speed()), 0.0]
     }
 
-    /// Speed near which slip in two directions ends in an impact whose friction has a given direction.
-    fn blunt(&self) -> f64 {
-        near(BLUNT * self.speed())
+    /// Speeds of slip in two directions in an impact whose friction has a given direction.
+    fn blunt(&self) -> [f64; 2] {
+        [near(BLUNT * self.speed()), 0.0]
     }
 
     /// The changes by which surfaces that begin to slip, or are turned, do so in the direction of their slip, if they have any.
@@ -184,10 +202,10 @@ impl<S: RunScalar> Stepper<'_, S> {
         &self,
         events: &Events,
         friction: usize,
-        (direction, still): (Vec<f64>, f64),
+        (direction, speeds): Course,
         sides: &[f64],
     ) -> Vec<SideChange> {
-        let turn = events.turn(friction, &direction, still, sides);
+        let turn = events.turn(friction, &direction, speeds, sides);
         turn.into_iter().chain(events.rubbing(friction, false, sides)).collect()
     }
 
@@ -201,7 +219,7 @@ impl<S: RunScalar> Stepper<'_, S> {
 
     /// The changes by which surfaces do not slip.
     pub(super) fn stands(&self, events: &Events, friction: usize, sides: &[f64]) -> Vec<SideChange> {
-        events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], 0.0, sides)
+        events.turn(friction, &vec![0.0; events.friction(friction).kept.len()], [0.0; 2], sides)
     }
 
     /// The equations that are left out at a state, those of some rows of what sticks among them that hold by all others.
@@ -354,7 +372,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                     let soon = self.slip_soon(events, friction, (sides, &dropped), t)?;
                     is_held = length(&soon) * self.stretch <= STANDS * (size(state.0) + self.speed() * self.stretch);
                     if !is_held && soon[0] * direction[0] < 0.0 {
-                        all.extend(self.turns(events, friction, (unit(&soon), 0.0), sides));
+                        all.extend(self.turns(events, friction, (unit(&soon), [0.0; 2]), sides));
                     }
                 }
             }
@@ -488,38 +506,73 @@ impl<S: RunScalar> Stepper<'_, S> {
         }
     }
 
-    /// Whether surfaces do not stick where their slip along a direction has come to its end, but slip on in another one; turns to it.
-    pub(super) fn goes_on_slipping(
+    /// Where slip along a direction has come to its end: surfaces stick, or slip on in another direction. Each is told by changes, from a place in their
+    /// list on.
+    pub(super) fn end_slips(
         &mut self,
         events: &Events,
-        joint: usize,
+        first: usize,
         (sides, changes): Sides,
         is_made_again: bool,
-    ) -> bool {
-        let Some(friction) = events.frictions().position(|own| own.joints[1] == joint) else { return false };
+    ) -> Result<(), RunError> {
+        for place in first..changes.len() {
+            let SideChange { switch, sides: [before, _] } = changes[place];
+            let Some(friction) = events.slip_ended_by(switch).filter(|_| before < 0.0) else { continue };
+            set(&[changes[place]], sides);
+            let stick = events.friction(friction).joints[1];
+            if is_made_again {
+                let own: Vec<SideChange> =
+                    changes.iter().copied().filter(|own| events.is_of(friction, own.switch)).collect();
+                if !events.sticks_by(friction, changes) {
+                    self.change(events, &own, (sides, changes), true);
+                }
+                continue;
+            }
+            let all = self.slip_on(events, friction, sides);
+            match all {
+                Some(all) => self.change(events, &all, (sides, changes), false),
+                None => changes.extend(events.presence_change(stick, true, sides)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether surfaces do not stick after all where an event was to tell that they do, as what happened before it at the same time has moved them.
+    pub(super) fn slips_after_all(&mut self, events: &Events, event: usize, (sides, changes): Sides) -> bool {
+        let Some(friction) = events.slip_ended_at(event) else { return false };
+        let Some(all) = self.slip_on(events, friction, sides) else { return false };
+        let stick = events.presence(events.friction(friction).joints[1]);
+        changes.retain(|own| own.switch != stick || own.sides[1] == 0.0);
+        self.change(events, &all, (sides, changes), false);
+        true
+    }
+
+    /// The changes by which surfaces slip on in another direction where their slip along one has come to its end; `None` where they stick.
+    fn slip_on(&mut self, events: &Events, friction: usize, sides: &[f64]) -> Option<Vec<SideChange>> {
         let direction = events.direction(friction, sides).to_vec();
         let mut there = sides.to_vec();
-        there[events.presence(joint)] = 1.0;
+        there[events.presence(events.friction(friction).joints[1])] = 1.0;
         let dropped = self.dropped_behind(&events.absent(&there));
         let [q, v] = [0, 1].map(|order| &self.between.carried[order][..]);
         if self.is_driven(events, friction, &dropped, ((q, v), self.record.end)) {
             // it passes the place where it stands without force
             let turned: Vec<f64> = direction.iter().map(|own| -own).collect();
-            let all = self.turns(events, friction, (turned, 0.0), sides);
-            self.change(events, &all, (sides, changes), is_made_again);
-            return true;
+            return Some(self.turns(events, friction, (turned, [0.0; 2]), sides));
         }
         let slip = real(&self.slip(events, friction));
-        let [v, q] = [1, 0].map(|order| &self.record.carried[order][..]);
-        let before = length(&real(&events.slip(friction, [v, q], self.record.t.into(), &self.p)));
-        // what is set, or an impact elsewhere, may turn it round
-        let still = if slip.len() == 1 { CONSISTENT * size(v) } else { (TURNS * before).max(CONSISTENT * size(v)) };
-        if length(&slip) <= still {
-            return false;
+        let v = size(&self.record.carried[1]);
+        if slip.len() == 1 {
+            // what is set, or an impact elsewhere, may turn it round
+            return (length(&slip) > CONSISTENT * v).then(|| self.turns(events, friction, along(&slip), sides));
         }
-        let all = self.turns(events, friction, along(&slip), sides);
-        self.change(events, &all, (sides, changes), is_made_again);
-        true
+        let speed = v.max(BEFORE_LONG * self.stretch * size(&self.between.last.x)).max(LEAST_SPEED);
+        let across = (direction[0] * slip[1] - direction[1] * slip[0]).abs();
+        let is_straight = across <= STRAIGHT * length(&slip);
+        if length(&slip) > ENDS[usize::from(!is_straight)] * speed {
+            return Some(self.turns(events, friction, along(&slip), sides));
+        }
+        let on_a_line = (unit(&slip), [near(ALONG_A_LINE * length(&slip)), 0.0]);
+        events.has_least_slip(friction, sides).then(|| self.turns(events, friction, on_a_line, sides))
     }
 
     /// The impact by which a joint is closed: what is held at stops may be torn off, surfaces stick as far as friction lets them.
@@ -698,18 +751,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             if sticks || g.abs() > CONSISTENT * sizes[0] || rate.abs() > CONSISTENT * sizes[1] {
                 continue;
             }
-            let mut without = sides.to_vec();
-            without[events.presence(joint)] = 0.0;
-            set(&self.stands(events, friction, sides), &mut without);
-            let p = self.p.clone();
-            events.write_directions(&without, &mut self.p);
-            let dropped = self.dropped_with(&events.absent(&without), (q, v), t);
-            let made = self.accelerations_at((q, v), t, &dropped);
-            self.p = p;
-            let a = made?.x;
-            let [_, _, parting] = self.equations_of(joint, (&a, v, q), t)[0];
-            let parting = if stop.is_upper { -parting } else { parting };
-            let nothing = CONSISTENT * size(&a);
+            let [parting, nothing] = self.parting(events, friction, stop, (sides, q, v), t)?;
             let what = format!("the contact \"{}\", which slips,", self.problem.model.constraints[joint].name);
             if is_closed && parting > nothing {
                 return Err(no_solution(&what, "more than one", t));
@@ -720,9 +762,111 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(())
     }
 
-    /// What counts as no impulse: a share of that of the forces within a step.
+    /// How fast surfaces would begin to part without their contact, and how much of that is none.
+    fn parting(
+        &mut self,
+        events: &Events,
+        friction: usize,
+        stop: &Stop,
+        (sides, q, v): (&[f64], &[S], &[S]),
+        t: f64,
+    ) -> Result<[f64; 2], RunError> {
+        let joint = events.friction(friction).joints[0];
+        let mut without = sides.to_vec();
+        without[events.presence(joint)] = 0.0;
+        set(&self.stands(events, friction, sides), &mut without);
+        let p = self.p.clone();
+        events.write_directions(&without, &mut self.p);
+        let dropped = self.dropped_with(&events.absent(&without), (q, v), t);
+        let made = self.accelerations_at((q, v), t, &dropped);
+        self.p = p;
+        let a = made?.x;
+        let [_, _, parting] = self.equations_of(joint, (&a, v, q), t)[0];
+        Ok([if stop.is_upper { -parting } else { parting }, CONSISTENT * size(&a)])
+    }
+
+    /// Whether surfaces that slip at stops have come to where no force, or more than one, keeps Coulomb's law: a force that grows without bound before
+    /// and pulls behind it, though without it they would not part.
+    pub(super) fn check_slip(&mut self) -> Result<(), RunError> {
+        let Some(events) = self.events.take() else { return Ok(()) };
+        let checked = self.check_slip_with(&events);
+        self.events = Some(events);
+        checked
+    }
+
+    fn check_slip_with(&mut self, events: &Events) -> Result<(), RunError> {
+        let (sides, t) = (self.between.sides.clone(), self.record.end);
+        if sides.is_empty() {
+            // nothing is left of a step that failed
+            return Ok(());
+        }
+        for (friction, own) in events.frictions().enumerate() {
+            let joint = own.joints[0];
+            let slips = events.direction(friction, &sides).iter().any(|own| *own != 0.0);
+            let Some((_, _, stop)) = events.stops().find(|own| own.1 == joint).filter(|_| slips) else { continue };
+            let row = self.problem.model.constraints[joint].equations.start;
+            let Some(force) = self.between.forces.get(row).map(|own| own.value()) else { continue };
+            self.watched.resize(events.frictions().len(), force);
+            let share = force / self.watched[friction];
+            if (1.0 / GROWS..GROWS).contains(&share) && stop.pushes(force) {
+                continue;
+            }
+            let ([v, q], _) = self.state();
+            let [parting, nothing] = self.parting(events, friction, stop, (&sides, &q, &v), t)?;
+            let how_many = match stop.pushes(force) {
+                true if parting > nothing => "more than one",
+                false if parting < -nothing => "no",
+                _ => {
+                    self.watched[friction] = force;
+                    continue;
+                }
+            };
+            let what = format!("the contact \"{}\", which slips,", self.problem.model.constraints[joint].name);
+            return Err(no_solution(&what, how_many, t));
+        }
+        Ok(())
+    }
+
+    /// Why a step from the state that is carried fails, if surfaces slip at stops and friction has made their force many times what it would be without.
+    pub(super) fn check_jamming(&mut self, t: f64) -> Result<(), RunError> {
+        let Some(events) = self.events.take() else { return Ok(()) };
+        let checked = self.check_jamming_with(&events, t);
+        self.events = Some(events);
+        checked
+    }
+
+    fn check_jamming_with(&mut self, events: &Events, t: f64) -> Result<(), RunError> {
+        let sides = self.between.sides.clone();
+        let ([v, q], _) = self.state();
+        for (friction, own) in events.frictions().enumerate() {
+            let slips = events.direction(friction, &sides).iter().any(|own| *own != 0.0);
+            if !slips || !events.stops().any(|stop| stop.1 == own.joints[0]) {
+                continue;
+            }
+            let mut smooth = sides.clone();
+            set(&self.stands(events, friction, &sides), &mut smooth);
+            let forces = [&sides, &smooth].map(|sides| {
+                let p = self.p.clone();
+                events.write_directions(sides, &mut self.p);
+                let dropped = self.dropped_with(&events.absent(sides), (&q, &v), t);
+                let forces = self.forces_at((&q, &v), t, &dropped);
+                self.p = p;
+                forces
+            });
+            let joint = &self.problem.model.constraints[own.joints[0]];
+            if let [Ok(rough), Ok(smooth)] = forces
+                && rough[joint.equations.start].abs() > JAMS * smooth[joint.equations.start].abs()
+            {
+                return Err(no_solution(&format!("the contact \"{}\", which slips,", joint.name), "no", t));
+            }
+        }
+        Ok(())
+    }
+
+    /// What counts as no impulse: a share of that of the forces within a step, or within [`BEFORE_LONG`] of the run where an event cut the step.
     fn no_impulse(&self) -> f64 {
-        NO_FORCE * self.record.h * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
+        let time = self.record.h.max(BEFORE_LONG * self.stretch);
+        NO_FORCE * time * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
     }
 
     /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, which is
@@ -797,16 +941,16 @@ impl<S: RunScalar> Stepper<'_, S> {
                 });
             }
             // the direction of friction is that of the slip, not of the force that broke it away
-            let (aim, still) = along(&slip);
-            if direction.len() < 2 || still <= 2.0 * LEAST_SPEED || treated.sharp.contains(&friction) {
+            let sharp = near(SHARP * length(&slip));
+            if direction.len() < 2 || sharp <= 2.0 * LEAST_SPEED || treated.sharp.contains(&friction) {
                 continue;
             }
             if let Some(share) = AIMS.get(steps.len()) {
                 treated.aimed.push((friction, share * length(&slip)));
-                return Some(self.turns(events, friction, (direction.to_vec(), near(share * length(&slip))), now));
+                return Some(self.turns(events, friction, (direction.to_vec(), [near(share * length(&slip)), 0.0]), now));
             }
             treated.sharp.push(friction);
-            return Some(self.turns(events, friction, (aim, SHARP * still), now));
+            return Some(self.turns(events, friction, (unit(&slip), [sharp, 0.0]), now));
         }
         None
     }

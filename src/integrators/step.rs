@@ -44,6 +44,8 @@ pub struct Stepper<'m, S> {
     pub(super) stretch: f64,
     /// Multipliers at the start of the step made last.
     mu_before: Vec<f64>,
+    /// Forces of contacts that slip, when they were looked into last.
+    pub(super) watched: Vec<f64>,
     /// Directions in which surfaces slip, of two velocities, with their derivative parts.
     pub(super) directions: Vec<Directions<S>>,
     /// Time just behind the end of the step made last, where forces jump at a breakpoint there \[s\].
@@ -178,6 +180,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             planned: 0.0,
             stretch: 0.0,
             mu_before: Vec::new(),
+            watched: Vec::new(),
             behind: None,
             directions: vec![Directions::default(); problem.model.frictions.len()],
             forces: Vec::new(),
@@ -455,7 +458,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             if let Some(place) = sticking.iter().position(|own| self.is_driven(&events, *own, &dropped, ((q, v), t))) {
                 let friction = sticking.remove(place);
-                set(&self.turns(&events, friction, (vec![1.0], 0.0), sides), sides);
+                set(&self.turns(&events, friction, (vec![1.0], [0.0; 2]), sides), sides);
                 continue;
             }
             let mu = self.forces_at((q, v), t, &dropped)?;
@@ -821,8 +824,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if !is_made_again {
             self.add_dependent(events, &mut changes);
         }
-        let (mut happened, mut ends_run) = (Vec::new(), false);
+        let (mut happened, mut ends_run, mut known) = (Vec::new(), false, 0);
         loop {
+            let ended = std::mem::replace(&mut known, changes.len());
+            self.end_slips(events, ended, (&mut present, &mut changes), is_made_again)?;
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
             let switches = events.switches();
             present[..switches].copy_from_slice(&self.between.sides[..switches]);
@@ -850,6 +855,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let stops = next.iter().flat_map(|event| events.joints_of(*event).1).filter(|own| own.stop.is_some());
             let hit: Vec<(usize, f64)> = stops.map(|own| (own.joint, self.approach(own.joint))).collect();
             for &event in &next {
+                if !is_made_again && self.slips_after_all(events, event, (&mut present, &mut changes)) {
+                    continue;
+                }
                 happened.push(event);
                 ends_run |= events.ends_run(event);
                 let absent = events.absent(&present);
@@ -932,9 +940,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         for Closing { joint, stop, impulse } in closes {
             let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
-            if self.goes_on_slipping(events, *joint, (sides, changes), is_made_again) {
-                continue;
-            }
             if !is_made_again {
                 self.check_hit(*joint, hit)?;
             }
@@ -958,7 +963,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             impact.add_to(&mut self.between.carried[1], &self.p, pace);
             let is_held = restitution.is_none();
             if !is_made_again {
-                changes.extend(Some(closing).filter(|_| is_held));
+                changes.extend(Some(closing).filter(|own| is_held && !changes.contains(own)));
                 if let Some(stop) = stop {
                     changes.extend(events.free(event, stop, &self.between.sides));
                     changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));

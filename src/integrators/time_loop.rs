@@ -153,12 +153,21 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
                 match locate(&mut stepper, &before, &mut interval, (t, end), undefined) {
                     Ok(Some((end, changes))) => (reached, event) = (end, Some(changes)),
                     Ok(None) => {}
-                    Err(failure) => made = Err(failure),
+                    // what is not found may not be there
+                    Err(failure) => made = stepper.check_slip().and(Err(failure)),
                 }
             }
             let span = (t, if event.is_some() { reached } else { end });
             let step_size = interval.step_size;
-            if selection.accepts(TrialOutcome { span, reached, made }, &mut interval, &mut stepper, &before)? {
+            let accepted = selection.accepts(TrialOutcome { span, reached, made }, &mut interval, &mut stepper, &before);
+            if accepted.is_err() && !is_made_again && stepper.events.is_some() {
+                stepper.resume(&before)?;
+                stepper.check_jamming(t)?;
+            }
+            if accepted? {
+                if !is_made_again {
+                    stepper.check_slip()?;
+                }
                 if event.is_some() {
                     // that an event cuts a step says nothing of the next one
                     interval.step_size = StepSizeState { h: step_size.h, ..interval.step_size };

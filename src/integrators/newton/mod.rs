@@ -3,6 +3,7 @@
 mod accelerations;
 mod contraction;
 mod convergence;
+mod damped;
 mod derivative_parts;
 mod failure;
 mod kept;
@@ -202,7 +203,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.kept.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
             if !self.can_relieve(equations) {
-                return Err(failure);
+                let turns = !equations.metric && self.system.model.frictions.iter().any(|own| own.kept.len() == 2);
+                unknowns.clone_from(&self.guess);
+                if !turns || self.approach_damped(stage, unknowns).is_err() || self.solve_value(stage, unknowns).is_err() {
+                    return Err(failure);
+                }
+                return self.restored(stage, unknowns);
             }
             unknowns.clone_from(&self.guess);
             if self.solve_relieved(stage, unknowns).is_err() {
@@ -212,6 +218,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 self.solve_relieved(stage, unknowns).map_err(|_| failure)?;
             }
         }
+        self.restored(stage, unknowns)
+    }
+
+    fn restored(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         self.residual.restore(&self.system, stage, unknowns);
         if S::PARTS > 0 {
             self.solve_parts(stage, unknowns)?;
