@@ -58,6 +58,13 @@ pub struct Closing {
     pub impulse: Option<usize>,
 }
 
+impl Closing {
+    /// Whether it hits a joint as a stop.
+    pub(crate) fn is_stop(&self, joint: usize) -> bool {
+        self.joint == joint && self.stop.is_some()
+    }
+}
+
 /// A stop, g <= 0 or g >= 0.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Stop {

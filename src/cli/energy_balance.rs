@@ -51,9 +51,9 @@ impl EnergyBalance {
     }
 
     pub fn in_words(&self) -> String {
-        let beside = |words: &str, work: f64| match work {
-            0.0 => String::new(),
-            work => format!(", {words} {} J", number(work)),
+        let beside = |words: &str, work: f64| match work.abs() > self.round_off {
+            true => format!(", {words} {} J", number(work)),
+            false => String::new(),
         };
         let beside = beside(self.who, self.drivers) + &beside("events and impacts change it by", self.events);
         let left = self.share().map_or_else(String::new, |share| format!(", {share:.1e} of all energy that moved"));

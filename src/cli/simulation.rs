@@ -350,7 +350,7 @@ impl Simulation {
             "constraint_level": method.constraint_level().name(),
             "tolerance": control.map(|own| json!({"coordinates": own.coordinates.relative, "velocities": own.velocities.relative})),
             "planned_steps": control.is_none().then(|| grid.steps()),
-            "end_s": grid.times[grid.steps()],
+            "end_s": self.forward.grid.times[self.forward.grid.steps()],
             "design": by_name(&prepared.variables, prepared.x.iter().copied()),
             "functionals": functionals(prepared, &self.forward).json(),
             "events": events(prepared, &self.forward).map(|table| table.json()),
@@ -498,7 +498,7 @@ fn beside_ends(prepared: &Prepared, forward: &Forward) -> Vec<String> {
 
 /// The largest estimated error of a step, and the warning that it is large.
 pub fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Option<String>)> {
-    let StepError { share, step, t, dof, in_velocity } = forward.error?;
+    let StepError { share, step, t, dof, in_velocity } = forward.error.filter(|own| own.share > 0.0)?;
     let of = if in_velocity { "largest velocity" } else { "model's length" };
     let name = prepared.model().dof_name(dof);
     let place = format!("step {step} (t = {} s), {name}{}", shortest(t), if in_velocity { ", velocity" } else { "" });

@@ -21,7 +21,8 @@ use std::sync::Arc;
 /// A side that changes between two steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideChange {
-    /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, one for each
+    /// Number of the switch among all of the model; behind these one for each event, 1 where it has happened and does so no second time, or hits a stop
+    /// that was taken away, one for each
     /// joint that comes and goes, 1 where it is there, and of each friction the direction in which it slips, 0 where it does not, with a 1 behind it where
     /// others hold it at its limit, and of two velocities the direction along which the first equation of what sticks is.
     pub switch: usize,
@@ -110,6 +111,8 @@ struct Happening {
     resets: Vec<(Reset, Vec<Place>)>,
     opens: Vec<usize>,
     closes: Vec<Closing>,
+    /// Events that hit stops which it takes away, and which it brings back.
+    stops: [Vec<usize>; 2],
 }
 
 /// How a joint with friction slips.
@@ -154,8 +157,16 @@ impl Events {
                     (own, places)
                 })
                 .collect();
+            // what holds at a stop lets go by itself, and the stop stays
+            let is_own = |joint: usize| while_joint == Some((joint, true));
+            let hit_of =
+                |joint: &usize| model.events.iter().position(|own| own.closes.iter().any(|own| own.is_stop(*joint)));
+            let taken = opens.iter().filter(|joint| !is_own(**joint)).filter_map(hit_of).collect();
+            let (closes, brought): (Vec<Closing>, Vec<Closing>) =
+                closes.into_iter().partition(|own| own.stop.is_some() || hit_of(&own.joint).is_none());
+            let stops = [taken, brought.iter().filter_map(|own| hit_of(&own.joint)).collect()];
             let condition = while_joint.and_then(|(joint, is_there)| Some((place(joint)?, f64::from(u8::from(is_there)))));
-            events.events.push(Happening { directions, once, ends_run, condition, resets, opens, closes });
+            events.events.push(Happening { directions, once, ends_run, condition, resets, opens, closes, stops });
         }
         let mut first = events.switches() + events.events.len() + events.joints.len();
         for own in &model.frictions {
@@ -588,6 +599,22 @@ impl Events {
     pub fn has_happened(&self, event: usize) -> Option<SideChange> {
         let switch = self.switches() + event;
         self.events[event].once.then_some(SideChange { switch, sides: [0.0, 1.0] })
+    }
+
+    /// The changes by which stops are there no more, or are there again.
+    pub fn stops_changed(&self, event: usize, sides: &[f64]) -> Vec<SideChange> {
+        let gone =
+            self.events[event].stops.iter().zip([1.0, 0.0]).flat_map(|(own, side)| own.iter().map(move |&hit| (hit, side)));
+        let changes = gone.map(|(hit, side)| {
+            let switch = self.switches() + hit;
+            SideChange { switch, sides: [sides[switch], side] }
+        });
+        changes.filter(|own| own.sides[0] != own.sides[1]).collect()
+    }
+
+    /// Switches at which stops are hit that an event brings back.
+    pub fn stops_brought(&self, event: usize) -> impl Iterator<Item = usize> + '_ {
+        self.events[event].stops[1].iter().filter_map(|&hit| Some(self.condition(hit)?.first))
     }
 
     /// Whether an event sets anything.

@@ -645,7 +645,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if chosen_anew {
             let dropped = self.between.dropped.clone();
             self.select(&dropped)?;
-            self.earlier.choices += 1;
         }
         if guided.is_some() || !self.chooses || self.between.dropped == absent {
             return self.try_step(scheme, span, start, guided);
@@ -686,6 +685,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if self.start.factor_accelerations((q, v), p, t).is_err() {
             let others = dependent_equations(self.problem, &absent, (q, v), t, Some(dropped.len()));
             (*chosen_anew, *dropped) = (others != *dropped, others);
+            self.earlier.choices += usize::from(self.between.chosen_anew);
             return Ok(());
         }
         let start = &mut self.start;
@@ -700,6 +700,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             dropped[place] = kept;
             dropped.sort_unstable();
             *chosen_anew = true;
+            self.earlier.choices += 1;
         }
         Ok(())
     }
@@ -860,7 +861,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 }
                 happened.push(event);
                 ends_run |= events.ends_run(event);
-                let absent = events.absent(&present);
+                let mut left = present.clone();
+                let removed =
+                    events.joints_of(event).0.iter().filter_map(|&joint| events.presence_change(joint, false, &left));
+                let removed: Vec<SideChange> = removed.collect();
+                set(&removed, &mut left);
+                let absent = events.absent(&left);
                 let before = (!is_made_again && events.sets(event)).then(|| self.violations(&absent));
                 self.reset(events, (event, happened.len() - 1)).map_err(RunError::Input)?;
                 if let Some(before) = before {
@@ -871,6 +877,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if !is_made_again {
                 changes.extend(self.released(events, (&present, &changes))?);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
+                for &event in &next {
+                    let stops = events.stops_changed(event, &self.between.sides);
+                    set(&stops, &mut self.between.sides);
+                    changes.extend(stops);
+                    self.check_brought(events, event)?;
+                }
                 let mut now = self.between.sides.clone();
                 set(&changes, &mut now);
                 let (sides, end) = (&self.between.sides, self.record.end);
@@ -1057,6 +1069,22 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             "what event \"{event}\" sets at t = {} s violates joint \"{name}\", by {g:.3e} and {rate:.3e} 1/s: set coordinates and rates that its \
              joints allow",
             shortest(self.record.end)
+        )))
+    }
+
+    /// That the motion is on the free side of the stops that an event brings back.
+    fn check_brought(&self, events: &mut Events, event: usize) -> Result<(), RunError> {
+        let switches: Vec<usize> = events.stops_brought(event).collect();
+        if switches.is_empty() {
+            return Ok(());
+        }
+        let all = self.excesses_of(events, false);
+        let beyond = switches.into_iter().find(|&switch| all[switch].by > all[switch].round_off(self.record.end));
+        let Some(switch) = beyond else { return Ok(()) };
+        let (name, t) = (events.part_of(switch), shortest(self.record.end));
+        Err(RunError::Input(format!(
+            "\"{name}\" cannot be locked at t = {t} s: the motion is beyond it by {:.3e} there; bring it back where it is not",
+            all[switch].by
         )))
     }
 

@@ -390,7 +390,7 @@ impl Way<'_> {
         known: Option<SwitchKind>,
     ) -> Option<SwitchKind> {
         let Way { switches, from, to, .. } = *self;
-        let (change, at_low) = if let Side::Direction(_) = side {
+        let (change, [at_low, at_high]) = if let Side::Direction(_) = side {
             let middle = 0.5 * (low + high);
             let reversed = |near: &f64| {
                 let [a, b] = [middle - near, middle + near].map(|share| self.numbers_at(share)[own.clone()].to_vec());
@@ -403,11 +403,13 @@ impl Way<'_> {
             for (short, long) in short.changes.iter_mut().zip(long.changes) {
                 *short = if *short > 0.75 * long { *short } else { 0.0 };
             }
-            (short, middle - near)
+            (short, [middle - near, middle + near])
         } else {
-            (switches.change_between((from, to), low, high), low)
+            (switches.change_between((from, to), low, high), [low, high])
         };
-        change.kind(known, || switches.terms(&between(from, to, at_low).collect::<Vec<_>>()))
+        // one piece may be nothing
+        let terms = |share: f64| switches.terms(&between(from, to, share).collect::<Vec<_>>());
+        change.kind(known, || terms(at_low).max(terms(at_high)))
     }
 }
 

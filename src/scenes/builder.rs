@@ -105,6 +105,8 @@ pub struct MechanismBuilder<S> {
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     names_of_nodes: NamesOfNodes,
+    /// Joints that come and go with others: the contact of what rolls.
+    companions: HashMap<ConstraintId, ConstraintId>,
     mistakes: Vec<String>,
     /// Those in values of keys: name, key, and what is wrong.
     wrong_keys: Vec<(String, &'static str, String)>,
@@ -134,6 +136,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     ties,
     angles,
     names_of_nodes,
+    companions,
     mistakes,
     wrong_keys
 });

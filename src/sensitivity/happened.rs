@@ -19,11 +19,8 @@ impl Analysis<'_> {
     #[doc(hidden)]
     pub fn runs_beyond_its_end(&self, forward: &Forward) -> bool {
         let ends = |name: &str| self.model.events.iter().any(|own| own.ends_run && own.condition.name == name);
-        self.model.events.iter().any(|own| own.ends_run)
-            && self
-                .events(forward)
-                .last()
-                .is_none_or(|last| !ends(&last.name) || last.t < forward.grid.times[forward.grid.steps()])
+        let has_ended = |own: &EventTime| ends(&own.name) && own.t >= forward.grid.times[forward.grid.steps()];
+        self.model.events.iter().any(|own| own.ends_run) && !self.events(forward).iter().any(has_ended)
     }
 
     /// That no surfaces began to slip from standstill in a direction of two that is that of a force which jumps: its derivatives are not taken along.

@@ -73,7 +73,8 @@ impl Page {
     /// All that a simulation gave, before what others add to it.
     #[must_use]
     pub fn with_simulation(mut self, prepared: &Prepared, simulation: &Shown) -> Self {
-        let (method, end) = (&prepared.method, prepared.grid.times[prepared.grid.steps()]);
+        let grid = if simulation.stopped.is_some() { &prepared.grid } else { &simulation.forward.grid };
+        let (method, end) = (&prepared.method, grid.times[grid.steps()]);
         let is_static = method.table.is_static();
         self.fact("method", method.table.name.to_string());
         if !is_static {

@@ -208,8 +208,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         let release = self.add_event(&name, &[], &[joint.0], &[strength], |EventArguments { mu, p, .. }| {
             equations.iter().map(|&own| mu[own] * mu[own]).sum::<Recorded>() - p[0] * p[0]
         });
-        let Some(release) = release else { return };
-        (release.directions, release.opens, release.while_joint) = ([true, false], vec![joint.0], Some((joint.0, true)));
+        let release = release.is_some().then(|| self.model.events.len() - 1);
+        let opens = self.with_companions(&[joint]).into_iter().map(|own| own.0).collect();
+        let Some(event) = release else { return };
+        let release = &mut self.model.events[event];
+        (release.directions, release.opens, release.while_joint) = ([true, false], opens, Some((joint.0, true)));
     }
 
     /// Coulomb friction of a revolute, prismatic or point-on-line joint, by the size of its force: sliding and static coefficient [-], preload \[N\],
@@ -433,13 +436,20 @@ impl<S: Scalar> MechanismBuilder<S> {
     #[doc(hidden)]
     pub fn comes_and_goes(&mut self, joint: ConstraintId, is_there: bool) {
         if self.has_joint("an event", joint) {
-            self.model.set_presence(joint.0, is_there);
+            self.with_companions(&[joint]).into_iter().for_each(|own| self.model.set_presence(own.0, is_there));
         }
     }
 
-    /// Joints that the event made last removes, and that it adds with an impact.
+    /// Joints, each behind what comes and goes with it.
+    fn with_companions(&self, joints: &[ConstraintId]) -> Vec<ConstraintId> {
+        joints.iter().flat_map(|joint| self.companions.get(joint).copied().into_iter().chain([*joint])).collect()
+    }
+
+    /// Joints that the event made last removes, and that it adds with an impact; of what rolls with the contact. Stops and contacts are there no more, or
+    /// can be hit again.
     pub fn event_changes(&mut self, removed: &[ConstraintId], added: &[ConstraintId]) {
-        for &joint in removed.iter().chain(added) {
+        let [removed, added] = [removed, added].map(|joints| self.with_companions(joints));
+        for &joint in removed.iter().chain(&added) {
             if self.model.presence.iter().all(|own| own.0 != joint.0) {
                 self.comes_and_goes(joint, true);
             }

@@ -27,7 +27,9 @@ impl<S: Scalar> MechanismBuilder<S> {
             return refused;
         }
         let mut names = names.into_iter();
-        made.map(|(law, p)| self.add_constraint(names.next().unwrap_or_default(), &nodes, law, &p))
+        let [contact, rolling] = made.map(|(law, p)| self.add_constraint(names.next().unwrap_or_default(), &nodes, law, &p));
+        self.companions.insert(rolling, contact);
+        [contact, rolling]
     }
 
     /// A sphere rolls without sliding on a plane of another body: nodes (plane, sphere), world centre \[m\], world normal of the plane
