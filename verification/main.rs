@@ -8,8 +8,11 @@ mod beam_benchmarks;
 #[path = "chain/study.rs"]
 mod chain;
 mod clock;
+mod compared;
 #[path = "complex-step/study.rs"]
 mod complex_step;
+#[path = "contact/study.rs"]
+mod contact;
 #[path = "element-cost/study.rs"]
 mod element_cost;
 #[path = "events/study.rs"]
@@ -108,6 +111,7 @@ fn all() -> Vec<Box<dyn Study>> {
         Box::new(functionals::Functionals),
         Box::new(signals::Signals),
         Box::new(events::Events),
+        Box::new(contact::Contact),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(linear_solvers::LinearSolvers),

@@ -624,6 +624,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             // those that an impact leaves as they are have derivatives
             let mut directions = self.directions.clone();
             events.turned(&self.between.sides, &now).into_iter().for_each(|own| directions[own].slip = None);
+            let stands = |friction: &usize| events.direction(*friction, &now).iter().all(|own| *own == 0.0);
+            (0..directions.len()).filter(stands).for_each(|own| directions[own].slip = None);
             events.write_turned(&directions, &mut self.p);
             let all = slipping(&now);
             let are_near = !all.is_empty() && all.iter().all(|own| treated.aimed.iter().any(|aimed| aimed.0 == *own));

@@ -552,3 +552,50 @@ fn breakpoints_are_told_apart_beyond_their_rounding() {
         assert_near(adjoint, complex, 1e-12, duration);
     }
 }
+
+/// A ball falls past a floor that is taken away, is thrown up, and lands on the floor that was brought back.
+#[test]
+fn stops_and_contacts_that_are_removed_are_hit_no_more_until_they_come_back() {
+    let floors = [
+        "stop = [{ name = \"floor\", nodes = { b = \"ball\" }, value = \"b.position.z\", least = 0 }]\n",
+        "shape = [{ name = \"plane\", on = \"ground\", type = \"plane\", normal = [0, 0, 1] }, { name = \"point\", on = \"ball\", type = \"point\" }]\n\
+         contact = [{ name = \"floor\", between = [\"plane\", \"point\"] }]\n",
+    ];
+    for floor in floors {
+        let run = |back: f64, end: f64| {
+            let text = format!(
+                "version = 1\ngravity = [0, 0, -10]\nsettings = {{ end = {end}, steps = 40 }}\nvariable.h = {{ initial = 1, bounds = [0, 2] }}\n\
+                 point = [{{ name = \"ball\", position = [0, 0, \"h\"], mass = 1 }}]\n{floor}\
+                 event = [\n\
+                 {{ name = \"gone\", at = 0.25, remove = \"floor\" }},\n\
+                 {{ name = \"thrown\", at = 1, nodes = {{ ball = \"ball\" }}, set = {{ \"ball.velocity\" = \"[0, 0, 20]\" }} }},\n\
+                 {{ name = \"back\", at = {back}, lock = \"floor\" }},\n]\n\
+                 functional = [{{ name = \"z\", type = \"position\", on = \"ball\", direction = [0, 0, 1], over = \"terminal\" }}]\n"
+            );
+            let scene = parsed(&text);
+            let prepared = Prepared::new(&scene).unwrap();
+            prepared.analysis().forward(&prepared.x).map(|forward| forward.values[0])
+        };
+        let near = |own: Result<f64, _>, exact: f64| assert!((own.unwrap() - exact).abs() < 1e-11, "{floor}");
+        near(run(8.0, 1.0), -4.0);
+        near(run(1.5, 3.0), -4.0 + 40.0 - 20.0);
+        // it lies on the floor
+        near(run(1.5, 8.0), 0.0);
+        let why = run(1.1, 3.0).unwrap_err().to_string();
+        assert!(why.contains("\"floor\" cannot be locked at t = 1.1 s: the motion is beyond it by"), "{why}");
+    }
+}
+
+#[test]
+fn what_rolls_goes_with_its_contact() {
+    let text = "version = 1\ngravity = [0, 0, -10]\nsettings = { end = 1, steps = 20 }\nvariable.speed = { initial = 1, bounds = [0, 2] }\n\
+                body = [{ name = \"ball\", position = [0, 0, 0.1], velocity = [\"speed\", 0, 0], angular_velocity = [0, \"speed / 0.1\", 0], mass = 1, \
+                inertia = [0.004, 0.004, 0.004] }]\n\
+                joint = [{ name = \"roll\", type = \"rolling_sphere\", between = [\"ground\", \"ball\"], normal = [0, 0, 1], radius = 0.1 }]\n\
+                event = [{ name = \"edge\", at = 0.5, remove = \"roll\" }]\n\
+                functional = [{ name = \"z\", type = \"position\", on = \"ball\", direction = [0, 0, 1], over = \"terminal\" }]\n";
+    let scene = parsed(text);
+    let prepared = Prepared::new(&scene).unwrap();
+    let z = prepared.analysis().forward(&prepared.x).unwrap().values[0];
+    assert!((z - (0.1 - 1.25)).abs() < 1e-9, "{z}");
+}

@@ -747,3 +747,57 @@ functional = [
         }
     }
 }
+
+/// A block that is thrown across an incline: its slip u, at an angle f from the line of fall, follows u' = G cos f - F and u f' = -G sin f, so that
+/// u (F + G cos f) falls evenly by F^2 - G^2.
+#[test]
+fn slip_in_two_directions_is_followed_to_its_end() {
+    for ([vx, vy], mu, alpha, limit) in [
+        ([0.3, 2.0], 0.8, 0.4, 1e-10),
+        ([0.3, 2.0], 0.8, 0.05, 1e-9),
+        // hardly steep enough to go on, and up the line of fall and round
+        ([0.3, 2.0], 0.45, 0.4, 1e-9),
+        ([-2.0, 0.1], 0.8, 0.4, 1e-9),
+        ([2.0, 0.0], 0.8, 0.4, 1e-12),
+    ] {
+        let (along, against) = (9.81 * f64::sin(alpha), mu * 9.81 * f64::cos(alpha));
+        let time = |vy: f64| (vx.hypot(vy) * against + along * vx) / (against * against - along * along);
+        let text = format!(
+            "version = 1\ngravity = [0, 0, -9.81]\nsettings = {{ end = {}, tolerance = 1e-11 }}\nvariable.vy = {{ initial = {vy}, bounds = [-9, 9] }}\n\
+             define = {{ vx = {vx}, c = \"cos({alpha})\", s = \"sin({alpha})\" }}\n\
+             point = [{{ name = \"block\", velocity = [\"vx * c\", \"vy\", \"-vx * s\"], mass = 2 }}]\n\
+             shape = [{{ name = \"block\", on = \"block\", type = \"point\" }}, {{ name = \"incline\", on = \"ground\", type = \"plane\", normal = [\"s\", 0, \"c\"] }}]\n\
+             contact = [{{ name = \"incline\", between = [\"block\", \"incline\"], sliding = {mu} }}]\n\
+             functional = [{{ name = \"stop\", type = \"event_time\", event = \"incline\", which = \"stick\", over = \"terminal\" }}]\n",
+            1.2 * time(vy)
+        );
+        let scene = parsed(&text);
+        let prepared = Prepared::new(&scene).unwrap();
+        let (analysis, x) = (prepared.analysis(), prepared.x.clone());
+        let forward = analysis.forward(&x).unwrap();
+        let what = format!("{vx} {vy} {mu} {alpha}");
+        assert_near(forward.values[0] / time(vy), 1.0, limit, &what);
+        let sticks = analysis.events(&forward).iter().filter(|own| own.name.starts_with("stick")).count();
+        assert_eq!(sticks, 1, "{what}: turns of the direction are none");
+        if vy > 1.0 {
+            let rate = against * vy / vx.hypot(vy) / (against * against - along * along);
+            assert_near(analysis.adjoint(&x, &forward).unwrap().rows[0][0] / rate, 1.0, 10.0 * limit, &what);
+        }
+    }
+}
+
+/// The rod of Painleve slides until no force keeps Coulomb's law: by a run of another program at 1.2752 ms, at 1.29 m/s.
+#[test]
+fn a_contact_that_comes_to_where_it_has_no_solution_is_told() {
+    let text = include_str!("../../verification/contact/painleve-reached.toml");
+    for settings in ["end = 0.01, steps = 200", "end = 0.01, tolerance = 1e-8"] {
+        let scene = parsed(&text.replace("end = 0.01, steps = 200", settings));
+        let prepared = Prepared::new(&scene).unwrap();
+        let why = prepared.analysis().forward(&prepared.x).map(|_| ()).unwrap_err().to_string();
+        assert!(why.contains("the contact \"tip\"") && why.contains("solution by Coulomb's law at t = 0.001"), "{why}");
+    }
+    let early = text.replace("end = 0.01", "end = 0.0012");
+    let scene = parsed(&early);
+    let prepared = Prepared::new(&scene).unwrap();
+    prepared.analysis().forward(&prepared.x).unwrap();
+}

@@ -2,20 +2,15 @@
 
 mod bar;
 mod cases;
-mod references;
 
-use crate::{Clock, Form, Report, Study, largest, median, on_one_thread};
-use cases::{CASES, Case};
-use costate::integrators::StepControl;
-use costate::scenes::{AnyScene, FileScene, Prepared, Settings};
-use costate::sensitivity::largest_difference;
+use crate::compared::{Check, References, compare, measure, told};
+use crate::{Clock, Form, Report, Study, median, on_one_thread};
+use cases::CASES;
+use costate::scenes::{FileScene, Prepared, Settings};
 use costate_cli::{Chart, Series, Style};
-use references::References;
 
 /// Adjoint against complex step, by the largest derivative of a row.
 const EXACT: f64 = 1e-11;
-/// How many times as few steps the comparison with complex step has.
-const FEWER: usize = 10;
 /// Cases whose errors are measured with these numbers of steps, with the place of a functional.
 const ORDERS: [(&str, usize); 3] = [("wall", 0), ("clegg", 1), ("leaves", 0)];
 const STEPS: [usize; 4] = [100, 200, 400, 800];
@@ -43,7 +38,7 @@ impl Study for Events {
         &[Form::Short]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let references = References::read()?;
+        let references = References::read(include_str!("references.csv"))?;
         eprintln!("[1/5] cases");
         for case in &CASES {
             told(report, case.name, |report| compare(report, case, &references));
@@ -60,104 +55,6 @@ impl Study for Events {
         eprintln!("[5/5] many events");
         on_one_thread(|| many(report))
     }
-}
-
-/// Measures a part of the study; where it fails, that is a failed figure with its reason, and the others go on.
-fn told(report: &mut Report, name: &str, measure: impl FnOnce(&mut Report) -> Result<(), String>) {
-    if let Err(why) = measure(report) {
-        report.note(format!("{name}: {why}"));
-        report.at_most(format!("{name}/runs to its end"), f64::NAN, 0.0);
-    }
-}
-
-/// Values and gradients of a run, by names.
-struct Measured {
-    functionals: Vec<String>,
-    variables: Vec<String>,
-    x: Vec<f64>,
-    values: Vec<f64>,
-    rows: Vec<Vec<f64>>,
-    /// Largest difference of a row to the complex step; zero where none is asked for.
-    apart: f64,
-}
-
-/// What is measured of a run.
-#[derive(Clone, Copy, PartialEq)]
-enum Check {
-    Gradient,
-    ComplexStep,
-}
-
-fn measure(text: &str, settings: impl FnOnce(Settings) -> Settings, check: Check) -> Result<Measured, String> {
-    let scene = FileScene::parse("events.toml", text)?;
-    let x: Vec<f64> = AnyScene::variables(&scene).iter().map(|variable| variable.initial).collect();
-    let settings = settings(AnyScene::settings(&scene));
-    let method = Prepared::method_of(&settings).map_err(|why| why.to_string())?;
-    let prepared = Prepared::with(&scene, &x, method, settings).map_err(|why| why.to_string())?;
-    let analysis = prepared.analysis();
-    let forward = analysis.forward(&x).map_err(|why| why.to_string())?;
-    let rows = analysis.adjoint(&x, &forward).map_err(|why| why.to_string())?.rows;
-    let mut apart = 0.0;
-    if check == Check::ComplexStep {
-        let complex = analysis.complex_step(&x, &forward).map_err(|why| why.to_string())?.rows;
-        apart = largest(complex.iter().zip(&rows).map(|(complex, own)| largest_difference(complex, own)));
-    }
-    Ok(Measured {
-        functionals: prepared.functionals().iter().map(|own| own.name.to_string()).collect(),
-        variables: prepared.variables.iter().map(|own| own.name.to_string()).collect(),
-        x,
-        values: forward.values.clone(),
-        rows,
-        apart,
-    })
-}
-
-impl Measured {
-    /// Errors of the functional k: of its value, by that, and the largest of its derivatives, each by itself; of one that is zero x df/dx by the
-    /// largest of the others.
-    fn errors(&self, k: usize, case: &str, references: &References) -> Result<[f64; 2], String> {
-        let name = &self.functionals[k];
-        let value = references.value(case, name)?;
-        let exact = self.variables.iter().map(|variable| references.derivative(case, name, variable));
-        // a case may have derivatives by some variables only
-        let exact: Vec<Option<f64>> = exact.collect();
-        let size = |x: f64| if x == 0.0 { 1.0 } else { x.abs() };
-        let effects = exact.iter().zip(&self.x).filter_map(|(exact, x)| exact.map(|exact| (exact * size(*x)).abs()));
-        let most = effects.fold(0.0, f64::max);
-        let of_derivative = |(i, exact): (usize, &Option<f64>)| {
-            let exact = (*exact)?;
-            let error = (self.rows[k][i] - exact).abs();
-            Some(if exact == 0.0 { error * size(self.x[i]) / most } else { error / exact.abs() })
-        };
-        let of_row = largest(exact.iter().enumerate().filter_map(of_derivative));
-        Ok([(self.values[k] - value).abs() / value.abs(), of_row])
-    }
-
-    fn largest_errors(&self, case: &str, references: &References) -> Result<[f64; 2], String> {
-        let all = (0..self.functionals.len()).map(|k| self.errors(k, case, references));
-        let all: Vec<[f64; 2]> = all.collect::<Result<_, _>>()?;
-        Ok([0, 1].map(|which| largest(all.iter().map(|errors| errors[which]))))
-    }
-}
-
-/// A case with the steps that its file gives, with chosen ones, and its adjoint against complex step.
-fn compare(report: &mut Report, case: &Case, references: &References) -> Result<(), String> {
-    let Case { name, reference, text, given, tolerance, chosen } = case;
-    let tell = |report: &mut Report, steps: &str, measured: &Measured, limits: [f64; 2]| -> Result<(), String> {
-        let [value, derivative] = measured.largest_errors(reference, references)?;
-        report.at_most(format!("{name}/{steps}/largest relative error of a value"), value, limits[0]);
-        report.at_most(format!("{name}/{steps}/largest relative error of a derivative"), derivative, limits[1]);
-        Ok(())
-    };
-    tell(report, "given steps", &measure(text, |settings| settings, Check::Gradient)?, *given)?;
-    let fewer = |settings: Settings| Settings { steps: settings.steps / FEWER, ..settings };
-    let apart = measure(text, fewer, Check::ComplexStep)?.apart;
-    report.at_most(format!("{name}/adjoint against complex step"), apart, EXACT);
-    if report.is_short() {
-        return Ok(());
-    }
-    let by_error = |settings: Settings| settings.choosing_steps(StepControl::new(*tolerance));
-    tell(report, "chosen steps", &measure(text, by_error, Check::Gradient)?, *chosen)
 }
 
 /// One step of the walker leads back to its start; with the derivatives of the state behind it by the state before, F_x, and by the slope, F_s, the
