@@ -472,6 +472,17 @@ impl Events {
         (first.1 > no_force).then(|| SideChange { switch: first.0, sides: [sides[first.0], -sides[first.0]] })
     }
 
+    /// The change of the switch at which the force of a joint removes it.
+    pub fn letting_go(&self, joint: usize, sides: &[f64]) -> Option<SideChange> {
+        let switch = self.release(joint)?.first;
+        Some(SideChange { switch, sides: [sides[switch], -sides[switch]] })
+    }
+
+    /// Whether the stop that an event hits is there, as far as it was not taken away.
+    pub fn can_be_hit(&self, event: usize, sides: &[f64]) -> bool {
+        sides[self.switches() + event] == 0.0
+    }
+
     /// Equations of joints that are not there.
     pub fn absent(&self, sides: &[f64]) -> Vec<usize> {
         let first = self.switches() + self.events.len();

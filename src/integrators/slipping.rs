@@ -601,7 +601,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             set(&events.turn(friction, &direction, self.blunt(), &now), &mut now);
         }
         let mut treated = Treated::default();
-        for _ in 0..MOST_CHANGES {
+        for _ in 0..MOST_CHANGES + events.stops().count() {
             impact.dropped = self.dropped_behind(&events.absent(&now));
             impact.axes = self.axes(events, &now, &impact.dropped);
             let aligned = self.align(events, &impact.axes, &now);
@@ -674,6 +674,14 @@ impl<S: RunScalar> Stepper<'_, S> {
                         let direction = events.direction(friction, &now).to_vec();
                         set(&events.turn(friction, &direction, self.still(), &now), &mut now);
                     }
+                    for (hit, own, stop) in events.stops() {
+                        let presence = events.presence(own);
+                        if own != joint && now[presence] > 0.0 && before[presence] == 0.0 {
+                            let holds: Vec<SideChange> =
+                                events.free(hit, stop, &now).into_iter().chain(events.pushing(own, stop, &now)).collect();
+                            set(&holds, &mut now);
+                        }
+                    }
                     now[events.presence(joint)] = before[events.presence(joint)];
                     let changed = (0..now.len()).filter(|&switch| now[switch] != before[switch]);
                     let all: Vec<SideChange> =
@@ -712,22 +720,25 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.slip(friction, [&real(&v), &real(&q)], t.value(), &real(&self.p))
     }
 
-    /// A stop that an impact was to tear off, and that moves on beyond its limit behind it.
+    /// A stop that an impact was to tear off, or that is touched at rest, and that moves on beyond its limit behind the impact.
     fn hit_again(
         &self,
         events: &Events,
         (impact, p): (&ImpactRecord<S>, &[S]),
         [before, now]: [&[f64]; 2],
     ) -> Option<usize> {
-        let ([mut v, q], t) = self.state();
-        impact.add_to(&mut v, p, S::one());
-        let mut torn =
-            events.stops().filter(|(_, own, _)| before[events.presence(*own)] > 0.0 && now[events.presence(*own)] == 0.0);
-        let moves_beyond = |(_, own, stop): &(usize, usize, &Stop)| {
-            let [_, rate, _] = self.equations_of(*own, (&[], &v, &q), t.value())[0];
-            (if stop.is_upper { rate } else { -rate }) > CONSISTENT * self.speed()
+        let ([v, q], t) = self.state();
+        let mut behind = v.clone();
+        impact.add_to(&mut behind, p, S::one());
+        let (nowhere, nothing) = (CONSISTENT * size(&q), CONSISTENT * self.speed());
+        let moves_beyond = |&(hit, own, stop): &(usize, usize, &Stop)| {
+            let motion = |v: &[S]| self.equations_of(own, (&[], v, &q), t.value())[0];
+            let [g, rate, _] = motion(&behind);
+            let is_touched = || g.abs() <= nowhere && motion(&v)[1].abs() <= nothing && events.can_be_hit(hit, before);
+            let was_held = before[events.presence(own)] > 0.0;
+            (if stop.is_upper { rate } else { -rate }) > nothing && (was_held || is_touched())
         };
-        torn.find(moves_beyond).map(|own| own.1)
+        events.stops().filter(|own| now[events.presence(own.1)] == 0.0).find(moves_beyond).map(|own| own.1)
     }
 
     fn no_law(&self, joint: usize) -> RunError {

@@ -11,7 +11,7 @@ use super::record::{ImpactRecord, SolveRecord, StageRecord, StartRecord, StepRec
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
-use super::slipping::set;
+use super::slipping::{set, speed_of};
 use super::start::check_velocities;
 use super::steady_turn;
 use super::step_points::StepRule;
@@ -99,6 +99,8 @@ impl RealDrives {
 const WATCHED_EVERY: usize = 5;
 /// Most events that follow each other at one time.
 const MOST_AT_ONCE: usize = 100;
+/// Most stops that begin to hold, or let go, one after the other by their forces at one time.
+const MOST_EXCHANGED: usize = 1000;
 /// Share of the force that makes an impact within a step, below which what is hit is not pushed away from.
 pub(super) const NO_FORCE: f64 = 1e-9;
 /// Share of the estimated error of a step that its systems may leave, where round-off is not asked for.
@@ -826,6 +828,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.add_dependent(events, &mut changes);
         }
         let (mut happened, mut ends_run, mut known) = (Vec::new(), false, 0);
+        // forces are asked for until they change nothing
+        let (mut settles, mut exchanged) = (false, 0);
         loop {
             let ended = std::mem::replace(&mut known, changes.len());
             self.end_slips(events, ended, (&mut present, &mut changes), is_made_again)?;
@@ -837,9 +841,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if next.is_empty() {
                 // forces may jump where formulas pass to other pieces
                 let is_first = happened.is_empty() && !is_made_again;
-                let released = if is_first { self.released(events, (&present, &changes))? } else { None };
-                if released.is_none() {
+                let released = match is_first || settles {
+                    true => self.released(events, (&mut present, &changes))?,
+                    false => Vec::new(),
+                };
+                settles = !released.is_empty() && !is_made_again;
+                exchanged += 1;
+                if released.is_empty() {
                     break;
+                } else if exchanged > MOST_EXCHANGED {
+                    return Err(self.no_forces(&released, events));
                 }
                 changes.extend(released);
                 continue;
@@ -875,7 +886,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 self.change_joints(events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
             }
             if !is_made_again {
-                changes.extend(self.released(events, (&present, &changes))?);
+                let released = self.released(events, (&mut present, &changes))?;
+                settles = !released.is_empty();
+                changes.extend(released);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
                 for &event in &next {
                     let stops = events.stops_changed(event, &self.between.sides);
@@ -987,28 +1000,59 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
-    /// The change by which a force lets go behind what has happened, of a joint that is there then.
+    /// The changes by which a force lets go behind what has happened, of a joint that is there then, or by which a stop that lets go would move back at once
+    /// and holds: of stops without friction one after the other by their numbers, which ends where forces push and nothing moves beyond.
+    ///
+    /// Source: Murty, Linear Complementarity, Linear and Nonlinear Programming (1988), section 4.1.
     fn released(
         &mut self,
         events: &Events,
-        (present, changes): (&[f64], &[SideChange]),
-    ) -> Result<Option<SideChange>, RunError> {
+        (present, changes): (&mut [f64], &[SideChange]),
+    ) -> Result<Vec<SideChange>, RunError> {
         if events.release_of(present).is_none() {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let mut sides = self.between.sides.clone();
-        changes.iter().for_each(|own| sides[own.switch] = own.sides[1]);
+        set(changes, &mut sides);
         let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+        let t = self.behind.unwrap_or(self.record.end);
         let dropped = self.dropped_with(&events.absent(present), (&q, &v), self.record.end);
-        let mu = self.forces_at((&q, &v), self.behind.unwrap_or(self.record.end), &dropped)?;
+        let Unknowns { x: a, mu, .. } = self.accelerations_at((&q, &v), t, &dropped)?;
+        let mu = real(&mu);
         let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
         let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.forces));
-        let most = forces.fold(0.0, |most: f64, own| most.max(own.abs()));
-        let [v, q] = [&v, &q].map(|own| real(own));
-        let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: self.record.end };
-        let change = events.released((&sides, present), moment, &real(&self.p), NO_FORCE * most);
+        let none = NO_FORCE * forces.fold(0.0, |most: f64, own| most.max(own.abs()));
+        let mut all = Vec::new();
+        if events.frictions().len() == 0 {
+            let sizes = [size(&q), speed_of(&real(&v), &real(&a), self.record.h), size(&a)].map(|own| CONSISTENT * own);
+            let first = events.stops().find_map(|(event, joint, stop)| {
+                let row = self.problem.model.constraints[joint].equations.start;
+                if present[events.presence(joint)] > 0.0 {
+                    return (!stop.pushes(mu[row]) && mu[row].abs() > none).then_some((event, joint, stop, false));
+                }
+                let [g, rate, towards] = self.equations_of(joint, (&a, &v, &q), t)[0];
+                let towards = if stop.is_upper { towards } else { -towards };
+                let moves_back = g.abs() <= sizes[0] && rate.abs() <= sizes[1] && towards > sizes[2];
+                (moves_back && events.can_be_hit(event, &sides)).then_some((event, joint, stop, true))
+            });
+            match first {
+                Some((event, joint, stop, true)) => {
+                    all.extend(events.presence_change(joint, true, present));
+                    set(&all, present);
+                    all.extend(events.free(event, stop, &sides));
+                    all.extend(events.pushing(joint, stop, &sides));
+                }
+                Some((_, joint, _, false)) => all.extend(events.letting_go(joint, &sides)),
+                None => {}
+            }
+        }
+        if all.is_empty() {
+            let [v, q] = [&v, &q].map(|own| real(own));
+            let moment = Moment { a: &[], v: &v, q: &q, mu: [&mu, &[]], t: self.record.end };
+            all.extend(events.released((&sides, present), moment, &real(&self.p), none));
+        }
         self.forces = mu;
-        Ok(change)
+        Ok(all)
     }
 
     /// Adds the switches of formulas whose numbers are beyond their sides once others have changed, on which they depend.
@@ -1031,6 +1075,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn located_number(&self, events: &mut Events, changes: &[SideChange]) -> (usize, f64) {
         let Some(SideChange { switch, .. }) = changes.first() else { return (usize::MAX, 0.0) };
         (*switch, self.excesses_of(events, false).get(*switch).map_or(0.0, |own| -own.by))
+    }
+
+    fn no_forces(&self, changes: &[SideChange], events: &Events) -> RunError {
+        let name = changes.first().filter(|own| own.switch < events.switches()).map_or("", |own| events.part_of(own.switch));
+        RunError::Input(format!(
+            "no forces are found at t = {} s by which all that touches pushes and nothing moves beyond its limit, as by \"{name}\"",
+            shortest(self.record.end)
+        ))
     }
 
     /// Whether a stop moves as it did before others were hit at the same time.

@@ -753,7 +753,7 @@ functional = [
 #[test]
 fn slip_in_two_directions_is_followed_to_its_end() {
     for ([vx, vy], mu, alpha, limit) in [
-        ([0.3, 2.0], 0.8, 0.4, 1e-10),
+        ([0.3_f64, 2.0_f64], 0.8, 0.4, 1e-10),
         ([0.3, 2.0], 0.8, 0.05, 1e-9),
         // hardly steep enough to go on, and up the line of fall and round
         ([0.3, 2.0], 0.45, 0.4, 1e-9),
@@ -765,7 +765,7 @@ fn slip_in_two_directions_is_followed_to_its_end() {
         let text = format!(
             "version = 1\ngravity = [0, 0, -9.81]\nsettings = {{ end = {}, tolerance = 1e-11 }}\nvariable.vy = {{ initial = {vy}, bounds = [-9, 9] }}\n\
              define = {{ vx = {vx}, c = \"cos({alpha})\", s = \"sin({alpha})\" }}\n\
-             point = [{{ name = \"block\", velocity = [\"vx * c\", \"vy\", \"-vx * s\"], mass = 2 }}]\n\
+             point = [{{ name = \"block\", position = [0, 0, 0], velocity = [\"vx * c\", \"vy\", \"-vx * s\"], mass = 2 }}]\n\
              shape = [{{ name = \"block\", on = \"block\", type = \"point\" }}, {{ name = \"incline\", on = \"ground\", type = \"plane\", normal = [\"s\", 0, \"c\"] }}]\n\
              contact = [{{ name = \"incline\", between = [\"block\", \"incline\"], sliding = {mu} }}]\n\
              functional = [{{ name = \"stop\", type = \"event_time\", event = \"incline\", which = \"stick\", over = \"terminal\" }}]\n",

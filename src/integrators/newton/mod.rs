@@ -202,13 +202,13 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.kept.contractions.age += 1;
         self.kept.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
-            if !self.can_relieve(equations) {
-                let turns = !equations.metric && self.system.model.frictions.iter().any(|own| own.kept.len() == 2);
-                unknowns.clone_from(&self.guess);
-                if !turns || self.approach_damped(stage, unknowns).is_err() || self.solve_value(stage, unknowns).is_err() {
-                    return Err(failure);
-                }
+            let turns = !equations.metric && self.system.model.frictions.iter().any(|own| own.kept.len() == 2);
+            unknowns.clone_from(&self.guess);
+            if turns && self.approach_damped(stage, unknowns).is_ok() && self.solve_value(stage, unknowns).is_ok() {
                 return self.restored(stage, unknowns);
+            }
+            if !self.can_relieve(equations) {
+                return Err(failure);
             }
             unknowns.clone_from(&self.guess);
             if self.solve_relieved(stage, unknowns).is_err() {
