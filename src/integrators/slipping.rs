@@ -23,7 +23,7 @@ const LEAST: f64 = 1.0 / 64.0;
 /// Shares of the speeds of the model, and of what accelerations make of them in [`BEFORE_LONG`] of the run, from which slip in two directions goes on along
 /// a line to its end: if it has been straight, and whether it has or not, as nearer to the end its direction, and more so the derivative of that, is
 /// round-off of the speeds.
-const ENDS: [f64; 2] = [1e-4, 1e-5];
+const ENDS: [f64; 2] = [1e-4, 1e-6];
 /// Angle by which slip is turned that is straight.
 const STRAIGHT: f64 = 1e-4;
 const BEFORE_LONG: f64 = 1e-3;

@@ -754,10 +754,11 @@ functional = [
 fn slip_in_two_directions_is_followed_to_its_end() {
     for ([vx, vy], mu, alpha, limit) in [
         ([0.3_f64, 2.0_f64], 0.8, 0.4, 1e-10),
-        ([0.3, 2.0], 0.8, 0.05, 1e-9),
+        // turns to its very end, the last of which is a line
+        ([0.3, 2.0], 0.8, 0.05, 1e-8),
         // hardly steep enough to go on, and up the line of fall and round
         ([0.3, 2.0], 0.45, 0.4, 1e-9),
-        ([-2.0, 0.1], 0.8, 0.4, 1e-9),
+        ([-2.0, 0.1], 0.8, 0.4, 2e-8),
         ([2.0, 0.0], 0.8, 0.4, 1e-12),
     ] {
         let (along, against) = (9.81 * f64::sin(alpha), mu * 9.81 * f64::cos(alpha));
