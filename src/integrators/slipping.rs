@@ -486,12 +486,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
         let mut free = sides.to_vec();
         set(&self.stands(events, breaks_away, sides), &mut free);
-        let dropped = self.dropped_behind(&events.absent(&free));
-        let p = self.p.clone();
-        events.write_directions(&free, &mut self.p);
-        let made = self.accelerations_at((&q, &v), self.record.end, &dropped);
-        self.p = p;
-        let a = made?.x;
+        let a = self.accelerations_with(events, &free, (&q, &v), self.record.end)?.x;
         let none = vec![S::zero(); a.len()];
         let rates = [&a, &none].map(|v| real(&events.slip(friction, [v, &q], self.record.end.into(), &self.p)));
         let direction = events.direction(friction, sides).iter();
@@ -508,33 +503,22 @@ impl<S: RunScalar> Stepper<'_, S> {
 
     /// Where slip along a direction has come to its end: surfaces stick, or slip on in another direction. Each is told by changes, from a place in their
     /// list on.
-    pub(super) fn end_slips(
-        &mut self,
-        events: &Events,
-        first: usize,
-        (sides, changes): Sides,
-        is_made_again: bool,
-    ) -> Result<(), RunError> {
+    pub(super) fn end_slips(&mut self, events: &Events, first: usize, (sides, changes): Sides, is_made_again: bool) {
         for place in first..changes.len() {
-            let SideChange { switch, sides: [before, _] } = changes[place];
-            let Some(friction) = events.slip_ended_by(switch).filter(|_| before < 0.0) else { continue };
-            set(&[changes[place]], sides);
-            let stick = events.friction(friction).joints[1];
-            if is_made_again {
-                let own: Vec<SideChange> =
-                    changes.iter().copied().filter(|own| events.is_of(friction, own.switch)).collect();
-                if !events.sticks_by(friction, changes) {
-                    self.change(events, &own, (sides, changes), true);
-                }
-                continue;
-            }
-            let all = self.slip_on(events, friction, sides);
-            match all {
-                Some(all) => self.change(events, &all, (sides, changes), false),
-                None => changes.extend(events.presence_change(stick, true, sides)),
+            let change = changes[place];
+            let Some(friction) = events.slip_ended_by(change.switch).filter(|_| change.sides[0] < 0.0) else { continue };
+            set(&[change], sides);
+            let goes_on = match is_made_again {
+                true if events.sticks_by(friction, changes) => None,
+                true => Some(changes.iter().copied().filter(|own| events.is_of(friction, own.switch)).collect()),
+                false => self.slip_on(events, friction, sides),
+            };
+            match goes_on {
+                Some(all) => self.change(events, &all, (sides, changes), is_made_again),
+                None if is_made_again => {}
+                None => changes.extend(events.presence_change(events.friction(friction).joints[1], true, sides)),
             }
         }
-        Ok(())
     }
 
     /// Whether surfaces do not stick after all where an event was to tell that they do, as what happened before it at the same time has moved them.
@@ -775,6 +759,22 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(())
     }
 
+    /// Accelerations of a state with other sides: without joints, or with other directions of slip.
+    fn accelerations_with(
+        &mut self,
+        events: &Events,
+        sides: &[f64],
+        state: (&[S], &[S]),
+        t: f64,
+    ) -> Result<Unknowns<S>, RunError> {
+        let p = self.p.clone();
+        events.write_directions(sides, &mut self.p);
+        let dropped = self.dropped_with(&events.absent(sides), state, t);
+        let made = self.accelerations_at(state, t, &dropped);
+        self.p = p;
+        made
+    }
+
     /// How fast surfaces would begin to part without their contact, and how much of that is none.
     fn parting(
         &mut self,
@@ -788,12 +788,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let mut without = sides.to_vec();
         without[events.presence(joint)] = 0.0;
         set(&self.stands(events, friction, sides), &mut without);
-        let p = self.p.clone();
-        events.write_directions(&without, &mut self.p);
-        let dropped = self.dropped_with(&events.absent(&without), (q, v), t);
-        let made = self.accelerations_at((q, v), t, &dropped);
-        self.p = p;
-        let a = made?.x;
+        let a = self.accelerations_with(events, &without, (q, v), t)?.x;
         let [_, _, parting] = self.equations_of(joint, (&a, v, q), t)[0];
         Ok([if stop.is_upper { -parting } else { parting }, CONSISTENT * size(&a)])
     }
@@ -858,17 +853,14 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             let mut smooth = sides.clone();
             set(&self.stands(events, friction, &sides), &mut smooth);
+            let row = self.problem.model.constraints[own.joints[0]].equations.start;
             let forces = [&sides, &smooth].map(|sides| {
-                let p = self.p.clone();
-                events.write_directions(sides, &mut self.p);
-                let dropped = self.dropped_with(&events.absent(sides), (&q, &v), t);
-                let forces = self.forces_at((&q, &v), t, &dropped);
-                self.p = p;
-                forces
+                let made = self.accelerations_with(events, sides, (&q, &v), t);
+                made.map(|own| own.mu[row].value().abs())
             });
             let joint = &self.problem.model.constraints[own.joints[0]];
             if let [Ok(rough), Ok(smooth)] = forces
-                && rough[joint.equations.start].abs() > JAMS * smooth[joint.equations.start].abs()
+                && rough > JAMS * smooth
             {
                 return Err(no_solution(&format!("the contact \"{}\", which slips,", joint.name), "no", t));
             }

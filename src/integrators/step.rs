@@ -829,10 +829,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         let (mut happened, mut ends_run, mut known) = (Vec::new(), false, 0);
         // forces are asked for until they change nothing
-        let (mut settles, mut exchanged) = (false, 0);
+        let (mut settles, mut exchanged, mut holds) = (false, 0, false);
         loop {
             let ended = std::mem::replace(&mut known, changes.len());
-            self.end_slips(events, ended, (&mut present, &mut changes), is_made_again)?;
+            self.end_slips(events, ended, (&mut present, &mut changes), is_made_again);
             changes.iter().for_each(|own| self.between.sides[own.switch] = own.sides[1]);
             let switches = events.switches();
             present[..switches].copy_from_slice(&self.between.sides[..switches]);
@@ -852,6 +852,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 } else if exchanged > MOST_EXCHANGED {
                     return Err(self.no_forces(&released, events));
                 }
+                holds |= released.iter().any(|own| own.switch >= switches);
                 changes.extend(released);
                 continue;
             }
@@ -866,6 +867,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             let stops = next.iter().flat_map(|event| events.joints_of(*event).1).filter(|own| own.stop.is_some());
             let hit: Vec<(usize, f64)> = stops.map(|own| (own.joint, self.approach(own.joint))).collect();
+            if let Some((joint, _)) = hit.first().filter(|_| holds && !is_made_again) {
+                // a run that is made again would not know what holds by then
+                let (name, t) = (&self.problem.model.constraints[*joint].name, shortest(self.record.end));
+                return Err(RunError::Input(format!(
+                    "\"{name}\" is hit at t = {t} s in the same moment in which others that touch have come to hold each other: set them apart"
+                )));
+            }
             for &event in &next {
                 if !is_made_again && self.slips_after_all(events, event, (&mut present, &mut changes)) {
                     continue;
@@ -888,6 +896,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if !is_made_again {
                 let released = self.released(events, (&mut present, &changes))?;
                 settles = !released.is_empty();
+                holds |= released.iter().any(|own| own.switch >= switches);
                 changes.extend(released);
                 changes.extend(next.iter().filter_map(|&event| events.has_happened(event)));
                 for &event in &next {
