@@ -19,6 +19,11 @@ impl<S: RunScalar> Clock<S> {
         Clock { offset: of_start - slope * start, slope }
     }
 
+    /// Where all times move by the same part.
+    pub fn shifted(part: S) -> Self {
+        Clock { offset: part, slope: S::zero() }
+    }
+
     /// The time of a laid time \[s\].
     pub fn time(&self, t: f64) -> S {
         self.offset + self.slope * t + t

@@ -36,6 +36,8 @@ pub struct Residual<S> {
     pub last_bits: bool,
     /// How time goes, where derivative parts move the ends of steps.
     pub clock: Option<Clock<S>>,
+    /// What is taken off G, by rows: what an impact keeps.
+    pub kept: Vec<(usize, S)>,
     /// Point at which reactions act, where that is another one than the constraints': in a step of a variational integrator.
     pub reaction_at: VectorsAvq<S>,
     /// Point at which constraints and reactions are evaluated, unless that is the one of R.
@@ -89,6 +91,7 @@ super::empty_fields!(Residual {
     keep_values,
     last_bits,
     clock,
+    kept,
     reaction_at,
     constraint_at,
     has_one_point,
@@ -330,6 +333,7 @@ impl<S: RunScalar> Residual<S> {
             let time = self.time(equations.time_at(point, t));
             self.add_constraints_at(scope, system, (equations, which, point), (unknowns, p, time));
         }
+        self.kept.iter().for_each(|&(row, kept)| self.g[row] -= kept);
     }
 
     /// The same at one point: equations, reactions or both.

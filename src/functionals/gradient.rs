@@ -1,6 +1,6 @@
 use super::aggregate::{SUMS, Totals, derivatives};
 use super::measured_group::{GroupGradient, GroupWork};
-use super::{Functional, Measured, Over, Sample, Times};
+use super::{Functional, Measured, Over, Sample};
 use crate::assembly::{Clock, Model, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::scalar::Tangents;
@@ -70,7 +70,7 @@ impl<'f> FunctionalGradient<'f> {
         model: &Model,
         sample: &Sample<f64>,
         p: &[f64],
-        (weight, clock): (f64, Clock<Tangents>),
+        (weight, clock): (Tangents, Clock<Tangents>),
     ) -> [f64; 2] {
         let Functional { over, measured, .. } = self.functional;
         let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect::<Vec<_>>();
@@ -78,10 +78,6 @@ impl<'f> FunctionalGradient<'f> {
         moving.follow(Some(clock));
         if self.functional.reads_multipliers() {
             moving.share(model, &p);
-        }
-        let mut weight = Tangents::from(weight);
-        if over.times() == Times::Run && !over.counts_samples() {
-            weight *= clock.length();
         }
         let (mut work, mut sums) = (GroupWork::default(), [Tangents::from(0.0); SUMS]);
         measured.write_values(model, &moving, &p, over.points(), &mut work);

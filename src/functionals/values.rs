@@ -173,6 +173,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             let last = self.last.get_or_insert_with(Sample::empty);
             last.set_terminal(step);
             last.follow(clock);
+            step.lengthened.iter().for_each(|&part| last.t += part);
             last.follow_events(step, &self.p);
         }
         if self.latest.is_some() {
@@ -203,8 +204,8 @@ impl<'f, S: RunScalar> Values<'f, S> {
             for k in self.at(Times::Run) {
                 let over = &self.functionals[k].over;
                 let mut in_time = S::from(over.time_weight(weight));
-                if let Some(clock) = clock.filter(|_| !over.counts_samples()) {
-                    in_time *= clock.length();
+                if !over.counts_samples() {
+                    in_time *= step.length();
                 }
                 self.add(k, &sample, in_time);
             }

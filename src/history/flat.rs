@@ -2,9 +2,9 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Target, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    AxisRecord, Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization, Pause,
-    Prediction, Renewal, Scheme, SetNumber, SideChange, SlipBefore, SolveRecord, Stability, StabilityCourse, StartRecord,
-    StepError, StepErrors, StepSizeState, StepState, Track,
+    AxisRecord, Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, ImpactRecord, KeptFactorization,
+    OtherHit, Pause, Prediction, Renewal, Scheme, SetNumber, SideChange, SlipBefore, SolveRecord, Stability,
+    StabilityCourse, StartRecord, StepError, StepErrors, StepSizeState, StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -164,7 +164,7 @@ macro_rules! listed {
 }
 listed! {
     Level { Position, Velocity, Acceleration }
-    Scheme { Main, Starter }
+    Scheme { Main, Starter, Euler }
 }
 
 impl Flat for Target {
@@ -206,10 +206,11 @@ flat! {
     Prediction<f64> { tracks }
     SideChange { switch, sides }
     SetNumber<f64> { event, target, value }
-    ImpactRecord<f64> { event, solve, dropped, restitution, impulse, set, kept, axes }
+    ImpactRecord<f64> { event, solve, dropped, restitution, others, impulses, set, kept, axes }
+    OtherHit { row, restitution }
     AxisRecord<f64> { friction, impacts }
     SlipBefore<f64> { friction, slip }
-    StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, carried, last, forces, prediction, allowed }
+    StepState<f64> { step, scheme, dropped, chosen_anew, sides, switched, waiting, carried, last, forces, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }
     Contractions { known, age }

@@ -8,7 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// First bytes of every file, before the two numbers of its run.
-pub(super) const KIND: &[u8; 16] = b"costate run 13\r\n";
+pub(super) const KIND: &[u8; 16] = b"costate run 14\r\n";
 /// The part of them that files of other versions have, too.
 pub(super) const ANY_KIND: &[u8] = b"costate run ";
 pub(super) const HEADER: u64 = KIND.len() as u64 + 16;

@@ -18,6 +18,8 @@ pub struct StepState<S> {
     /// Sides of switches, and those that changed at the end of the last step.
     pub sides: Vec<f64>,
     pub switched: Vec<SideChange>,
+    /// Those that change at the same time by themselves, in steps of their own that are no longer than a rounding.
+    pub waiting: Vec<SideChange>,
     /// The table's carried vectors, q and v first.
     pub carried: Vec<Vec<S>>,
     pub last: Unknowns<S>,
@@ -78,7 +80,20 @@ impl<S: RunScalar> StepState<S> {
     }
 }
 
-clone_fields!(StepState { step, scheme, dropped, chosen_anew, sides, switched, carried, last, forces, prediction, allowed });
+clone_fields!(StepState {
+    step,
+    scheme,
+    dropped,
+    chosen_anew,
+    sides,
+    switched,
+    waiting,
+    carried,
+    last,
+    forces,
+    prediction,
+    allowed
+});
 
 /// A run between two steps: all that later steps depend on.
 ///

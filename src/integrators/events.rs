@@ -30,6 +30,13 @@ pub struct SideChange {
     pub sides: [f64; 2],
 }
 
+impl SideChange {
+    /// Whether nothing changes: what stands before it in a list has happened, with all that holds, when what stands behind it happens.
+    pub fn is_mark(&self) -> bool {
+        self.sides[0] == self.sides[1]
+    }
+}
+
 /// Directions of a friction of two velocities with their derivative parts: of its slip, and of the first equation of what sticks.
 #[derive(Clone, Copy)]
 pub struct Directions<S> {
@@ -38,6 +45,22 @@ pub struct Directions<S> {
 }
 
 crate::assembly::empty_fields!(Directions { slip, axis });
+
+/// A joint that is closed by an impact.
+pub struct Hit {
+    /// The event that closes it.
+    pub event: usize,
+    pub joint: usize,
+    pub stop: Option<Stop>,
+    /// The change by which it is there.
+    pub closing: SideChange,
+    /// Its first equation.
+    pub row: usize,
+    /// Place in p of its restitution.
+    pub restitution: Option<usize>,
+    /// Places in mu and in v of an impulse, and of the state to which its size is added.
+    pub impulse: Option<[usize; 2]>,
+}
 
 /// A state between two steps.
 #[derive(Clone, Copy)]
@@ -244,6 +267,12 @@ impl Events {
     pub fn presence_of(&self, joint: usize, sides: &[f64]) -> Option<bool> {
         let (place, _) = self.known.of_joints.get(&joint)?;
         Some(sides[self.switches() + self.events.len() + place] > 0.0)
+    }
+
+    /// A mark between changes, where these sides hold.
+    pub fn mark(&self, sides: &[f64]) -> SideChange {
+        let switch = self.switches() + self.events.len();
+        SideChange { switch, sides: [sides[switch]; 2] }
     }
 
     /// The joint whose presence stands at a place among all sides.
@@ -492,9 +521,9 @@ impl Events {
         rows
     }
 
-    /// A stop at which the motion is held and that an impact of another joint would tear off, by its impulses, of which so much is none.
-    pub fn torn(&self, sides: &[f64], (joint, mu): (usize, &[f64]), none: f64) -> Option<SideChange> {
-        let held = self.stops().filter(|(_, own, _)| *own != joint && sides[self.presence(*own)] > 0.0);
+    /// A stop at which the motion is held and that an impact would tear off, by its impulses, of which so much is none; not one that is hit alone.
+    pub fn torn(&self, sides: &[f64], (alone, mu): (Option<usize>, &[f64]), none: f64) -> Option<SideChange> {
+        let held = self.stops().filter(|(_, own, _)| Some(*own) != alone && sides[self.presence(*own)] > 0.0);
         held.into_iter().find_map(|(_, own, stop)| {
             let (place, _) = self.known.of_joints[&own];
             let impulse = mu[self.joints[place].1.start];
@@ -555,6 +584,11 @@ impl Events {
     /// Whether a switch is the condition of an event by a force.
     pub fn is_release(&self, switch: usize) -> bool {
         self.part(switch).is_by_force()
+    }
+
+    /// The switch of the condition of an event.
+    pub fn condition_of(&self, event: usize) -> Option<usize> {
+        Some(self.condition(event)?.first)
     }
 
     fn condition(&self, event: usize) -> Option<&Part> {
@@ -766,6 +800,11 @@ impl Events {
 
     fn part(&self, switch: usize) -> &Part {
         &self.parts[self.parts.partition_point(|part| part.first + part.count <= switch)]
+    }
+
+    /// Whether two switches are of one element or event.
+    pub fn is_of_same_part(&self, one: usize, other: usize) -> bool {
+        self.part(one).first == self.part(other).first
     }
 
     /// Name of the element that has a switch.

@@ -3,7 +3,7 @@ use crate::assembly::Clock;
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::tolerances::{SAME_DERIVATIVE, SAME_TIME};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How time goes in each stretch between breakpoints, with the index of its first step; empty where these do not move.
 pub type Clocks<S> = Vec<(usize, Clock<S>)>;
@@ -35,6 +35,8 @@ pub struct TimeGrid {
     pub events: BTreeMap<usize, Vec<SideChange>>,
     /// Indices of breakpoints at which a force jumps beyond its limit, with the sides that change there: their times are those of the breakpoints.
     pub jumps: BTreeMap<usize, Vec<SideChange>>,
+    /// Steps behind events that are no longer than roundings of the others, and therefore Euler's.
+    pub(super) shortest: BTreeSet<usize>,
     /// How many equal steps were asked for; 0 where steps were chosen.
     pub(super) asked: usize,
     /// End for which they were, where an event ended the run before it.
@@ -93,6 +95,7 @@ impl TimeGrid {
             breakpoints: BTreeMap::new(),
             events: BTreeMap::new(),
             jumps: BTreeMap::new(),
+            shortest: BTreeSet::new(),
             asked,
             laid_end: None,
             unreached: Vec::new(),
@@ -204,7 +207,11 @@ impl TimeGrid {
         let is_last = |place: &usize| self.is_fixed(*place) || self.events.contains_key(place);
         let last = (event + 1..=self.steps()).find(is_last).unwrap_or(event);
         let of = |place: usize| {
-            let size = self.times[place] - self.times[place - 1];
+            // what is found at once may be found later
+            let size = match self.shortest.contains(&(place - 1)) && place < self.steps() {
+                true => self.sizes_behind(place).first().map_or(self.times[event] - self.times[event - 1], |own| own.0),
+                false => self.times[place] - self.times[place - 1],
+            };
             // one that an event ends was longer before it was found
             if self.events.contains_key(&place) { (2.0 * size, 1.0) } else { (size, self.share_behind_event(place)) }
         };

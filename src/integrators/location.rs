@@ -3,13 +3,15 @@
 use super::events::SideChange;
 use super::run_interval::RunInterval;
 use super::step::Stepper;
-use super::{Checkpoint, RunError};
+use super::{Checkpoint, RunError, Scheme};
 use crate::design::shortest;
 use crate::elements::RunScalar;
 use crate::program::Excess;
 
 /// Share of a step by which one is prolonged to an event, so that none is left over that is much shorter.
 const PROLONGED: f64 = 0.1;
+/// Share of a step up to which Euler's makes one that ends at an event, or that an event begins and something else ends: its error is round-off.
+pub(super) const SHORTEST: f64 = 1e-6;
 /// Most steps that are made to locate one event.
 const MOST_TRIALS: usize = 200;
 /// Trials behind which what joints leave of a number is taken for zero, and those behind which only halves of the bracket are tried.
@@ -58,6 +60,7 @@ pub(super) fn locate<S: RunScalar>(
     let mut passed = Vec::new();
     let scheme = stepper.method.table.starting_scheme();
     let is_made = stepper.record().scheme == scheme;
+    let scheme_of = |length: f64| if length <= SHORTEST * h { Scheme::Euler } else { scheme };
     let first = |ends: &[Excess], h: f64, passed: &[usize]| {
         let all = starts.iter().zip(ends).enumerate().filter(|(switch, _)| !passed.contains(switch));
         let candidates = all.filter_map(|(switch, (start, end))| candidate(switch, (start, end), (t, h), most));
@@ -91,6 +94,16 @@ pub(super) fn locate<S: RunScalar>(
                 }
                 continue;
             }
+            if stepper.has_no_force(switch, &starts[switch]) && stepper.close_by < MOST_CLOSE_BY {
+                // what has come to hold without a force, and would be torn off, holds no longer
+                stepper.close_by += 1;
+                stepper.planned = h;
+                stepper.resume(before)?;
+                let end = t.next_up();
+                stepper.step_over(Scheme::Euler, (t, end), interval.at_breakpoint(), None)?;
+                let ends = stepper.excesses(false);
+                return Ok(Some((end, changes(stepper, switch, &ends, end))));
+            }
             made = f64::NAN;
             let Some([low, high]) = back_again(stepper, before, interval, (switch, t, h))? else {
                 return Err(goes_along(stepper, switch, t + next));
@@ -100,7 +113,7 @@ pub(super) fn locate<S: RunScalar>(
         }
         if next != made {
             stepper.resume(before)?;
-            match stepper.step_over(scheme, (t, t + next), interval.at_breakpoint(), None) {
+            match stepper.step_over(scheme_of(next), (t, t + next), interval.at_breakpoint(), None) {
                 Ok(()) => {}
                 // formulas need not be defined beyond the end of a side
                 Err(failure) if failure.is_of_step() && next > low => {
@@ -171,6 +184,7 @@ pub(super) fn locate<S: RunScalar>(
         } else if by < 0.0 {
             // formulas of the other side need not be defined on this one
             let (mut end, before_it) = (t + made, made);
+            let scheme = scheme_of(made);
             let mut is_made = false;
             for _ in 0..BEYOND {
                 end = end.next_up();

@@ -52,7 +52,15 @@ impl Method {
     /// A table and a level, with round-off tolerance.
     pub fn new(table: Table, level: ConstraintLevel) -> Self {
         let (tolerance, backend) = (NewtonTolerance::default(), Backend::default());
-        Method { table, level, tolerance, backend, unreduced: false, measures_phases: false, locates: true }
+        Method {
+            table: table.with_euler(),
+            level,
+            tolerance,
+            backend,
+            unreduced: false,
+            measures_phases: false,
+            locates: true,
+        }
     }
 
     /// Whether steps end at switches of elements: not in equilibria, nor where elements add impulses of a step.
@@ -82,7 +90,8 @@ impl Method {
         }
         let shift = table.shift(index, h);
         let level = match self.constraint_level() {
-            ConstraintLevel::Position if constrained => Level::Position,
+            // what moves accelerations alone leaves positions where they are
+            ConstraintLevel::Position if constrained && (shift.beta, shift.alpha) != (0.0, 0.0) => Level::Position,
             _ => Level::Acceleration,
         };
         Equations::stage(shift, level)

@@ -84,7 +84,7 @@ pub use newton::NewtonTolerance;
 pub(crate) use newton::{Contraction, Contractions, FactoredAt, Floor, KeptFactorization, Renewal, coordinate_scales, kind};
 pub(crate) use prediction::{MOST as MOST_TRACKED, Prediction, Track};
 #[doc(hidden)]
-pub use record::{AxisRecord, ImpactRecord, SlipBefore};
+pub use record::{AxisRecord, ImpactRecord, OtherHit, SlipBefore};
 pub(crate) use record::{Observer, Replay, Steps};
 pub use record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use resolution::StepError;

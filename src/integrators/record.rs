@@ -1,5 +1,6 @@
 use super::{Pause, RunError, Scheme, SetNumber, SideChange, StepRule};
 use crate::assembly::{Clock, Equations, JointFriction, Unknowns, VectorsAvq, clone_fields};
+use crate::elements::RunScalar;
 use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
@@ -55,6 +56,8 @@ pub struct StepRecord<S> {
     pub switched: Vec<SideChange>,
     /// How time goes, where derivative parts move the ends of the step.
     pub(crate) clock: Option<Clock<S>>,
+    /// By what derivative parts the length of Euler's step has, which no clock can measure as a share of it \[s\].
+    pub(crate) lengthened: Option<S>,
     /// Acceleration solved anew at the start: at a breakpoint, or because other redundant equations are left out from here on.
     pub restart: Option<SolveRecord<S>>,
     /// The table's carried vectors before the step, q and v first.
@@ -90,14 +93,25 @@ pub struct ImpactRecord<S> {
     pub dropped: Vec<usize>,
     /// Place in p of the restitution e: velocities change by (1 + e) x; without one by x.
     pub restitution: Option<usize>,
-    /// Places in mu and in v of an impulse and of the state to which its size is added.
-    pub impulse: Option<[usize; 2]>,
+    /// Other stops that are hit in it.
+    pub others: Vec<OtherHit>,
+    /// Places in mu and in v of impulses and of the states to which their sizes are added.
+    pub impulses: Vec<[usize; 2]>,
     /// Parameters that are others in it, by their places: which surfaces slip where.
     pub set: Vec<(usize, f64)>,
     /// Slip that sticking surfaces have in it, so that with restitution none is left.
     pub kept: Vec<SlipBefore<S>>,
     /// Directions of what sticks in it.
     pub axes: Vec<AxisRecord<S>>,
+}
+
+/// A stop that is hit at the same time as another one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OtherHit {
+    /// Its equation.
+    pub row: usize,
+    /// Place in p of its own restitution e'; zero without.
+    pub restitution: Option<usize>,
 }
 
 /// The direction along which joints alone let surfaces slip that stick: that of their slip behind the second of two impacts less that behind the first,
@@ -120,7 +134,7 @@ pub struct SlipBefore<S> {
 }
 
 clone_fields!(SolveRecord { t, equations, base, unknowns });
-clone_fields!(ImpactRecord { event, solve, dropped, restitution, impulse, set, kept, axes });
+clone_fields!(ImpactRecord { event, solve, dropped, restitution, others, impulses, set, kept, axes });
 clone_fields!(AxisRecord { friction, impacts });
 clone_fields!(SlipBefore { friction, slip });
 clone_fields!(StageRecord { solve, known });
@@ -132,6 +146,7 @@ clone_fields!(StepRecord {
     dropped,
     switched,
     clock,
+    lengthened,
     restart,
     carried,
     stages,
@@ -151,6 +166,14 @@ impl<S: Scalar> ImpactRecord<S> {
         self.restitution.map_or(S::one(), |place| p[place] + S::one())
     }
 
+    /// The shares of the rates before it that the equations of other stops keep behind x, by their rows: (e - e') / (1 + e), so that (1 + e) x turns a
+    /// rate r to -e' r.
+    pub fn shares(&self, p: &[S]) -> Vec<(usize, S)> {
+        let of = |place: Option<usize>| place.map_or(S::zero(), |place| p[place]);
+        let e = of(self.restitution);
+        self.others.iter().map(|own| (own.row, (e - of(own.restitution)) / (e + S::one()))).collect()
+    }
+
     /// Writes the parameters that are others in it: with restitution velocities change by (1 + e) x, so that e / (1 + e) of a slip is left behind x.
     pub fn set_parameters(&self, frictions: &[JointFriction], p: &mut [S]) {
         let share = self.restitution.map_or(S::zero(), |place| p[place] / (p[place] + S::one()));
@@ -164,16 +187,15 @@ impl<S: Scalar> ImpactRecord<S> {
     pub fn add_to(&self, v: &mut [S], p: &[S], pace: S) {
         let factor = self.factor(p) * pace;
         v.iter_mut().zip(&self.solve.unknowns.x).for_each(|(v, &x)| *v += x * factor);
-        if let Some((dof, size)) = self.size() {
-            v[dof] += size * factor;
-        }
+        self.sizes().for_each(|(_, dof, size)| v[dof] += size * factor);
     }
 
-    /// The state to which the size of its impulse is added, and that without restitution.
-    fn size(&self) -> Option<(usize, S)> {
-        let [row, dof] = self.impulse?;
-        let own = self.solve.unknowns.mu[row];
-        Some((dof, if own.value() < 0.0 { -own } else { own }))
+    /// Rows of its impulses, the states to which their sizes are added, and those without restitution.
+    fn sizes(&self) -> impl Iterator<Item = (usize, usize, S)> + '_ {
+        self.impulses.iter().map(|&[row, dof]| {
+            let own = self.solve.unknowns.mu[row];
+            (row, dof, if own.value() < 0.0 { -own } else { own })
+        })
     }
 }
 
@@ -181,12 +203,10 @@ impl ImpactRecord<f64> {
     /// Adds the adjoint of its multipliers by that of velocities and states, and that of the restitution.
     pub fn go_back(&self, v_bar: &[f64], p: &[f64], mu_bar: &mut [f64], p_bar: &mut [f64]) {
         let along: f64 = self.solve.unknowns.x.iter().zip(v_bar).map(|(x, bar)| x * bar).sum();
-        let impulse = self.size().zip(self.impulse);
-        if let Some(((dof, _), [row, _])) = impulse {
-            mu_bar[row] += self.factor(p) * self.solve.unknowns.mu[row].signum() * v_bar[dof];
-        }
+        let factor = self.factor(p);
+        self.sizes().for_each(|(row, dof, _)| mu_bar[row] += factor * self.solve.unknowns.mu[row].signum() * v_bar[dof]);
         if let Some(place) = self.restitution {
-            p_bar[place] += along + impulse.map_or(0.0, |((dof, size), _)| size * v_bar[dof]);
+            p_bar[place] += along + self.sizes().map(|(_, dof, size)| size * v_bar[dof]).sum::<f64>();
         }
     }
 }
@@ -196,6 +216,15 @@ impl<S: Scalar> StepRecord<S> {
     #[doc(hidden)]
     pub fn start(&self) -> [&[S]; 2] {
         [&self.carried[1], &self.carried[0]]
+    }
+
+    /// Its time by the laid one, in which integrals go over it.
+    pub(crate) fn length(&self) -> S
+    where
+        S: RunScalar,
+    {
+        let lengthened = self.lengthened.map_or(S::one(), |own| S::one() + own / self.h);
+        self.clock.map_or(lengthened, |clock| lengthened * clock.length())
     }
 
     /// Whether the acceleration at its start does not come from a step before, for the number `index` of steps before.

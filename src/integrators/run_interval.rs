@@ -105,11 +105,21 @@ impl<'c> RunInterval<'c> {
     /// Which makes a step to an end.
     pub fn scheme_to(&mut self, table: &Table, reached: f64) -> Scheme {
         let index = self.grid.steps();
+        if self.stretches.shortest.contains(&(self.target - 1)) {
+            return Scheme::Euler;
+        }
         self.grid.times.push(reached);
         let is_last = reached >= self.next_breakpoint() && self.grid.is_behind_event(index);
         let scheme = table.scheme_of(self.grid, index, is_last || self.changes_next().is_some());
         self.grid.times.pop();
         scheme
+    }
+
+    /// Keeps in mind which scheme makes the next step.
+    pub fn note(&mut self, scheme: Scheme) {
+        if scheme == Scheme::Euler {
+            self.grid.shortest.insert(self.grid.steps());
+        }
     }
 
     /// Takes a step, at whose end sides may change: from there on steps of the size that is given are laid anew.

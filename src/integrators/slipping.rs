@@ -5,9 +5,9 @@
 //!
 //! Source: Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts, chapters 5 and 8.
 
-use super::events::{Events, Moment, SideChange, from_axis};
+use super::events::{Events, Hit, Moment, SideChange, from_axis};
 use super::march::add_scaled;
-use super::record::{AxisRecord, ImpactRecord, SlipBefore};
+use super::record::{AxisRecord, ImpactRecord, OtherHit, SlipBefore};
 use super::redundancy::dependent_among;
 use super::step::{NO_FORCE, Stepper, real, size};
 use super::{ConstraintLevel, RunError, StartPlan};
@@ -258,7 +258,7 @@ impl<S: RunScalar> Stepper<'_, S> {
                 let mut impact = ImpactRecord { set, dropped: dropped.to_vec(), ..ImpactRecord::default() };
                 let p = self.p.clone();
                 impact.set_parameters(&[], &mut self.p);
-                let solved = self.impact(own.joints[0], dropped, Unknowns::default());
+                let solved = self.impact(own.joints[0], (dropped, &[]), Unknowns::default());
                 self.p = p;
                 impact.solve = solved.ok()?;
                 Some(impact)
@@ -393,7 +393,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let (p, end, soon) = (self.p.clone(), self.record.end, t + AHEAD * self.stretch);
         ImpactRecord { set, ..ImpactRecord::default() }.set_parameters(&[], &mut self.p);
         self.record.end = soon;
-        let solved = self.impact(events.friction(friction).joints[0], dropped, Unknowns::default());
+        let solved = self.impact(events.friction(friction).joints[0], (dropped, &[]), Unknowns::default());
         (self.p, self.record.end) = (p, end);
         let ([mut v, q], _) = self.state();
         add_scaled(&mut v, &solved?.unknowns.x, 1.0);
@@ -559,22 +559,30 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.has_least_slip(friction, sides).then(|| self.turns(events, friction, on_a_line, sides))
     }
 
-    /// The impact by which a joint is closed: what is held at stops may be torn off, surfaces stick as far as friction lets them.
+    /// The impact by which joints are closed that are hit together: what is held at stops may be torn off, surfaces stick as far as friction lets them. Of
+    /// several stops some may be let go, which others move away: these are returned, too.
     pub(super) fn close(
         &mut self,
         events: &Events,
-        (joint, stop): (usize, Option<&Stop>),
-        mut impact: ImpactRecord<S>,
+        hits: &[Hit],
+        number: usize,
         (sides, changes): Sides,
         is_made_again: bool,
-    ) -> Result<ImpactRecord<S>, RunError> {
+    ) -> Result<(ImpactRecord<S>, Vec<usize>), RunError> {
         let model = self.problem.model;
-        let own = events.frictions().position(|own| own.joints[0] == joint);
+        let (joint, alone) = (hits[0].joint, Some(hits[0].joint).filter(|_| hits.len() == 1));
+        let others = hits[1..].iter().map(|own| OtherHit { row: own.row, restitution: own.restitution }).collect();
+        let impulses = hits.iter().filter_map(|own| own.impulse).collect();
+        let mut impact =
+            ImpactRecord { event: number, restitution: hits[0].restitution, others, impulses, ..ImpactRecord::default() };
+        let shares = impact.shares(&self.p);
         let before = sides.to_vec();
         let mut now = before.clone();
-        now[events.presence(joint)] = 1.0;
-        if let Some(friction) = events.frictions().position(|own| own.joints.contains(&joint)) {
-            set(&self.sticks(events, friction, &now), &mut now);
+        for Hit { joint, .. } in hits {
+            now[events.presence(*joint)] = 1.0;
+            if let Some(friction) = events.frictions().position(|own| own.joints.contains(joint)) {
+                set(&self.sticks(events, friction, &now), &mut now);
+            }
         }
         let slipping = |sides: &[f64]| -> Vec<usize> {
             let slips = |friction: &usize| events.direction(*friction, sides).iter().any(|own| *own != 0.0);
@@ -616,13 +624,13 @@ impl<S: RunScalar> Stepper<'_, S> {
             let first = match are_near {
                 // from the last one, whose surfaces slipped in a direction near by
                 true => Ok(std::mem::take(&mut impact.solve.unknowns)),
-                false => self.impact_without_friction(events, joint, (&now, &impact.dropped)),
+                false => self.impact_without_friction(events, joint, (&now, &impact.dropped, &shares)),
             };
-            let solved = first.and_then(|first| self.impact(joint, &impact.dropped, first));
+            let solved = first.and_then(|first| self.impact(joint, (&impact.dropped, &shares), first));
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
-            if let Some(torn) = events.torn(&now, (joint, &mu), self.no_impulse()) {
+            if let Some(torn) = events.torn(&now, (alone, &mu), self.no_impulse()) {
                 now[torn.switch] = torn.sides[1];
                 let torn = events.joint_of(torn.switch);
                 for friction in (0..model.frictions.len()).filter(|own| model.frictions[*own].joints[0] == torn) {
@@ -631,9 +639,9 @@ impl<S: RunScalar> Stepper<'_, S> {
                 }
                 continue;
             }
-            match self.violated_friction(events, (joint, &impact), &of_impact, &now, &mut treated) {
+            match self.violated_friction(events, (hits, &impact), &of_impact, &now, &mut treated) {
                 None => {
-                    if let Some(held) = self.hit_again(events, (&impact, &of_impact), [&before, &now]) {
+                    if let Some(held) = self.hit_again(events, (hits, &impact, &of_impact), [&before, &now]) {
                         now[events.presence(held)] = 1.0;
                         if let Some(friction) = events.frictions().position(|own| own.joints[0] == held) {
                             let slip = self.slip_behind(events, friction, (&impact, &of_impact));
@@ -645,14 +653,17 @@ impl<S: RunScalar> Stepper<'_, S> {
                         }
                         continue;
                     }
-                    let pushes = |stop: &Stop| stop.pushes(mu[model.constraints[joint].equations.start]);
-                    if own.is_some() && !stop.is_none_or(pushes) {
-                        return Err(self.no_law(joint));
-                    }
-                    // what bounces neither sticks nor slips behind it
-                    if let Some(own) = own.filter(|_| impact.restitution.is_some()) {
-                        now[events.presence(model.frictions[own].joints[1])] = 0.0;
-                        set(&self.stands(events, own, &now), &mut now);
+                    for Hit { joint, stop, row, restitution, .. } in hits {
+                        let own = events.frictions().position(|own| own.joints[0] == *joint);
+                        let pushes = |stop: &Stop| stop.pushes(mu[*row]);
+                        if alone.is_some() && own.is_some() && !stop.as_ref().is_none_or(pushes) {
+                            return Err(self.no_law(*joint));
+                        }
+                        // what bounces neither sticks nor slips behind it
+                        if let Some(own) = own.filter(|_| restitution.is_some()) {
+                            now[events.presence(model.frictions[own].joints[1])] = 0.0;
+                            set(&self.stands(events, own, &now), &mut now);
+                        }
                     }
                     for friction in slipping(&now).into_iter().filter(|own| !treated.sharp.contains(own)) {
                         let direction = events.direction(friction, &now).to_vec();
@@ -660,18 +671,24 @@ impl<S: RunScalar> Stepper<'_, S> {
                     }
                     for (hit, own, stop) in events.stops() {
                         let presence = events.presence(own);
-                        if own != joint && now[presence] > 0.0 && before[presence] == 0.0 {
+                        let is_hit = hits.iter().any(|hit| hit.joint == own);
+                        if !is_hit && now[presence] > 0.0 && before[presence] == 0.0 {
                             let holds: Vec<SideChange> =
                                 events.free(hit, stop, &now).into_iter().chain(events.pushing(own, stop, &now)).collect();
                             set(&holds, &mut now);
                         }
                     }
-                    now[events.presence(joint)] = before[events.presence(joint)];
+                    let mut let_go = Vec::new();
+                    for Hit { joint, .. } in hits {
+                        let presence = events.presence(*joint);
+                        let_go.extend(Some(*joint).filter(|_| now[presence] == 0.0));
+                        now[presence] = before[presence];
+                    }
                     let changed = (0..now.len()).filter(|&switch| now[switch] != before[switch]);
                     let all: Vec<SideChange> =
                         changed.map(|switch| SideChange { switch, sides: [before[switch], now[switch]] }).collect();
                     self.change(events, &all, (sides, changes), is_made_again);
-                    return Ok(impact);
+                    return Ok((impact, let_go));
                 }
                 Some(all) => set(&all, &mut now),
             }
@@ -685,14 +702,14 @@ impl<S: RunScalar> Stepper<'_, S> {
         &mut self,
         events: &Events,
         joint: usize,
-        (sides, dropped): (&[f64], &[usize]),
+        (sides, dropped, shares): (&[f64], &[usize], &[(usize, S)]),
     ) -> Result<Unknowns<S>, RunError> {
         if (0..events.frictions().len()).all(|own| events.direction(own, sides).iter().all(|d| *d == 0.0)) {
             return Ok(Unknowns::default());
         }
         let p = self.p.clone();
         events.set_without_friction(sides).into_iter().for_each(|(place, own)| self.p[place] = S::from(own));
-        let solved = self.impact(joint, dropped, Unknowns::default());
+        let solved = self.impact(joint, (dropped, shares), Unknowns::default());
         self.p = p;
         Ok(solved?.unknowns)
     }
@@ -704,11 +721,11 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.slip(friction, [&real(&v), &real(&q)], t.value(), &real(&self.p))
     }
 
-    /// A stop that an impact was to tear off, or that is touched at rest, and that moves on beyond its limit behind the impact.
+    /// A stop that an impact was to tear off or let go, or that is touched at rest, and that moves on beyond its limit behind the impact.
     fn hit_again(
         &self,
         events: &Events,
-        (impact, p): (&ImpactRecord<S>, &[S]),
+        (hits, impact, p): (&[Hit], &ImpactRecord<S>, &[S]),
         [before, now]: [&[f64]; 2],
     ) -> Option<usize> {
         let ([v, q], t) = self.state();
@@ -720,6 +737,12 @@ impl<S: RunScalar> Stepper<'_, S> {
             let [g, rate, _] = motion(&behind);
             let is_touched = || g.abs() <= nowhere && motion(&v)[1].abs() <= nothing && events.can_be_hit(hit, before);
             let was_held = before[events.presence(own)] > 0.0;
+            if let Some(Hit { restitution, .. }) = hits.iter().find(|hit| hit.joint == own) {
+                // it would come back more slowly than by its restitution
+                let e = restitution.map_or(0.0, |place| p[place].value());
+                let rate = rate + e * motion(&v)[1];
+                return (if stop.is_upper { rate } else { -rate }) > nothing;
+            }
             (if stop.is_upper { rate } else { -rate }) > nothing && (was_held || is_touched())
         };
         events.stops().filter(|own| now[events.presence(own.1)] == 0.0).find(moves_beyond).map(|own| own.1)
@@ -879,7 +902,7 @@ impl<S: RunScalar> Stepper<'_, S> {
     fn violated_friction(
         &self,
         events: &Events,
-        (joint, impact): (usize, &ImpactRecord<S>),
+        (hits, impact): (&[Hit], &ImpactRecord<S>),
         p: &[S],
         now: &[f64],
         treated: &mut Treated,
@@ -896,7 +919,8 @@ impl<S: RunScalar> Stepper<'_, S> {
         let slip_of = |friction: usize| events.slip(friction, [&v[..], &q], t.value(), &behind);
         let stick_of = |own: &JointFriction| events.presence(own.joints[1]);
         // what bounces is apart behind it
-        let bounces = |own: &JointFriction| impact.restitution.is_some() && own.joints[0] == joint;
+        let is_hit = |joint: usize| hits.iter().find(|own| own.joint == joint);
+        let bounces = |own: &JointFriction| is_hit(own.joints[0]).is_some_and(|own| own.restitution.is_some());
         for (friction, own) in events.frictions().enumerate().filter(|(_, own)| now[stick_of(own)] > 0.0 && !bounces(own)) {
             let slip = slip_of(friction);
             if moves(&slip, self.speed()) {
@@ -911,7 +935,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let stick = stick_of(own);
             let (direction, slip) = (events.direction(friction, now), slip_of(friction));
             // what has come to stand needs no impulse
-            let stands = own.joints[1] == joint;
+            let stands = is_hit(own.joints[1]).is_some();
             if now[stick] > 0.0 && !stands && events.exceeds(friction, moment, &p, none) {
                 treated.broken.push(friction);
                 treated.forget(friction);
@@ -923,7 +947,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             if direction.iter().all(|own| *own == 0.0) {
                 continue;
             }
-            if !moves(&slip, self.speed()) && own.joints[0] != joint && !treated.broken.contains(&friction) {
+            if !moves(&slip, self.speed()) && is_hit(own.joints[0]).is_none() && !treated.broken.contains(&friction) {
                 return Some(self.sticks(events, friction, now));
             }
             // two directions are those of the slip before restitution

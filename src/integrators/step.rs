@@ -2,12 +2,13 @@
 
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
-use super::events::{Directions, Events, Moment, SideChange};
+use super::crossings::Place;
+use super::events::{Directions, Events, Hit, Moment, SideChange};
 use super::grid::{Clocks, beside, clock_at};
 use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
-use super::record::{ImpactRecord, SolveRecord, StageRecord, StartRecord, StepRecord};
+use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
@@ -19,7 +20,9 @@ use super::{
     Carried, ConstraintLevel, InitialState, Pause, RestingPlan, RunError, Scheme, Stability, StabilityCourse, StartPlan,
     StepSizeState, Table, TimeGrid, Verdict, unit_part,
 };
-use crate::assembly::{Clock, Closing, ConstraintRows, Equations, Residual, Stop, System, Unknowns, VectorsAvq};
+use crate::assembly::{
+    Clock, Closing, ConstraintRows, Equations, Residual, StageSystem, Stop, System, Unknowns, VectorsAvq,
+};
 use crate::design::shortest;
 use crate::elements::{RunScalar, State};
 use crate::linalg::sign_of_determinant;
@@ -74,6 +77,8 @@ pub struct Stepper<'m, S> {
     pub(super) clocks: Clocks<S>,
     pub(super) clock: Option<Clock<S>>,
     pub(super) own_clock: Option<Clock<S>>,
+    /// Derivative parts of the length of the next step, where it is Euler's.
+    pub(super) lengthened: Option<S>,
 }
 
 struct RealDrives {
@@ -97,6 +102,12 @@ impl RealDrives {
 
 /// Steps from one look at the choice of redundant equations to the next.
 const WATCHED_EVERY: usize = 5;
+/// Takes off a list of changes what stands behind the first mark in it, with that.
+fn behind_mark(changes: &mut Vec<SideChange>) -> Vec<SideChange> {
+    let mark = changes.iter().skip(1).position(SideChange::is_mark).map_or(changes.len(), |place| place + 1);
+    changes.split_off(mark)
+}
+
 /// Most events that follow each other at one time.
 const MOST_AT_ONCE: usize = 100;
 /// Most stops that begin to hold, or let go, one after the other by their forces at one time.
@@ -202,6 +213,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             clocks: Vec::new(),
             clock: None,
             own_clock: None,
+            lengthened: None,
         })
     }
 
@@ -788,6 +800,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             .is_some_and(|events| events.frictions().len() > 0 || events.release_of(&self.between.sides).is_some())
     }
 
+    /// Whether a switch is one of a force that is none.
+    pub(super) fn has_no_force(&self, switch: usize, own: &Excess) -> bool {
+        let is_release = self.events.as_ref().is_some_and(|events| events.is_event(switch) && events.is_release(switch));
+        is_release && own.by.abs() <= NO_FORCE * size(&self.between.forces)
+    }
+
     /// Forces that tell no event at the end of the step made last are of no use to the way back.
     pub(super) fn forget_forces(&mut self) {
         self.record.forces = None;
@@ -830,6 +848,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let (mut happened, mut ends_run, mut known) = (Vec::new(), false, 0);
         // forces are asked for until they change nothing
         let (mut settles, mut exchanged, mut holds) = (false, 0, false);
+        let mut later = if is_made_again { behind_mark(&mut changes) } else { Vec::new() };
         loop {
             let ended = std::mem::replace(&mut known, changes.len());
             self.end_slips(events, ended, (&mut present, &mut changes), is_made_again);
@@ -838,6 +857,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             present[..switches].copy_from_slice(&self.between.sides[..switches]);
             let all = events.happening(&changes, &before);
             let next = all.get(happened.len()..).unwrap_or_default().to_vec();
+            if next.is_empty() && !later.is_empty() {
+                set(&changes, &mut present);
+                let behind = behind_mark(&mut later);
+                changes.append(&mut later);
+                later = behind;
+                continue;
+            }
             if next.is_empty() {
                 // forces may jump where formulas pass to other pieces
                 let is_first = happened.is_empty() && !is_made_again;
@@ -865,15 +891,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                     names.join("\", \"")
                 )));
             }
-            let stops = next.iter().flat_map(|event| events.joints_of(*event).1).filter(|own| own.stop.is_some());
-            let hit: Vec<(usize, f64)> = stops.map(|own| (own.joint, self.approach(own.joint))).collect();
-            if let Some((joint, _)) = hit.first().filter(|_| holds && !is_made_again) {
-                // a run that is made again would not know what holds by then
-                let (name, t) = (&self.problem.model.constraints[*joint].name, shortest(self.record.end));
-                return Err(RunError::Input(format!(
-                    "\"{name}\" is hit at t = {t} s in the same moment in which others that touch have come to hold each other: set them apart"
-                )));
-            }
+            let mut unhit = next.clone();
             for &event in &next {
                 if !is_made_again && self.slips_after_all(events, event, (&mut present, &mut changes)) {
                     continue;
@@ -891,7 +909,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 if let Some(before) = before {
                     self.check_joints(&absent, &before, events.name(event))?;
                 }
-                self.change_joints(events, (event, happened.len() - 1), (&mut present, &mut changes), &hit, is_made_again)?;
+                let number = happened.len() - 1;
+                self.change_joints(events, (event, number), (&mut present, &mut changes), &mut unhit, is_made_again)?;
             }
             if !is_made_again {
                 let released = self.released(events, (&mut present, &changes))?;
@@ -914,9 +933,17 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 // of what has been opened nothing else happens
                 let passed = passed.filter(|(place, own)| match *place == switch && is_zero(own) {
                     true => own.rate > 0.0,
-                    false => own.is_passed(end) && !events.is_off(*place, &now),
+                    // forces are those before what has just come to hold
+                    false if settles && events.is_event(*place) && events.is_release(*place) => false,
+                    false => own.is_passed(end) && !events.is_off(*place, &now) && !self.waits(*place),
                 });
-                changes.extend(passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] }));
+                let passed = passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] });
+                let passed: Vec<SideChange> = passed.collect();
+                if !passed.is_empty() && std::mem::take(&mut holds) {
+                    // a run that is made again holds by then what holds here
+                    changes.push(events.mark(&now));
+                }
+                changes.extend(passed);
             }
         }
         // at a breakpoint drivers may go on another way
@@ -955,13 +982,58 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok((changes, ends_run))
     }
 
-    /// Removes and adds the joints of an event at the end of the step made last, by the sides that hold as far as it has come.
+    /// Those of the changes at the end of the step made last that happen at the same time as the first one without being changed by it: numbers of other
+    /// parts whose rate is what it was.
+    pub(super) fn independent(&mut self, changes: &[SideChange]) -> Result<Vec<SideChange>, RunError> {
+        let (Some(first), Some(events)) = (changes.first(), &self.events) else { return Ok(Vec::new()) };
+        let (others, alone): (Vec<SideChange>, Vec<SideChange>) =
+            changes.iter().partition(|own| !events.is_of_same_part(first.switch, own.switch));
+        if others.is_empty() {
+            return Ok(others);
+        }
+        let before = self.rates_behind(&others)?;
+        let kept = (self.between.clone(), self.record.clone(), self.p.clone(), self.directions.clone());
+        self.between.waiting.clone_from(&others);
+        let after = self.pass(alone, false).and_then(|_| self.rates_behind(&others));
+        (self.between, self.record, self.p, self.directions) = kept;
+        // what cannot happen alone does not
+        let Ok(after) = after else { return Ok(Vec::new()) };
+        let stays = |before: f64, after: f64| (after - before).abs() <= CONSISTENT * before.abs();
+        let all = others.into_iter().zip(before.into_iter().zip(after));
+        Ok(all.filter(|(_, (before, after))| stays(*before, *after)).map(|own| own.0).collect())
+    }
+
+    /// Whether a switch changes in the next step.
+    fn waits(&self, switch: usize) -> bool {
+        self.between.waiting.iter().any(|own| own.switch == switch)
+    }
+
+    /// Rates of the numbers of switches behind the step made last, as far as it has come; not a number of forces.
+    fn rates_behind(&mut self, switches: &[SideChange]) -> Result<Vec<f64>, RunError> {
+        let Some(mut events) = self.events.take() else { return Ok(Vec::new()) };
+        events.write(&self.between.sides, &mut self.p);
+        let [q, v] = [0, 1].map(|order| self.between.carried[order].clone());
+        let dropped = self.dropped_behind(&events.absent(&self.between.sides));
+        let solved = self.accelerations_at((&q, &v), self.record.end, &dropped);
+        let rates = solved.map(|solved| {
+            let [a, v, q] = [&solved.x, &v, &q].map(|own| real(own));
+            let moment = Moment { a: &a, v: &v, q: &q, mu: [&[]; 2], t: self.record.end };
+            let all = events.excesses(moment, &real(&self.p), &self.between.sides);
+            let rate = |own: &SideChange| if events.is_release(own.switch) { f64::NAN } else { all[own.switch].rate };
+            switches.iter().map(rate).collect()
+        });
+        self.events = Some(events);
+        rates
+    }
+
+    /// Removes and adds the joints of an event at the end of the step made last, by the sides that hold as far as it has come; stops that events hit
+    /// together are hit in one impact.
     fn change_joints(
         &mut self,
         events: &Events,
         (event, number): (usize, usize),
         (sides, changes): (&mut [f64], &mut Vec<SideChange>),
-        hit: &[(usize, f64)],
+        unhit: &mut Vec<usize>,
         is_made_again: bool,
     ) -> Result<(), RunError> {
         let (opens, closes) = events.joints_of(event);
@@ -972,41 +1044,106 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 self.opened(events, joint, (sides, changes), is_made_again)?;
             }
         }
-        for Closing { joint, stop, impulse } in closes {
-            let Some(closing) = events.presence_change(*joint, true, sides) else { continue };
-            if !is_made_again {
-                self.check_hit(*joint, hit)?;
+        for own in closes {
+            let mut all = vec![(event, own)];
+            if own.stop.is_some() {
+                let closing = |&event: &usize| events.joints_of(event).1.iter().map(move |own| (event, own));
+                if !unhit.contains(&event) {
+                    continue;
+                }
+                let others = unhit.iter().filter(|own| **own != event).flat_map(closing);
+                all.extend(others.filter(|(_, own)| own.stop.as_ref().is_some_and(|stop| self.moves_on(own.joint, stop))));
+                unhit.retain(|own| all.iter().all(|(event, _)| own != event));
             }
-            let mut restitution = None;
-            if let Some(Stop { parameters: [e, least], .. }) = stop {
-                let [own, least_speed] = [e, least].map(|place| self.p[*place].value());
-                let is_plastic = match is_made_again {
-                    true => changes.iter().any(|change| change.switch == closing.switch),
-                    false => own == 0.0 || self.approach(*joint).abs() < least_speed || self.is_last_hit(*joint, own),
-                };
-                restitution = (!is_plastic).then_some(*e);
+            let hit = |(event, own): (usize, &Closing)| self.hit_of(events, (event, own), (sides, changes), is_made_again);
+            let hits: Vec<Hit> = all.into_iter().filter_map(hit).collect();
+            if hits.is_empty() {
+                continue;
             }
-            let first = self.problem.model.constraints[*joint].equations.start;
-            let impulse = impulse.map(|dof| [first, dof]);
-            let impact = ImpactRecord { event: number, restitution, impulse, ..ImpactRecord::default() };
-            let impact = self.close(events, (*joint, stop.as_ref()), impact, (sides, changes), is_made_again)?;
-            if stop.is_none() && !is_made_again {
-                self.check_closing(*joint)?;
+            if S::PARTS > 0 {
+                self.check_together(events, &hits)?;
+            }
+            let (impact, let_go) = self.close(events, &hits, number, (sides, changes), is_made_again)?;
+            if own.stop.is_none() && !is_made_again {
+                self.check_closing(own.joint)?;
             }
             let pace = self.clock.map_or(S::one(), |clock| clock.length());
             impact.add_to(&mut self.between.carried[1], &self.p, pace);
-            let is_held = restitution.is_none();
-            if !is_made_again {
-                changes.extend(Some(closing).filter(|own| is_held && !changes.contains(own)));
-                if let Some(stop) = stop {
-                    changes.extend(events.free(event, stop, &self.between.sides));
-                    changes.extend(events.pushing(*joint, stop, &self.between.sides).filter(|_| is_held));
+            for Hit { event, closing, joint, stop, restitution, .. } in hits {
+                let is_held = restitution.is_none() && !let_go.contains(&joint);
+                if !is_made_again {
+                    changes.extend(Some(closing).filter(|own| is_held && !changes.contains(own)));
+                    if let Some(stop) = &stop {
+                        changes.extend(events.free(event, stop, &self.between.sides));
+                        changes.extend(events.pushing(joint, stop, &self.between.sides).filter(|_| is_held));
+                    }
                 }
+                sides[closing.switch] = f64::from(u8::from(is_held));
             }
-            sides[closing.switch] = f64::from(u8::from(is_held));
             self.record.impacts.push(impact);
         }
         Ok(())
+    }
+
+    /// Whether stops that are hit together are so in other designs, too.
+    fn check_together(&self, events: &Events, hits: &[Hit]) -> Result<(), RunError> {
+        let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
+        let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));
+        let moment = Moment { a: &[], v: &v[..], q: &q[..], mu: [&[]; 2], t };
+        let (real_q, real_v) = (real(q), real(v));
+        let parts = |own: S| (0..S::PARTS).fold(0.0, |most: f64, part| most.max(own.part(part).abs()));
+        for Hit { event, joint, .. } in &hits[1..] {
+            let Some(switch) = events.condition_of(*event) else { continue };
+            let moved = parts(events.number(switch, moment, &self.p));
+            let mut terms = 0.0;
+            let at = Moment { a: &[], v: &real_v, q: &real_q, mu: [&[]; 2], t: self.record.end };
+            events.number_by_arguments(switch, at, &real(&self.p), |place, rate| {
+                terms += rate.abs()
+                    * match place {
+                        Place::Q(dof) => parts(q[dof]),
+                        Place::P(index) => parts(self.p[index]),
+                        Place::Time => parts(t),
+                        Place::V(_) | Place::A(_) | Place::Mu(_) => 0.0,
+                    };
+            });
+            if moved > CONSISTENT * terms {
+                let name = |joint: usize| &self.problem.model.constraints[joint].name;
+                let (first, other, t) = (name(hits[0].joint), name(*joint), shortest(self.record.end));
+                return Err(RunError::Input(format!(
+                    "\"{first}\" and \"{other}\" are hit at once at t = {t} s and act on each other, and the design moves them apart: which one is first \
+                     decides what follows, so that there is no derivative; take a design in which they are apart"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the motion goes on beyond a stop.
+    fn moves_on(&self, joint: usize, stop: &Stop) -> bool {
+        let rate = self.approach(joint);
+        (if stop.is_upper { rate } else { -rate }) > CONSISTENT * size(&self.between.carried[1])
+    }
+
+    /// How a joint is hit that is not there.
+    fn hit_of(
+        &self,
+        events: &Events,
+        (event, Closing { joint, stop, impulse }): (usize, &Closing),
+        (sides, changes): (&[f64], &[SideChange]),
+        is_made_again: bool,
+    ) -> Option<Hit> {
+        let closing = events.presence_change(*joint, true, sides)?;
+        let is_plastic = |[e, least]: [usize; 2]| {
+            let [own, least_speed] = [e, least].map(|place| self.p[place].value());
+            match is_made_again {
+                true => changes.iter().any(|change| change.switch == closing.switch),
+                false => own == 0.0 || self.approach(*joint).abs() < least_speed || self.is_last_hit(*joint, own),
+            }
+        };
+        let restitution = stop.as_ref().filter(|own| !is_plastic(own.parameters)).map(|own| own.parameters[0]);
+        let first = self.problem.model.constraints[*joint].equations.start;
+        let impulse = impulse.map(|dof| [first, dof]);
+        Some(Hit { event, joint: *joint, stop: stop.clone(), closing, row: first, restitution, impulse })
     }
 
     /// The changes by which a force lets go behind what has happened, of a joint that is there then, or by which a stop that lets go would move back at once
@@ -1073,7 +1210,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             events.write(&self.between.sides, &mut self.p);
             for (switch, own) in self.excesses_of(events, false).into_iter().enumerate() {
                 let is_known = events.is_event(switch) || changes[..known].iter().any(|own| own.switch == switch);
-                if !is_known && own.by > own.noise(self.record.end) {
+                if !is_known && !self.waits(switch) && own.by > own.noise(self.record.end) {
                     changes.push(SideChange { switch, sides: [self.between.sides[switch], own.other] });
                 }
             }
@@ -1092,22 +1229,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             "no forces are found at t = {} s by which all that touches pushes and nothing moves beyond its limit, as by \"{name}\"",
             shortest(self.record.end)
         ))
-    }
-
-    /// Whether a stop moves as it did before others were hit at the same time.
-    fn check_hit(&self, joint: usize, hit: &[(usize, f64)]) -> Result<(), RunError> {
-        let Some((_, before)) = hit.iter().find(|own| own.0 == joint).filter(|_| hit.len() > 1) else { return Ok(()) };
-        let speed = size(&self.between.carried[1]);
-        if (self.approach(joint) - before).abs() <= CONSISTENT * speed {
-            return Ok(());
-        }
-        let others = hit.iter().filter(|own| own.0 != joint).map(|own| &*self.problem.model.constraints[own.0].name);
-        let (name, others) = (&self.problem.model.constraints[joint].name, others.collect::<Vec<_>>().join("\", \""));
-        let t = shortest(self.record.end);
-        Err(RunError::Input(format!(
-            "\"{others}\" and \"{name}\" are hit at once at t = {t} s and act on each other: what follows depends on which comes first; set them apart, \
-             or say by an [[event]] what becomes of the velocities"
-        )))
     }
 
     /// Values and rates of the equations of joints behind the step made last, zero of those that are not there.
@@ -1179,16 +1300,17 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.dropped_with(absent, (&carried[0], &carried[1]), self.record.end)
     }
 
-    /// The impact by which the equations of a joint come to rest, without some: M x + A^T mu = 0, A (v + x) + g_t = 0; it is looked for from a first guess.
+    /// The impact by which the equations of a joint come to rest, without some: M x + A^T mu = 0, A (v + x) + g_t = 0, where some rows keep a share of their
+    /// rate A v + g_t; it is looked for from a first guess.
     pub(super) fn impact(
         &mut self,
         joint: usize,
-        dropped: &[usize],
+        (dropped, shares): (&[usize], &[(usize, S)]),
         mut first: Unknowns<S>,
     ) -> Result<SolveRecord<S>, RunError> {
-        let (end, t) = (self.record.end, self.record.t);
+        let end = self.record.end;
         let mut newton = self.analysis(dropped)?;
-        newton.residual.clock = self.clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
+        newton.residual.clock = self.clock.map(|clock| Clock::shifted(clock.time(end) - end));
         let pace = self.clock.map_or(S::one(), |clock| clock.pace());
         let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
         let v = v.iter().map(|&v| v * pace).collect();
@@ -1201,6 +1323,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             .filter(|(row, _)| dropped.binary_search(row).is_ok())
             .for_each(|own| *own.1 = S::zero());
         own.unknowns = first;
+        if !shares.is_empty() {
+            let mut still = Residual::unknowns(&newton.system);
+            let stage = StageSystem { equations: &own.equations, base: &own.base, p: &self.p, t: end };
+            newton.residual.start(&newton.system, stage);
+            newton.residual.evaluate(&newton.system, stage, &mut still);
+            let rates = &newton.residual.g;
+            newton.residual.kept = shares.iter().map(|&(row, share)| (row, share * rates[row])).collect();
+            // of what is not there nothing is kept
+            newton.residual.kept.retain(|own| dropped.binary_search(&own.0).is_err());
+        }
         let name = &self.problem.model.constraints[joint].name;
         let place = || format!("impact of \"{name}\" (t = {} s)", shortest(end));
         solve(&mut newton, &mut own, InitialGuess::Given, &self.p, &place)?;
@@ -1404,13 +1536,15 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.dropped.clone_from(&state.dropped);
         record.switched = std::mem::take(&mut state.switched);
         record.clock = self.clock;
+        let is_euler = scheme == Scheme::Euler;
+        record.lengthened = self.lengthened.filter(|_| is_euler);
         (record.restart, record.forces) = (None, None);
         record.set.clear();
         record.impacts.clear();
         record.axes.clear();
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
-        } else if solves {
+        } else if solves && !is_euler {
             let first = InitialGuess::guided(guided.and_then(|step| step.restart.as_ref()));
             let mut solved = SolveRecord::default();
             let behind = if breakpoint { beside(t, 1.0) } else { t };
@@ -1429,6 +1563,16 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let change = self.solve_stages(&mut state, &mut record, table, guided)?;
         state.carried.resize_with(table.carried.len(), Vec::new);
         record.update(self.rule(), &mut state.carried);
+        if let Some(part) = record.lengthened {
+            let ([q, v, ..], x) = (&mut state.carried[..], &record.stages[0].solve.unknowns.x) else {
+                unreachable!("q and v are carried first")
+            };
+            q.iter_mut().zip(&record.carried[1]).for_each(|(q, &v)| *q += v * part);
+            v.iter_mut().zip(x).for_each(|(v, &x)| *v += x * part);
+            // what follows is at its end
+            let moved = self.clock.map_or(S::zero(), |clock| clock.time(end) - end);
+            self.clock = Some(Clock::shifted(moved + part));
+        }
         self.project(&mut state, &mut record, guided)?;
         record.q.clone_from(&state.carried[0]);
         record.v.clone_from(&state.carried[1]);
@@ -1446,7 +1590,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if asks {
             let first = InitialGuess::guided(guided.and_then(|step| step.forces.as_ref()));
             let forces = record.forces.insert(SolveRecord::default());
-            self.solve_forces(&state, (t, end), first, forces)?;
+            self.solve_forces(&state, end, first, forces)?;
             state.forces.clone_from(&forces.unknowns.mu);
         }
         self.between = state;
@@ -1458,14 +1602,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn solve_forces(
         &mut self,
         state: &StepState<S>,
-        (t, end): (f64, f64),
+        end: f64,
         first: InitialGuess,
         record: &mut SolveRecord<S>,
     ) -> Result<(), RunError> {
         let clock = self.clock;
         let pace = clock.map_or(S::one(), |clock| clock.pace());
         let v: Vec<S> = state.carried[1].iter().map(|&v| v * pace).collect();
-        self.clock = clock.map(|clock| Clock::new([t, end], [clock.time(end) - end; 2]));
+        self.clock = clock.map(|clock| Clock::shifted(clock.time(end) - end));
         let solved = self.solve_acceleration((&state.carried[0], &v), end, state.step, first, record);
         self.clock = clock;
         solved
@@ -1561,7 +1705,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record: &mut StepRecord<S>,
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
-        if !self.constrained || self.method.constraint_level() != ConstraintLevel::Acceleration {
+        let is_at_accelerations = self.method.constraint_level() == ConstraintLevel::Acceleration;
+        if !self.constrained || !is_at_accelerations || record.scheme == Scheme::Euler {
             (record.position_projection, record.velocity_projection) = (None, None);
             return Ok(());
         }

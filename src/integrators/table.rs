@@ -79,6 +79,8 @@ pub struct Table {
     pub starter: Option<Starter>,
     /// The one stage solves discrete Euler-Lagrange equations instead of R = 0.
     pub variational: Option<Quadrature>,
+    /// Euler's explicit step, for steps between events that are no longer than a rounding.
+    pub euler: Option<Box<Table>>,
 }
 
 /// How a variational integrator approximates the action of a step.
@@ -121,6 +123,8 @@ pub enum Scheme {
     Main,
     /// Its one-step starter.
     Starter,
+    /// Euler's explicit step.
+    Euler,
 }
 
 /// Steps whose sizes differ relatively by less than this have the same size: each is the difference of two times, sums with round-off.
@@ -143,12 +147,50 @@ impl Table {
     pub(crate) fn scheme(&self, scheme: Scheme) -> &Table {
         match (scheme, &self.starter) {
             (Scheme::Starter, Some(starter)) => &starter.table,
+            (Scheme::Euler, _) => self.euler.as_deref().unwrap_or(self),
             _ => self,
         }
     }
 
+    /// Adds Euler's step, q' = q + h v, v' = v + h a with the acceleration a at its start: without a division by its length h, as stages have it, so that
+    /// derivatives by that keep their digits however short it is.
+    pub(crate) fn with_euler(mut self) -> Table {
+        if self.is_static() || self.variational.is_some() {
+            return self;
+        }
+        let carried = self.carried.clone();
+        let combine = |places: &[usize], stage: f64| {
+            let of = |place: usize| f64::from(u8::from(places.contains(&place)));
+            Combination { carried: (0..carried.len()).map(of).collect(), stages: vec![stage] }
+        };
+        let stage = Stage { c: 0.0, a: combine(&[], 1.0), v: combine(&[1], 0.0), q: combine(&[0], 0.0), known: None };
+        let behind = |(place, kind): (usize, &Carried)| match (place, kind) {
+            (0, _) => combine(&[0, 1], 0.0),
+            (1, _) => combine(&[1], 1.0),
+            (_, Carried::A) => combine(&[], 1.0),
+            _ => combine(&[place], 0.0),
+        };
+        let mut integral = vec![0.0; self.quadrature.carried.len()];
+        integral[0] = 1.0;
+        let euler = Table {
+            name: "euler".into(),
+            order: 1,
+            stages: vec![stage],
+            update: carried.iter().enumerate().map(behind).collect(),
+            quadrature: Combination { carried: integral, stages: vec![1.0] },
+            aggregate_weights: vec![1.0],
+            carried,
+            ..Table::default()
+        };
+        self.euler = Some(Box::new(euler));
+        self
+    }
+
     /// Which table makes step `index` of a grid.
     pub fn scheme_at(&self, grid: &TimeGrid, index: usize) -> Scheme {
+        if grid.shortest.contains(&index) {
+            return Scheme::Euler;
+        }
         let has_own_length =
             grid.events.contains_key(&(index + 1)) || grid.is_fixed(index + 1) && grid.is_behind_event(index);
         self.scheme_of(grid, index, has_own_length)

@@ -1,6 +1,6 @@
 //! The time loop of a run, whatever selects the step sizes.
 
-use super::location::locate;
+use super::location::{SHORTEST, locate};
 use super::march::{Method, Problem, Run};
 use super::record::{Observer, StepRecord};
 use super::run_interval::RunInterval;
@@ -79,15 +79,17 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     let mut before = Checkpoint::default();
     let mut begins = Vec::new();
     let pause = recorder.take_up(stepper.rule(), &mut |step| {
-        begins.push((step.t, step.switched.clone()));
+        begins.push((step.t, step.switched.clone(), step.scheme));
         Ok(true)
     })?;
     let (is_made_again, has_parts) = (guided.is_some(), S::PARTS > 0);
     let goes_back = selection.goes_back() || stepper.events.is_some();
     if let Some(pause) = pause {
         stepper.take_up(&pause)?;
-        begins.push((pause.t, pause.checkpoint.between.switched.clone()));
-        for (end, changes) in begins.into_iter().skip(1) {
+        let schemes: Vec<Scheme> = begins.iter().map(|own| own.2).collect();
+        begins.push((pause.t, pause.checkpoint.between.switched.clone(), Scheme::Main));
+        for ((end, changes, _), scheme) in begins.into_iter().skip(1).zip(schemes) {
+            interval.note(scheme);
             match stepper.is_jump(&changes) && interval.is_breakpoint(end) {
                 true => interval.advance_to_jump(end, changes),
                 false => interval.advance_over(end, changes),
@@ -104,14 +106,26 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
     while !interval.at_end() {
         let index = stepper.next_step();
         recorder.checkpoint(index, &|| stepper.pause(interval.t(), interval.step_size))?;
+        let waiting = std::mem::take(&mut stepper.between.waiting);
         let (reached, changes) = loop {
+            if !waiting.is_empty() {
+                let (t, end) = (interval.t(), interval.t().next_up());
+                stepper.step_over(Scheme::Euler, (t, end), interval.at_breakpoint(), None)?;
+                break (end, Some(waiting));
+            }
             let TrialStep { h, scheme, guided } = selection.next(&mut interval, &stepper)?;
             let ((t, end), reached) = interval.span(h);
             let changes = interval.changes_next().filter(|_| is_made_again).map(<[SideChange]>::to_vec);
+            let is_shortest =
+                !is_made_again && h.is_finite() && interval.grid.is_behind_event(index) && end - t <= SHORTEST * h;
+            let scheme = if is_shortest { Scheme::Euler } else { scheme };
             if has_parts && is_made_again && (behind.is_some() || changes.is_some()) {
                 let [of_event, start] = behind.take().unwrap_or_else(|| [S::zero(), stepper.moved(t)]);
                 let make = |stepper: &mut Stepper<S>, part: S| {
-                    stepper.own_clock = Some(Clock::new([t, end], [start, part]));
+                    let is_euler = scheme == Scheme::Euler;
+                    stepper.own_clock =
+                        Some(if is_euler { Clock::shifted(start) } else { Clock::new([t, end], [start, part]) });
+                    stepper.lengthened = Some(part - start);
                     stepper.step_over(scheme, (t, end), interval.at_breakpoint(), guided)
                 };
                 match &changes {
@@ -159,7 +173,10 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             }
             let span = (t, if event.is_some() { reached } else { end });
             let step_size = interval.step_size;
-            let accepted = selection.accepts(TrialOutcome { span, reached, made }, &mut interval, &mut stepper, &before);
+            let accepted = match made.is_ok() && stepper.record().scheme == Scheme::Euler {
+                true => Ok(true),
+                false => selection.accepts(TrialOutcome { span, reached, made }, &mut interval, &mut stepper, &before),
+            };
             if accepted.is_err() && !is_made_again && stepper.events.is_some() {
                 stepper.resume(&before)?;
                 stepper.check_jamming(t)?;
@@ -177,8 +194,14 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
             stepper.resume(&before)?;
         };
         stepper.stretch = interval.stretch_behind(reached);
+        interval.note(stepper.record().scheme);
         match changes {
-            Some(changes) => {
+            Some(mut changes) => {
+                if !is_made_again && reached.next_up() < interval.next_breakpoint() {
+                    let waiting = stepper.independent(&changes)?;
+                    changes.retain(|own| !waiting.contains(own));
+                    stepper.between.waiting = waiting;
+                }
                 let (changes, ends_run) = stepper.pass(changes, is_made_again)?;
                 interval.advance_over(reached, changes);
                 if ends_run {

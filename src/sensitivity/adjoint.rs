@@ -5,7 +5,7 @@
 
 use super::solvers::StepSolvers;
 use super::transposed::{
-    Backward, SolutionSeed, TransposedSolver, add, moving_clock, set_zero_vectors, set_zeros, shifting_clock,
+    Backward, SolutionSeed, TransposedSolver, add, lengthened, set_zero_vectors, set_zeros, shifting_clock,
 };
 use crate::assembly::{JointFriction, Model, System, Unknowns, VectorsAvq};
 use crate::design::{ModelNumbers, shortest};
@@ -14,11 +14,12 @@ use crate::functionals::{
 };
 use crate::history::{Direction, History, Rerun};
 use crate::integrators::{
-    AxisRecord, Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, Place, Problem, RestingPlan,
-    RunError, SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid, along_axis,
-    each_formula, from_axis, moves, speed_of,
+    AxisRecord, Carried, Combination, Counters, EndMoves, Events, ImpactRecord, Method, Moment, OtherHit, Place, Problem,
+    RestingPlan, RunError, Scheme, SideChange, SlipBefore, SolveRecord, StartRecord, StepRecord, StepRule, Table, TimeGrid,
+    along_axis, each_formula, from_axis, moves, speed_of,
 };
 use crate::program::Formula;
+use crate::scalar::Tangents;
 use smallvec::SmallVec;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,6 +32,8 @@ pub struct AdjointRun {
     pub gradients: Vec<ModelNumbers<f64>>,
     /// df/dt of the breakpoints that move, for each functional.
     pub by_breakpoints: Vec<Vec<f64>>,
+    /// Whether stops that act on each other are hit at once somewhere: the gradients are those of designs that do not move them apart.
+    pub hits_together: bool,
     pub counters: Counters,
 }
 
@@ -90,6 +93,8 @@ pub fn adjoint(
         impacts: Vec::new(),
         ending: Vec::new(),
         forces: Vec::new(),
+        of_shares: Vec::new(),
+        hits_together: false,
     };
     sweep.run(rerun, history)
 }
@@ -122,6 +127,9 @@ struct Sweep<'m> {
     ending: Vec<(usize, SolutionSeed)>,
     /// Adjoints of the forces at an event.
     forces: Vec<(usize, SolutionSeed)>,
+    /// Adjoints of the shares of rates that the last impact kept, for each functional.
+    of_shares: Vec<Vec<f64>>,
+    hits_together: bool,
 }
 
 impl<'m> Sweep<'m> {
@@ -189,7 +197,7 @@ impl<'m> Sweep<'m> {
                 (ModelNumbers { p: back.p, q: std::mem::take(&mut back.carried[0]), v }, back.by_breakpoints)
             })
             .unzip();
-        Ok(AdjointRun { gradients, by_breakpoints, counters: self.counters })
+        Ok(AdjointRun { gradients, by_breakpoints, hits_together: self.hits_together, counters: self.counters })
     }
 
     /// Back through the equilibrium at which a motion begins.
@@ -351,7 +359,13 @@ impl<'m> Sweep<'m> {
 
     fn add_moves(&self, k: usize, sample: &Sample<f64>, weight: f64, back: &mut Backward) {
         if let Some(span) = back.span {
-            let own = self.functionals[k].moves(self.problem.model, sample, &self.p, (weight, moving_clock(span)));
+            let is_at_end = back.is_euler && self.times(k) == Times::End;
+            let (clock, mut weight) = (if is_at_end { shifting_clock(1) } else { back.clock() }, Tangents::from(weight));
+            let over = &self.functionals[k].functional.over;
+            if over.times() == Times::Run && !over.counts_samples() {
+                weight *= if back.is_euler { lengthened(span) } else { clock.length() };
+            }
+            let own = self.functionals[k].moves(self.problem.model, sample, &self.p, (weight, clock));
             back.moves.iter_mut().zip(own).for_each(|(moves, own)| *moves += own);
         }
     }
@@ -412,6 +426,7 @@ impl<'m> Sweep<'m> {
         }
         for back in &mut *back {
             (back.span, back.moves) = (Some([step.t, step.end]), [0.0; 2]);
+            back.is_euler = step.scheme == Scheme::Euler;
             if ends.is_some() {
                 // what later steps make of its end
                 back.moves[1] = std::mem::take(&mut back.by_event);
@@ -450,9 +465,14 @@ impl<'m> Sweep<'m> {
         }
         self.forces_back(step, back)?;
         let rule = StepRule { method: self.method, constrained: self.system.is_constrained() };
-        self.pace(&step.carried_behind(rule), -1.0, back);
-        self.step_through(step, place, weights, back, solvers)?;
-        self.pace(&step.carried, 1.0, back);
+        if step.scheme == Scheme::Euler {
+            back.iter_mut().for_each(|back| back.lengthen(step));
+            self.step_through(step, place, weights, back, solvers)?;
+        } else {
+            self.pace(&step.carried_behind(rule), -1.0, back);
+            self.step_through(step, place, weights, back, solvers)?;
+            self.pace(&step.carried, 1.0, back);
+        }
         if ends.is_some()
             && let Some((event, back)) = back.split_last_mut()
         {
@@ -489,17 +509,18 @@ impl<'m> Sweep<'m> {
             sample.follow_events(step, &self.p);
             self.share(&mut sample);
             let gamma = step.stages.last().map_or(0.0, |last| last.solve.equations.residual.gamma);
-            let clock = shifting_clock([step.t, step.end]);
+            let clock = shifting_clock(1);
             for (k, back) in back.iter_mut().enumerate() {
                 if self.times(k) != Times::End {
                     continue;
                 }
                 let mut seed = SolutionSeed::zeros(sample.at.a.len(), sample.mu.len());
                 self.read_state(k, &sample, gamma, &mut seed, back);
-                back.moves[1] += self.functionals[k].moves(self.problem.model, &sample, &self.p, (1.0, clock))[1];
+                back.moves[1] +=
+                    self.functionals[k].moves(self.problem.model, &sample, &self.p, (Tangents::from(1.0), clock))[1];
                 // an acceleration is carried out of the time of the step, as velocities are
                 let along: f64 = sample.at.a.iter().zip(&seed.x).map(|(a, bar)| a * bar).sum();
-                if along != 0.0 {
+                if along != 0.0 && step.scheme != Scheme::Euler {
                     let rate = 2.0 * along / (gamma * (step.end - step.t));
                     back.moves[0] += rate;
                     back.moves[1] -= rate;
@@ -635,7 +656,7 @@ impl<'m> Sweep<'m> {
         let Unknowns { x, mu, .. } = &record.unknowns;
         let mut seeds: Vec<SolutionSeed> = back.iter().map(|_| SolutionSeed::zeros(x.len(), mu.len())).collect();
         all.into_iter().for_each(|(k, own)| add(&mut seeds[k].mu, 1.0, &own.mu));
-        self.through_apart((record, &step.dropped), &self.p.clone(), &seeds, back)
+        self.through_apart((record, &step.dropped, &[]), &self.p.clone(), &seeds, back)
     }
 
     /// Back through the equations of an impact.
@@ -647,13 +668,30 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         let mut p = self.p.clone();
         impact.set_parameters(&self.problem.model.frictions, &mut p);
-        self.through_apart((&impact.solve, &impact.dropped), &p, seeds, back)
+        let is_there = |own: &(usize, f64)| impact.dropped.binary_search(&own.0).is_err();
+        let kept: Vec<(usize, f64)> = impact.shares(&p).into_iter().filter(is_there).collect();
+        self.through_apart((&impact.solve, &impact.dropped, &kept), &p, seeds, back)?;
+        // of the shares (e - e') / (1 + e)
+        let of = |place: Option<usize>| place.map_or(0.0, |place| p[place]);
+        let e = of(impact.restitution);
+        for OtherHit { row, restitution } in &impact.others {
+            let Some(place) = kept.iter().position(|own| own.0 == *row) else { continue };
+            for (back, bars) in back.iter_mut().zip(&self.of_shares) {
+                if let Some(own) = restitution {
+                    back.p[*own] -= bars[place] / (1.0 + e);
+                }
+                if let Some(first) = impact.restitution {
+                    back.p[first] += bars[place] * (1.0 + of(*restitution)) / ((1.0 + e) * (1.0 + e));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Back through a system at the end of a step that is none of its stages, at the time that this end has.
     fn through_apart(
         &mut self,
-        (record, dropped): (&SolveRecord<f64>, &[usize]),
+        (record, dropped, kept): (&SolveRecord<f64>, &[usize], &[(usize, f64)]),
         p: &[f64],
         seeds: &[SolutionSeed],
         back: &mut [Backward],
@@ -668,14 +706,20 @@ impl<'m> Sweep<'m> {
         };
         // its numbers do not depend on the impacts before
         let mut solver = self.impacts[place].clone_analysis()?;
-        solver.clock = shifting_clock;
+        solver.is_apart = true;
         let bases = solver.through(record, p, seeds, back, &mut self.counters)?;
         carry(bases, back);
+        if !kept.is_empty() {
+            let (bases, of_shares) = solver.through_kept(record, p, (seeds, kept), back);
+            carry(bases, back);
+            self.of_shares = of_shares;
+        }
         Ok(())
     }
 
     /// Back through an impact, by which velocities change by (1 + e) x.
     fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
+        self.hits_together |= !impact.others.is_empty();
         let (factor, Unknowns { x, mu, .. }) = (impact.factor(&self.p), &impact.solve.unknowns);
         let mut seeds = Vec::new();
         for back in &mut *back {

@@ -371,6 +371,9 @@ impl<'m> Analysis<'m> {
         for (rates, bar) in run.by_breakpoints.iter().zip(&mut run.gradients) {
             breakpoints.add_transposed(numbers.iter().copied().zip(rates.iter().copied()), &mut bar.p);
         }
+        if run.hits_together {
+            self.check_together(x, forward)?;
+        }
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
         let mut by_parameters = vec![Vec::new(); self.functionals.len()];
         for (&k, bar) in places.iter().zip(run.gradients) {
@@ -379,6 +382,18 @@ impl<'m> Analysis<'m> {
         }
         let gradient = self.checked(Gradient { rows, counters: run.counters })?;
         Ok((gradient, by_parameters))
+    }
+
+    /// Whether no variable moves apart what is hit at once: a tangent run along all of them tells.
+    fn check_together(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
+        let along = |(i, &x): (usize, &f64)| {
+            let mut own = Tangents::from(x);
+            // weights that no two numbers of a design share
+            own.add_to_part(0, (1.0 + (GOLDEN * (i + 1) as f64).fract()) * if x == 0.0 { 1.0 } else { x });
+            own
+        };
+        let x: Vec<Tangents> = x.iter().enumerate().map(along).collect();
+        self.perturbed_values(&x, forward).map(|_| ())
     }
 
     /// Gradients by tangent runs (direct differentiation), eight variables at a time.
@@ -529,6 +544,9 @@ impl<'m> Analysis<'m> {
         Ok(march_along(&self.problem(numbers), self.method, steps, self.plan, guide, recorder)?.counters)
     }
 }
+
+/// The golden ratio, whose multiples lie apart from each other.
+const GOLDEN: f64 = 1.618_033_988_749_895;
 
 fn check_belonging(x: &[f64], numbers: &ModelNumbers<f64>, forward: &Forward) -> Result<(), RunError> {
     let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());

@@ -6,7 +6,7 @@ use crate::assembly::{
 };
 use crate::design::shortest;
 use crate::elements::RunScalar;
-use crate::integrators::{Counters, EndMoves, Method, Phase, RunError, SolveRecord, kind};
+use crate::integrators::{Counters, EndMoves, Method, Phase, RunError, SolveRecord, StepRecord, kind};
 use crate::linalg::{Factorization, SMALL_FILL, Singular, SolverPlan, TransposedSolution};
 use crate::scalar::Tangents;
 use smallvec::SmallVec;
@@ -39,6 +39,8 @@ pub(super) struct Backward {
     /// Where the step begins and ends, if its length has derivatives, and what is known of those by its start and by its end.
     pub span: Option<[f64; 2]>,
     pub moves: [f64; 2],
+    /// Whether it is Euler's, whose states are not measured by its length.
+    pub is_euler: bool,
     /// The same by the time of the event before the step, of all steps that move with it.
     pub by_event: f64,
     /// The same by the times of the breakpoints that move.
@@ -57,6 +59,28 @@ const NEGLIGIBLE: f64 = 1e-250;
 impl Backward {
     pub fn of_parameters(parameters: usize) -> Self {
         Backward { p: vec![0.0; parameters], ..Backward::default() }
+    }
+
+    /// How time goes in the stages of a step whose start has the first derivative part, and whose end the second.
+    pub fn clock(&self) -> Clock<Tangents> {
+        match self.span {
+            Some(span) if !self.is_euler => moving_clock(span),
+            _ => shifting_clock(0),
+        }
+    }
+
+    /// Adds what the length of Euler's step, which ends at q + h v and v + h a, is worth.
+    pub fn lengthen(&mut self, step: &StepRecord<f64>) {
+        let rates = [&step.carried[1], &step.stages[0].solve.unknowns.x];
+        let worth: f64 = self
+            .carried
+            .iter()
+            .zip(rates)
+            .flat_map(|(bars, rates)| bars.iter().zip(rates))
+            .map(|(bar, rate)| bar * rate)
+            .sum();
+        self.moves[0] -= worth;
+        self.moves[1] += worth;
     }
 
     /// Gives what is known by the ends of a step to what they move with.
@@ -131,8 +155,8 @@ pub(super) struct TransposedSolver<'m> {
     reduced: Vec<f64>,
     sweep: Sweep,
     bases: Vec<VectorsAvq<f64>>,
-    /// How time goes where the ends of a step have derivatives.
-    pub clock: fn([f64; 2]) -> Clock<Tangents>,
+    /// Whether its systems stand at the end of a step, with the time of that.
+    pub is_apart: bool,
     /// Of derivatives by the ends of a step.
     moved: Residual<Tangents>,
 }
@@ -209,7 +233,7 @@ impl<'m> TransposedSolver<'m> {
             reduced: Vec::new(),
             sweep: Sweep::default(),
             bases: Vec::new(),
-            clock: moving_clock,
+            is_apart: false,
             moved: Residual::default(),
         }
     }
@@ -302,6 +326,37 @@ impl<'m> TransposedSolver<'m> {
         self.add_moves(record, p, &asked, back);
         self.write_bases(&record.equations, &asked);
         Ok(&self.bases)
+    }
+
+    /// Goes on back from the system gone through last, an impact behind which rows of G keep shares of their rates r before it, to these: returns the
+    /// adjoints of its base point that this adds, and of each functional those of the shares, -lambda r.
+    pub fn through_kept(
+        &mut self,
+        record: &SolveRecord<f64>,
+        p: &[f64],
+        (seeds, kept): (&[SolutionSeed], &[(usize, f64)]),
+        back: &mut [Backward],
+    ) -> (&[VectorsAvq<f64>], Vec<Vec<f64>>) {
+        let asked: SmallVec<[usize; 8]> = (0..seeds.len()).filter(|&k| !seeds[k].is_zero()).collect();
+        let unknowns = Residual::<f64>::unknowns(&self.system);
+        let still = SolveRecord { unknowns, ..record.clone() };
+        self.unknowns.clone_from(&still.unknowns);
+        let stage = StageSystem { equations: &still.equations, base: &still.base, p, t: still.t };
+        self.residual.start(&self.system, stage);
+        self.residual.evaluate(&self.system, stage, &mut self.unknowns);
+        let rates = &self.residual.g;
+        let mut of_shares = vec![vec![0.0; kept.len()]; seeds.len()];
+        for (&k, own) in asked.iter().zip(&mut self.sweep.adjoints) {
+            of_shares[k] = kept.iter().map(|&(row, _)| -own.g[row] * rates[row]).collect();
+            let rows: Vec<(usize, f64)> = kept.iter().map(|&(row, share)| (row, -share * own.g[row])).collect();
+            set_zeros(&mut own.f, self.system.model.dofs);
+            set_zeros(&mut own.g, self.system.multipliers());
+            rows.into_iter().for_each(|(row, bar)| own.g[row] = bar);
+        }
+        self.add_products(&still, p, &asked, back);
+        self.add_moves(&still, p, &asked, back);
+        self.write_bases(&still.equations, &asked);
+        (&self.bases, of_shares)
     }
 
     /// Corrects adjoint variables until they keep their equation as the formulas say it, not only the matrix. Its entries round, and what that
@@ -444,7 +499,8 @@ impl<'m> TransposedSolver<'m> {
 
     /// What the ends of the step do to F and G while its state stays, times the adjoint variables.
     fn add_moves(&mut self, record: &SolveRecord<f64>, p: &[f64], asked: &[usize], back: &mut [Backward]) {
-        let Some(clock) = back.first().and_then(|back| back.span).map(self.clock) else { return };
+        let Some(moved) = back.first().filter(|back| back.span.is_some()) else { return };
+        let clock = if self.is_apart { shifting_clock(1) } else { moved.clock() };
         let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect::<Vec<_>>();
         let SolveRecord { t, equations, base: VectorsAvq { a, v, q }, .. } = record;
         let Unknowns { x, mu, local_mu } = &self.unknowns;
@@ -536,11 +592,18 @@ pub(super) fn moving_clock(span: [f64; 2]) -> Clock<Tangents> {
     Clock::new(span, parts)
 }
 
-/// How time goes where all of it has the second derivative part.
-pub(super) fn shifting_clock(span: [f64; 2]) -> Clock<Tangents> {
+/// How time goes where all of it has one of these derivative parts.
+pub(super) fn shifting_clock(end: usize) -> Clock<Tangents> {
     let mut part = Tangents::from(0.0);
-    part.add_to_part(1, 1.0);
-    Clock::new(span, [part; 2])
+    part.add_to_part(end, 1.0);
+    Clock::shifted(part)
+}
+
+/// Length of Euler's step as a share of its real one, with its derivative parts.
+pub(super) fn lengthened([start, end]: [f64; 2]) -> Tangents {
+    let mut length = Tangents::from(1.0);
+    [-1.0, 1.0].into_iter().enumerate().for_each(|(of, sign)| length.add_to_part(of, sign / (end - start)));
+    length
 }
 
 /// Unknowns from which each stage of a step may have a solver of its own: below, waking other threads takes longer than a factorization.

@@ -397,7 +397,7 @@ fn a_file_of_another_version_is_refused_as_that() {
     let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
     in_file(scene, &path);
     let own = fs::read(&path).expect("is there");
-    assert!(own.starts_with(b"costate run 13"));
+    assert!(own.starts_with(b"costate run 14"));
     for (header, what) in
         [("costate run 05", "a run of another version of this program"), ("costume run 06", "no file of a run")]
     {

@@ -185,13 +185,6 @@ fn what_cannot_be_is_told() {
         ),
         (
             format!(
-                "stop = [{{ name = \"s\", {node}, value = \"ball.position.z\", least = 0.5 }}, {{ name = \"t\", {node}, value = \"ball.position.z + \
-                 ball.position.x\", least = 0.5, restitution = 0.5 }}]"
-            ),
-            "are hit at once",
-        ),
-        (
-            format!(
                 "joint = [{{ name = \"j\", type = \"formula\", {node}, equations = [\"ball.position.x - 0.1\"], present = false }}]\n\
                  event = [{{ name = \"e\", at = 0.5, lock = \"j\" }}]"
             ),
@@ -598,4 +591,113 @@ fn what_rolls_goes_with_its_contact() {
     let prepared = Prepared::new(&scene).unwrap();
     let z = prepared.analysis().forward(&prepared.x).unwrap().values[0];
     assert!((z - (0.1 - 1.25)).abs() < 1e-9, "{z}");
+}
+
+/// Two balls that are let go at one height hit the floor at one time, each after a fall of its own: t = sqrt(2 h / g), z = e v (T - t) - g (T - t)^2 / 2,
+/// v = g t. Derivatives by the height of the other one are zero, also of integrals, and of a third one that stays where it falls.
+#[test]
+fn hits_at_once_move_apart_by_their_own_heights() {
+    let text = r#"
+version = 1
+gravity = [0, 0, -10]
+settings = { end = 0.6, steps = 30 }
+variable.a = { initial = 0.8, bounds = [0.1, 2], unit = "m" }
+variable.b = { initial = 0.8, bounds = [0.1, 2], unit = "m" }
+variable.c = { initial = 0.8, bounds = [0.1, 2], unit = "m" }
+variable.e = { initial = 0.7, bounds = [0, 1] }
+point = [{ name = "a", position = [0, 0, "a"], mass = 1 }, { name = "b", position = [1, 0, "b"], mass = 2 }, { name = "c", position = [2, 0, "c"], mass = 3 }]
+stop = [
+    { name = "of a", nodes = { a = "a" }, value = "a.position.z", least = 0, restitution = 0.5 },
+    { name = "of b", nodes = { b = "b" }, value = "b.position.z", least = 0, restitution = "e" },
+    { name = "of c", nodes = { c = "c" }, value = "c.position.z", least = 0 },
+]
+functional = [
+    { name = "height", type = "formula", nodes = { b = "b" }, value = "b.position.z", over = "terminal" },
+    { name = "mean", type = "formula", nodes = { b = "b" }, value = "b.position.z * t + b.velocity.z", over = "integral" },
+    { name = "hit", type = "event_time", event = "of b", over = "terminal" },
+    { name = "rest", type = "formula", nodes = { c = "c" }, value = "c.position.z", over = "integral" },
+]
+"#;
+    let [g, h, e, end] = [10.0_f64, 0.8, 0.7, 0.6];
+    let (fall, speed) = ((2.0 * h / g).sqrt(), (2.0 * g * h).sqrt());
+    let behind = end - fall;
+    let by_fall = -e * speed + g * behind + e * g * behind;
+    let scene = parsed(text);
+    for table in moving_tables() {
+        let (forward, rows) = ran(&scene, &table, 30);
+        for (k, row) in rows.iter().enumerate() {
+            let others = if k < 3 { [0, 2] } else { [0, 1] };
+            others.iter().for_each(|&other| assert_near(row[other], 0.0, 1e-9, &format!("{}, {k} by {other}", table.name)));
+        }
+        let settings = AnyScene::settings(&scene).without_method();
+        let method = Method::new(table.clone(), settings.level);
+        let prepared = Prepared::with(&scene, &x_of(&scene), method, settings).expect("it is sound");
+        let by_steps = prepared.analysis().complex_step(&prepared.x, &forward).expect("it has one").rows;
+        for (own, other) in rows.iter().flatten().zip(by_steps.iter().flatten()) {
+            assert_near(*own, *other, 1e-10, &table.name);
+        }
+        if table.name == "esdirk4" {
+            assert_near(forward.values[0], e * speed * behind - 0.5 * g * behind * behind, 1e-13, "height");
+            assert_near(rows[0][1], by_fall / (g * fall), 1e-12, "height by b");
+            assert_near(rows[0][3], speed * behind, 1e-12, "height by e");
+            assert_near(forward.values[2], fall, 1e-14, "hit");
+            assert_near(rows[2][1], 1.0 / (g * fall), 1e-12, "hit by b");
+            // the integral of h - g t^2 / 2 up to the hit
+            assert_near(forward.values[3], h * fall - g * fall.powi(3) / 6.0, 1e-13, "rest");
+            assert_near(rows[3][2], fall, 1e-12, "rest by c");
+        }
+    }
+}
+
+/// A rod falls on both of its ends at once, and leaves with the speeds e1 v and e2 v there: its rate is v (e1 + e2) / 2 - g (T - t), its turn v (e1 - e2)
+/// by its length. A design that moves the ends apart has no derivative.
+#[test]
+fn hits_at_once_that_act_on_each_other_have_one_impact() {
+    let text = |more: &str, up: &str| {
+        format!(
+            r#"
+version = 1
+gravity = [0, 0, -10]
+settings = {{ end = 0.6, steps = 30 }}
+variable.h = {{ initial = 0.9, bounds = [0.1, 2], unit = "m" }}
+variable.first = {{ initial = 0.6, bounds = [0, 1] }}
+variable.second = {{ initial = 0.3, bounds = [0, 1] }}
+{more}
+body = [{{ name = "rod", position = [0, 0, "h"], mass = 1.5, inertia = [0.2, 0.2, 0.2] }}]
+shape = [
+    {{ name = "left", on = "rod", type = "sphere", centre = [-0.5, 0, "h"], radius = 0.1 }},
+    {{ name = "right", on = "rod", type = "sphere", centre = [0.5, 0, "{up}"], radius = 0.1 }},
+    {{ name = "floor", on = "ground", type = "plane", normal = [0, 0, 1] }},
+]
+contact = [
+    {{ name = "of left", between = ["left", "floor"], restitution = "first" }},
+    {{ name = "of right", between = ["right", "floor"], restitution = "second" }},
+]
+functional = [
+    {{ name = "rate", type = "formula", nodes = {{ rod = "rod" }}, value = "rod.velocity.z", over = "terminal" }},
+    {{ name = "turn", type = "formula", nodes = {{ rod = "rod" }}, value = "rod.angular_velocity.y", over = "terminal" }},
+]
+"#
+        )
+    };
+    let [g, h, first, second, end] = [10.0_f64, 0.8, 0.6, 0.3, 0.6];
+    let (fall, speed) = ((2.0 * h / g).sqrt(), (2.0 * g * h).sqrt());
+    let (forward, rows) = ran(&parsed(&text("", "h")), &table("esdirk4"), 30);
+    let (e, by_h) = (0.5 * (first + second), g / speed);
+    let exact = [
+        (e * speed - g * (end - fall), [e * by_h + by_h, 0.5 * speed, 0.5 * speed]),
+        ((first - second) * speed, [(first - second) * by_h, speed, -speed]),
+    ];
+    for ((value, rates), (own, row)) in exact.iter().zip(forward.values.iter().zip(&rows)) {
+        assert_near(*own, *value, 1e-12, "value");
+        rates.iter().zip(row).for_each(|(rate, own)| assert_near(*own, *rate, 1e-11, "derivative"));
+    }
+    let apart = parsed(&text("variable.up = { initial = 0, bounds = [-0.1, 0.1], unit = \"m\" }", "h + up"));
+    let prepared = Prepared::new(&apart).expect("it is sound");
+    let forward = prepared.analysis().forward(&prepared.x).expect("it runs");
+    for made in [prepared.analysis().adjoint(&prepared.x, &forward), prepared.analysis().complex_step(&prepared.x, &forward)]
+    {
+        let error = made.expect_err("ends come apart").to_string();
+        assert!(error.contains("the design moves them apart"), "{error}");
+    }
 }
