@@ -156,6 +156,7 @@ fn a_file_of_something_else_is_refused_in_words() {
 }
 
 /// A ball on which a force acts that is no parameter: its recorded formula alone shows it.
+#[derive(Hash)]
 struct Pushed(f64);
 
 impl Element for Pushed {

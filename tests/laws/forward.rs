@@ -33,6 +33,7 @@ const BAR: Bar = Bar {
 const FORCE: f64 = 2.0;
 
 /// A unit mass of one coordinate.
+#[derive(Hash)]
 struct Bead;
 
 impl Element for Bead {
@@ -45,6 +46,7 @@ impl Element for Bead {
 }
 
 /// It stays at 0.
+#[derive(Hash)]
 struct AtZero;
 
 impl Constraint for AtZero {

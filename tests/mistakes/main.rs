@@ -44,6 +44,7 @@ enum Mistake {
 struct Mistaken(Option<Mistake>);
 
 /// States a residual and no energies.
+#[derive(Hash)]
 pub struct Drag;
 impl Element for Drag {
     fn nodes(&self) -> Vec<NodeKind> {
@@ -344,6 +345,7 @@ fn a_step_that_is_too_large_says_where_newton_stopped() {
 }
 
 /// A bead whose formula takes the root of its place.
+#[derive(Hash)]
 struct Root {
     place: f64,
     /// Points beside it that nothing connects with it.
@@ -522,6 +524,7 @@ fn gradients_are_asked_for_by_one_flag_for_each_functional() {
 }
 
 /// The root of a coordinate: at zero its slope is that of a wall.
+#[derive(Hash)]
 struct RootOfPlace;
 
 impl Quantity for RootOfPlace {
@@ -570,6 +573,7 @@ fn a_functional_without_a_derivative_is_told() {
 }
 
 /// Looks for a coordinate that it does not have.
+#[derive(Hash)]
 struct OutOfRange;
 
 impl Element for OutOfRange {

@@ -11,6 +11,7 @@ use costate::scenes::{AnyScene, built_in};
 use costate::sensitivity::{Analysis, Forward};
 
 /// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
+#[derive(Hash)]
 struct Oscillator {
     jump: Option<f64>,
     ledge: Option<f64>,

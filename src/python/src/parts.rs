@@ -104,7 +104,7 @@ pub struct Part {
 }
 
 /// An element, joint or quantity of a scene, and the entry that makes it.
-#[derive(Clone)]
+#[derive(Clone, Hash)]
 pub struct Law(pub Arc<Part>);
 
 /// A text that stays.

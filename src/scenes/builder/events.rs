@@ -16,6 +16,7 @@ use crate::tolerances::CONSISTENT;
 use std::sync::Arc;
 
 /// States that do not change by themselves, dz/dt = 0.
+#[derive(Hash)]
 struct Kept(usize);
 
 impl Element for Kept {
@@ -55,6 +56,7 @@ pub enum StopLaw<S> {
 }
 
 /// A number that only events change.
+#[derive(Hash)]
 struct KeptValue(&'static str);
 
 impl Quantity for KeptValue {
@@ -70,6 +72,7 @@ impl Quantity for KeptValue {
 }
 
 /// Time at which an event happened for the k-th time, of how often it has and of that time; not a number before.
+#[derive(Hash)]
 struct EventTime(usize);
 
 impl Quantity for EventTime {
