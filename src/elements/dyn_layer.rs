@@ -463,10 +463,14 @@ impl ElementPhysics {
     /// dR/da a of (a, v, q, p, t): inertia forces alone, where R is linear in a.
     pub fn inertia(&self) -> &Arc<Formula> {
         self.0.inertia.get_or_init(|| {
-            self.residual().derived(|graph, x, outputs| {
-                let seeds: Vec<_> = x[..self.0.dofs].iter().map(|&a| (a, a)).collect();
-                graph.forward(outputs, &seeds)
-            })
+            let residual = self.residual();
+            let inertia = Formula::once(&("inertia", residual.digest()), || {
+                Ok(residual.derived(|graph, x, outputs| {
+                    let seeds: Vec<_> = x[..self.0.dofs].iter().map(|&a| (a, a)).collect();
+                    graph.forward(outputs, &seeds)
+                }))
+            });
+            inertia.unwrap_or_else(|why| unreachable!("what is derived of a residual is not refused: {why}"))
         })
     }
     /// Whether it has strains, whose stresses a search can relieve.

@@ -115,7 +115,7 @@ fn prepared<'s>(scene: &'s Bar, method: &str) -> Prepared<'s> {
     Prepared::with(scene, &[FORCE], Prepared::method_of(&settings).expect("listed"), settings).expect("a sound scene")
 }
 
-fn assert_says(error: &RunError, words: &[&str]) {
+pub fn assert_says(error: &RunError, words: &[&str]) {
     let text = error.to_string();
     assert!(words.iter().all(|word| text.contains(word)), "{text}");
 }

@@ -4,7 +4,7 @@ use costate::prelude::*;
 use std::sync::Arc;
 
 /// g, or h, is x_left - x_right of x = (v, q, p, t).
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Hash)]
 struct Difference {
     coordinates: usize,
     parameters: usize,
