@@ -20,7 +20,7 @@ impl Digest {
         digest
     }
 
-    /// That of something of a type, which tells it from all of other types.
+    /// That of something of a type, which tells it from all of other types; in this process alone.
     pub fn of_typed<T: Hash + 'static>(own: &T) -> Self {
         Self::of(&(TypeId::of::<T>(), own))
     }

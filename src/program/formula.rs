@@ -154,10 +154,14 @@ impl Formula {
     /// Those of `record`.
     pub fn once(origin: &impl Hash, record: impl FnOnce() -> Result<Arc<Formula>, String>) -> Result<Arc<Formula>, String> {
         let origin = Digest::of(origin);
-        let known = lock(&FORMULAS).by_origin.get(&origin).and_then(Weak::upgrade);
-        known.map_or_else(record, Ok).inspect(|own| {
-            lock(&FORMULAS).by_origin.insert(origin, Arc::downgrade(own));
-        })
+        if let Some(known) = lock(&FORMULAS).by_origin.get(&origin).and_then(Weak::upgrade) {
+            return Ok(known);
+        }
+        let formula = record()?;
+        let mut all = lock(&FORMULAS);
+        all.forget_unused();
+        all.by_origin.insert(origin, Arc::downgrade(&formula));
+        Ok(formula)
     }
 
     /// Records a formula of some arguments; the same formula of the same kinds of arguments again is the same one.
