@@ -4,6 +4,7 @@
 
 use costate::prelude::*;
 
+#[derive(Hash)]
 struct Duffing;
 impl Element for Duffing {
     const PARAMETERS: &'static [Parameter] =

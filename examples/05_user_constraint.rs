@@ -7,6 +7,7 @@
 use costate::elements::Constraint;
 use costate::prelude::*;
 
+#[derive(Hash)]
 struct ParabolicWire;
 impl Constraint for ParabolicWire {
     const EQUATIONS: usize = 2;

@@ -42,6 +42,7 @@ pub fn arm<S: Scalar>(angle: S, along: S, across: S) -> [S; 2] {
 }
 
 /// Inertia of the seven bodies, spring and torque; parameters: J1 to J7, c2, c4, c6, then those of the spring and the torque.
+#[derive(Hash)]
 pub struct SevenBodies;
 impl Element for SevenBodies {
     fn nodes(&self) -> Vec<NodeKind> {
@@ -72,6 +73,7 @@ impl Element for SevenBodies {
 }
 
 /// The chains over body 3, bodies 5 and 4, bodies 7 and 6 end at the pin of body 2; parameters: rr to yb.
+#[derive(Hash)]
 pub struct Closure;
 impl Constraint for Closure {
     const EQUATIONS: usize = 6;

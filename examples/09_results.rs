@@ -8,6 +8,7 @@ use costate::prelude::*;
 use std::f64::consts::TAU;
 
 /// A bump, smooth but for its curvature, which jumps at both ends.
+#[derive(Hash)]
 struct Bump;
 
 impl TimeFormula for Bump {

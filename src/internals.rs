@@ -32,6 +32,7 @@ pub use crate::linalg::{own_unknowns::OwnUnknowns, owners::Owners};
 #[cfg(feature = "files")]
 pub use crate::program::Replay;
 pub use crate::program::{
-    ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramWork, Reads, Recorded, lanes, making_time, record,
+    ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramWork, Reads, Recorded, formulas_made, lanes, making_time,
+    record,
 };
 pub use crate::scalar::{moving::Moving, rotation::tensor_times};

@@ -12,6 +12,7 @@
 //! use costate::testing::{Sample, check_element};
 //! use std::sync::Arc;
 //!
+//! #[derive(Hash)]
 //! struct Spring;
 //! impl Element for Spring {
 //!     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m3")];

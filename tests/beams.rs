@@ -494,6 +494,7 @@ fn a_run_writes_a_column_for_each_output_of_a_section() {
 }
 
 /// A flexible element of a user's own: V = EA L / 2 (|r_b - r_a| / L - 1)^2 of a cable between two points.
+#[derive(Hash)]
 struct Cable;
 
 const fn difference(component: usize) -> Interpolation {

@@ -101,6 +101,7 @@ fn one_and_many_threads_give_the_same_bits() {
 }
 
 /// A chain of masses on linear springs and dampers between the ends of the line, written by a user.
+#[derive(Hash)]
 struct Spring;
 
 impl Element for Spring {
@@ -115,6 +116,7 @@ impl Element for Spring {
     }
 }
 
+#[derive(Hash)]
 struct Mass;
 
 impl Element for Mass {

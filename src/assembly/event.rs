@@ -5,6 +5,7 @@ use crate::elements::split_arguments;
 use crate::program::ArgumentKind::{self, Coordinate, Multiplier, Parameter, Time, Velocity};
 use crate::program::{Formula, Reads, Recorded};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -169,21 +170,25 @@ impl Model {
         rows
     }
 
+    /// The formula of `origin`, which tells it from all others of as many arguments.
     fn record_instant(
         &self,
         nodes: &[NodeId],
         [multipliers, parameters]: [usize; 2],
+        origin: &impl Hash,
         formula: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<Arc<Formula>, String> {
         let (n, k, m) = (self.dof_count(nodes), multipliers, parameters);
-        Formula::record(kinds(n, k, m), |x| {
-            let [v, q, mu, p, t] = split_arguments(x, [n, n, k, m, 1]);
-            formula(EventArguments { v, q, mu, p, t: t[0] })
+        Formula::once(&(kinds(n, k, m), origin), || {
+            Formula::record(kinds(n, k, m), |x| {
+                let [v, q, mu, p, t] = split_arguments(x, [n, n, k, m, 1]);
+                formula(EventArguments { v, q, mu, p, t: t[0] })
+            })
         })
     }
 
     /// Adds an event whose number is a formula of some nodes, of the multipliers of some joints and of `parameters` numbers; its own side stands
-    /// behind these.
+    /// behind these. Its `origin` tells it from all other formulas.
     ///
     /// # Errors
     /// A formula that cannot be recorded.
@@ -193,11 +198,13 @@ impl Model {
         nodes: &[NodeId],
         joints: &[usize],
         parameters: usize,
+        origin: &impl Hash,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Result<&mut Event, String> {
         let multipliers: Vec<usize> = joints.iter().flat_map(|&joint| self.constraints[joint].equations.clone()).collect();
         let below = |all: EventArguments| vec![number(all).less(Recorded::default())];
-        let physics = self.record_instant(nodes, [multipliers.len(), parameters], below)?.with_side_of_result()?;
+        let own = self.record_instant(nodes, [multipliers.len(), parameters], origin, below)?;
+        let physics = Formula::once(&("with its side", own.digest()), || own.with_side_of_result())?;
         let places = self.add_parameters(parameters + 1);
         let condition = Attached { name: name.into(), nodes: nodes.into(), parameters: places, equations: 0..0, physics };
         let (directions, resets, opens, closes) = ([true; 2], Vec::new(), Vec::new(), Vec::new());
@@ -214,10 +221,11 @@ impl Model {
     pub(crate) fn add_limits(
         &mut self,
         sticking: usize,
+        origin: &impl Hash,
         limits: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<(), String> {
         let Attached { name, nodes, parameters, .. } = self.constraints[sticking].clone();
-        let physics = self.record_instant(&nodes, [0, parameters.len()], limits)?;
+        let physics = self.record_instant(&nodes, [0, parameters.len()], origin, limits)?;
         if physics.switches(Reads::Motion, false).is_some_and(|own| own.count() > 0) {
             return Err("its limits compare what moves: write them smooth, or let an [[event]] set a [[number]]".into());
         }
@@ -235,9 +243,10 @@ impl Model {
         nodes: &[NodeId],
         parameters: usize,
         targets: Vec<Target>,
+        origin: &impl Hash,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<(), String> {
-        let physics = self.record_instant(nodes, [0, parameters], values)?;
+        let physics = self.record_instant(nodes, [0, parameters], origin, values)?;
         let parameters = self.add_parameters(parameters);
         let name = self.events[event].condition.name.clone();
         let values = Attached { name, nodes: nodes.into(), parameters, equations: 0..0, physics };

@@ -230,6 +230,7 @@ mod tests {
     use costate::scenes::{MechanismBuilder, Scene, Settings};
 
     /// R = a + q: an oscillator without a place in space, and without energies.
+    #[derive(Hash)]
     struct Oscillator;
     impl Element for Oscillator {
         const PARAMETERS: &'static [Parameter] = &[];

@@ -57,7 +57,7 @@ pub(crate) fn turn_gradient(kind: NodeKind, q: &[f64], spin: &[f64], lambda: &[f
 }
 
 /// Where the rate of a state stands whose value stands in q.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum OfStates {
     /// In a, in a search for an equilibrium.
     InAcceleration,
@@ -66,7 +66,7 @@ pub(crate) enum OfStates {
 }
 
 /// An element at rest; the numbers of a spin are parameters behind its own where one of its nodes turns.
-#[derive(Clone)]
+#[derive(Clone, Hash)]
 pub(crate) struct AtRest {
     pub(super) own: ElementPhysics,
     /// Nodes that turn.

@@ -1,6 +1,7 @@
 use super::{Parameter, RecordedFunction, Table};
-use crate::program::{ArgumentKind, Recorded};
+use crate::program::{ArgumentKind, Digest, Recorded};
 use crate::scalar::{Curve, Interpolant, Scalar};
+use std::hash::Hash;
 use std::sync::Arc;
 
 /// What a spring or damper of one's own answers with: a force or moment f(s, ds/dt, t, p), or an energy f(s, p). It is recorded once, so that
@@ -13,6 +14,7 @@ use std::sync::Arc;
 /// use costate::elements::{Characteristic, ForceLaw};
 ///
 /// /// Dry friction, smoothed: F = F0 tanh(v / v0)
+/// #[derive(Hash)]
 /// struct Friction;
 /// impl ForceLaw for Friction {
 ///     fn parameters(&self) -> Vec<Parameter> {
@@ -31,7 +33,9 @@ use std::sync::Arc;
 /// assert!(m.finish().is_ok());
 /// # Ok::<(), String>(())
 /// ```
-pub trait ForceLaw: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait ForceLaw: Hash + Send + Sync + 'static {
     /// Its parameters; an empty unit is that of the law.
     fn parameters(&self) -> Vec<Parameter>;
     /// The value for s, its rate and the time \[s\]. It chooses by [`Scalar::select`] and its kin: one that looks at a value is refused.
@@ -39,7 +43,7 @@ pub trait ForceLaw: Send + Sync + 'static {
 }
 
 /// A [`ForceLaw`] that was recorded.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub struct Characteristic(RecordedFunction);
 
 impl ForceLaw for Table {
@@ -67,7 +71,14 @@ impl Characteristic {
     /// If it branches on a value.
     pub fn of<L: ForceLaw>(law: L) -> Result<Self, String> {
         let value = |x: &[Recorded], p: &[Recorded]| law.value([x[0], x[1], x[2]], p);
-        RecordedFunction::record("a characteristic", (ArgumentKind::Number, 3), law.parameters(), value).map(Characteristic)
+        RecordedFunction::record(
+            "a characteristic",
+            &Digest::of_typed(&law),
+            (ArgumentKind::Number, 3),
+            law.parameters(),
+            value,
+        )
+        .map(Characteristic)
     }
 
     /// A law by values at points of s that may depend on the design, and its parameters.

@@ -1,12 +1,15 @@
 use super::joints::Surfaces;
 use super::{NodeKind, Parameter};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 
 /// A holonomic constraint g(q, p, t) = 0: nothing but g is written.
 ///
 /// The reaction A^T mu with A = dg/dq, the velocity level dg/dt = 0, the acceleration level d2g/dt2 = 0, projections and
 /// all their derivatives are made of its recording.
-pub trait Constraint: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait Constraint: Hash + Send + Sync + 'static {
     /// Number of equations; the largest if [`equations`](Constraint::equations) chooses.
     const EQUATIONS: usize;
     /// Its physical numbers, in the order of `p`.

@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use num_dual::Derivative;
 use std::any::Any;
 use std::cell::RefCell;
+use std::hash::{Hash, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -154,6 +155,8 @@ pub(super) type Recording = Result<Arc<Formula>, String>;
 pub trait AnyElement: ElementFormulas + Send + Sync {
     /// Path of its type, for checks that no type is forgotten.
     fn type_name(&self) -> &'static str;
+    /// What its formulas are recorded of.
+    fn origin(&self) -> Digest;
     /// Itself, for quantities of elements of one type.
     fn as_any(&self) -> &dyn Any;
 }
@@ -162,13 +165,16 @@ impl<E: Element> AnyElement for E {
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
+    fn origin(&self) -> Digest {
+        Digest::of_typed(self)
+    }
     fn as_any(&self) -> &dyn Any {
         self
     }
 }
 
 /// A formula that is recorded of an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum ElementFormula {
     /// R(a, v, q, p, t).
     Residual,
@@ -323,6 +329,7 @@ pub struct ElementPhysics(Arc<ElementRecordings>);
 /// An element and what was recorded of it.
 struct ElementRecordings {
     own: Arc<dyn AnyElement>,
+    origin: Digest,
     /// As an equilibrium and small motions about it see it, if it is that.
     at_rest: Option<AtRest>,
     dofs: usize,
@@ -331,6 +338,12 @@ struct ElementRecordings {
     inertia: OnceLock<Arc<Formula>>,
     has_energies: OnceLock<bool>,
     conservative: OnceLock<bool>,
+}
+
+impl Hash for ElementPhysics {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.origin().hash(state);
+    }
 }
 
 /// The recording, which was checked before a run.
@@ -347,6 +360,7 @@ impl ElementPhysics {
     fn of(own: Arc<dyn AnyElement>, at_rest: Option<AtRest>, parameters: Vec<Parameter>) -> Self {
         ElementPhysics(Arc::new(ElementRecordings {
             dofs: dofs_of(&own.node_kinds()),
+            origin: Digest::of(&(own.origin(), &at_rest)),
             own,
             at_rest,
             parameters,
@@ -363,11 +377,18 @@ impl ElementPhysics {
     }
     /// A formula, recorded when it is first asked for: all have the sides of the residual's switches among their arguments.
     pub(super) fn recorded(&self, what: ElementFormula) -> &Recording {
-        self.0.formulas[what as usize].get_or_init(|| match &self.0.at_rest {
-            Some(own) => own.record(what),
-            None if what == ElementFormula::Residual => what.record(&*self.0.own)?.with_sides(),
-            None => what.record(&*self.0.own)?.with_sides_unread(self.sides()),
+        self.0.formulas[what as usize].get_or_init(|| {
+            Formula::once(&(self.origin(), what), || match &self.0.at_rest {
+                Some(own) => own.record(what),
+                None if what == ElementFormula::Residual => what.record(&*self.0.own)?.with_sides(),
+                None => what.record(&*self.0.own)?.with_sides_unread(self.sides()),
+            })
         })
+    }
+
+    /// What its formulas are recorded of.
+    pub(crate) fn origin(&self) -> Digest {
+        self.0.origin
     }
 
     /// Number of switches of its residual whose sides are told from outside, as numbers behind its parameters.
@@ -442,10 +463,14 @@ impl ElementPhysics {
     /// dR/da a of (a, v, q, p, t): inertia forces alone, where R is linear in a.
     pub fn inertia(&self) -> &Arc<Formula> {
         self.0.inertia.get_or_init(|| {
-            self.residual().derived(|graph, x, outputs| {
-                let seeds: Vec<_> = x[..self.0.dofs].iter().map(|&a| (a, a)).collect();
-                graph.forward(outputs, &seeds)
-            })
+            let residual = self.residual();
+            let inertia = Formula::once(&("inertia", residual.digest()), || {
+                Ok(residual.derived(|graph, x, outputs| {
+                    let seeds: Vec<_> = x[..self.0.dofs].iter().map(|&a| (a, a)).collect();
+                    graph.forward(outputs, &seeds)
+                }))
+            });
+            inertia.unwrap_or_else(|why| unreachable!("what is derived of a residual is not refused: {why}"))
         })
     }
     /// Whether it has strains, whose stresses a search can relieve.
@@ -538,6 +563,8 @@ pub trait AnyConstraint: Send + Sync {
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
+    /// What its formula is recorded of.
+    fn origin(&self) -> Digest;
     /// Kinds of its nodes.
     fn node_kinds(&self) -> Vec<NodeKind>;
     /// Number of equations.
@@ -590,6 +617,9 @@ fn record(constraint: &dyn AnyConstraint, has_friction: bool) -> Recording {
 }
 
 impl<C: Constraint> AnyConstraint for C {
+    fn origin(&self) -> Digest {
+        Digest::of_typed(self)
+    }
     fn node_kinds(&self) -> Vec<NodeKind> {
         self.nodes()
     }
@@ -616,6 +646,9 @@ impl<C: Constraint> AnyConstraint for C {
 }
 
 impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
+    fn origin(&self) -> Digest {
+        Digest::of_typed(self)
+    }
     fn node_kinds(&self) -> Vec<NodeKind> {
         self.0.nodes()
     }
@@ -726,7 +759,7 @@ impl ConstraintPhysics {
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
-        self.0.formula.get_or_init(|| record(&*self.0.own, self.0.has_friction)).as_ref().err().map(String::as_str)
+        self.recorded().as_ref().err().map(String::as_str)
     }
     /// What it does: its formula, or why it has none.
     pub(crate) fn law(&self) -> Digest {
@@ -734,7 +767,14 @@ impl ConstraintPhysics {
     }
     /// g or h of (v, q, p, t).
     pub fn formula(&self) -> &Arc<Formula> {
-        checked(self.0.formula.get_or_init(|| record(&*self.0.own, self.0.has_friction)))
+        checked(self.recorded())
+    }
+    fn recorded(&self) -> &Recording {
+        self.0.formula.get_or_init(|| Formula::once(&self.origin(), || record(&*self.0.own, self.0.has_friction)))
+    }
+    /// What its formula is recorded of.
+    pub(crate) fn origin(&self) -> Digest {
+        self.0.own.origin()
     }
 
     /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.

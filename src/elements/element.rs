@@ -2,6 +2,7 @@ use super::{NodeKind, Parameter};
 use crate::program::{Recorded, Stages};
 use crate::scalar::Scalar;
 use std::borrow::Cow;
+use std::hash::Hash;
 
 /// Accelerations, velocities and coordinates of an element's nodes, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +16,7 @@ pub struct State<'a, S> {
 }
 
 /// A number that histories tell of an element beside the motion of its nodes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Output {
     /// What it is, as `force`.
     pub name: Cow<'static, str>,
@@ -48,7 +49,10 @@ impl Output {
 ///
 /// Every list that a method writes to holds zeros before. Every physical number is a parameter in `p`; the element itself holds topology
 /// and options only. Choices that depend on numbers go through [`Scalar::select`] and its kin.
-pub trait Element: Send + Sync + 'static {
+///
+/// Its hash tells it from all of its type of which other formulas would be recorded: what is recorded of one counts for all that have its hash.
+/// `#[derive(Hash)]` takes in all fields; by hand, leave out nothing that a formula, a parameter or a node depends on.
+pub trait Element: Hash + Send + Sync + 'static {
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
 

@@ -4,6 +4,7 @@ use crate::program::{Recorded, Stages, along_motion, gradient_of, is_from_energi
 use crate::scalar::{Moving, Scalar};
 use smallvec::SmallVec;
 use std::borrow::Cow;
+use std::hash::Hash;
 use std::ops::Range;
 
 /// One interpolated number of a point: sum over the nodes of a constant weight times one of their numbers.
@@ -24,7 +25,9 @@ pub struct Interpolation {
 /// With a node map y = m(q, p) of each node by itself (a director from a rotation, say), y takes the place of q everywhere: h = W y, and the
 /// residual of the coordinates is (dy/dq)^T times that of y, which follows from energies and forces: none is written out then. What the points share is then differentiated towards y, and the map of each
 /// node by itself.
-pub trait Field: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait Field: Hash + Send + Sync + 'static {
     /// Number of nodes.
     const NODES: usize;
     /// Kind of all its nodes.
@@ -109,6 +112,7 @@ pub(super) const fn rows<const N: usize>(runs: &[(usize, usize, &'static [f64])]
 }
 
 /// The element that a [`Field`] makes.
+#[derive(Hash)]
 pub struct Flexible<F>(pub F);
 
 /// Numbers of one point: on the stack.

@@ -1,6 +1,7 @@
 use super::{AnyConstraint, NodeKind, Parameter, State};
-use crate::program::{Recorded, gradient_of};
+use crate::program::{Digest, Recorded, gradient_of};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 use std::sync::Arc;
 
 /// Coulomb friction in a joint or contact, by one or two velocities s at which its surfaces slip.
@@ -9,7 +10,9 @@ use std::sync::Arc;
 /// holds, with forces of at most the static limit. All derivatives are made of the recordings of these.
 ///
 /// Source: Glocker (2001), Set-Valued Force Laws, chapter 5.
-pub trait Friction: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait Friction: Hash + Send + Sync + 'static {
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
 
@@ -38,6 +41,8 @@ pub trait Friction: Send + Sync + 'static {
 pub trait AnyFriction: Send + Sync {
     /// Path of its type.
     fn type_name(&self) -> &'static str;
+    /// What its formulas are recorded of.
+    fn origin(&self) -> Digest;
     /// Kinds of its nodes.
     fn node_kinds(&self) -> Vec<NodeKind>;
     /// Its parameters.
@@ -53,6 +58,9 @@ pub trait AnyFriction: Send + Sync {
 }
 
 impl<F: Friction> AnyFriction for F {
+    fn origin(&self) -> Digest {
+        Digest::of_typed(self)
+    }
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
@@ -122,6 +130,9 @@ fn direction(s: &[Recorded], d: &[Recorded]) -> Vec<Recorded> {
 }
 
 impl AnyConstraint for Slipping {
+    fn origin(&self) -> Digest {
+        Digest::of(&("slipping", self.joint.origin(), self.friction.origin()))
+    }
     fn type_name(&self) -> &'static str {
         self.joint.type_name()
     }
@@ -165,6 +176,9 @@ impl AnyConstraint for Slipping {
 pub struct Sticking(pub Arc<dyn AnyFriction>);
 
 impl AnyConstraint for Sticking {
+    fn origin(&self) -> Digest {
+        Digest::of(&("sticking", self.0.origin()))
+    }
     fn type_name(&self) -> &'static str {
         self.0.type_name()
     }

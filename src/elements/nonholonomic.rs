@@ -1,11 +1,14 @@
 use super::{NodeKind, Parameter};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 
 /// A constraint on velocities, h(v, q, p, t) = B(q, p, t) v + b(q, p, t) = 0, that is no derivative of any g: rolling, blades, wheels.
 ///
 /// Nothing but h is written. The reaction B^T mu, the acceleration level dh/dt = 0, projections of velocities and all their
 /// derivatives are made of its recording. Coordinates are not restricted by it: their projection leaves it alone.
-pub trait NonholonomicConstraint: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait NonholonomicConstraint: Hash + Send + Sync + 'static {
     /// Number of equations.
     const EQUATIONS: usize;
     /// Its physical numbers, in the order of `p`.
@@ -22,4 +25,5 @@ pub trait NonholonomicConstraint: Send + Sync + 'static {
 }
 
 /// A [`NonholonomicConstraint`] among the constraints of a model.
+#[derive(Hash)]
 pub struct Nonholonomic<C>(pub C);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// A piece is found by one look-up and its numbers are gathered from the parameters, so that the effort does not grow with the number of
 /// knots. Parameters: the values y; for cubic pieces the slopes at the knots follow, as [`Table::numbers`] makes them of the values. A table
 /// whose values are always the same is a [`Curve`], which has no parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Table {
     interpolant: Interpolant,
     /// Number k of the piece from x_k to x_{k+1}, the first and the last one beyond the ends; of steps that of the value.

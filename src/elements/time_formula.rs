@@ -1,7 +1,8 @@
 use super::Parameter;
-use crate::program::{ArgumentKind, Formula, ProgramWork, Recorded};
+use crate::program::{ArgumentKind, Digest, Formula, ProgramWork, Recorded};
 use crate::scalar::Scalar;
 use std::fmt;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// A function of time of one's own, f(t, p), for loads and drivers: recorded once, so that all derivatives by t and p are exact.
@@ -10,6 +11,7 @@ use std::sync::Arc;
 /// use costate::prelude::*;
 ///
 /// /// A sine whose frequency grows: f = A sin(w t + r t^2 / 2)
+/// #[derive(Hash)]
 /// struct Chirp;
 /// impl TimeFormula for Chirp {
 ///     const PARAMETERS: &'static [Parameter] =
@@ -28,7 +30,9 @@ use std::sync::Arc;
 /// assert!(m.finish().is_ok());
 /// # Ok::<(), String>(())
 /// ```
-pub trait TimeFormula: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait TimeFormula: Hash + Send + Sync + 'static {
     /// Its parameters.
     const PARAMETERS: &'static [Parameter] = &[];
 
@@ -54,6 +58,12 @@ impl fmt::Debug for RecordedFunction {
     }
 }
 
+impl Hash for RecordedFunction {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.formula.digest().hash(state);
+    }
+}
+
 impl RecordedFunction {
     /// Records a function of time.
     ///
@@ -61,19 +71,28 @@ impl RecordedFunction {
     /// If it branches on a value.
     pub fn of<F: TimeFormula>(function: F) -> Result<Self, String> {
         let value = |t: &[Recorded], p: &[Recorded]| function.value(t[0], p);
-        Self::record("a function of time", (ArgumentKind::Time, 1), function.parameters(), value)
+        Self::record(
+            "a function of time",
+            &Digest::of_typed(&function),
+            (ArgumentKind::Time, 1),
+            function.parameters(),
+            value,
+        )
     }
 
     /// Records what messages call `what`, of so many arguments of a kind.
     pub(super) fn record(
         what: &str,
+        origin: &Digest,
         arguments: (ArgumentKind, usize),
         parameters: Vec<Parameter>,
         value: impl Fn(&[Recorded], &[Recorded]) -> Recorded,
     ) -> Result<Self, String> {
-        let formula = Formula::record([arguments, (ArgumentKind::Parameter, parameters.len())], |x| {
-            let (arguments, p) = x.split_at(arguments.1);
-            vec![value(arguments, p)]
+        let formula = Formula::once(&(origin, arguments), || {
+            Formula::record([arguments, (ArgumentKind::Parameter, parameters.len())], |x| {
+                let (arguments, p) = x.split_at(arguments.1);
+                vec![value(arguments, p)]
+            })
         });
         Ok(RecordedFunction { formula: formula.map_err(|why| format!("{what}: {why}"))?, parameters })
     }

@@ -4,6 +4,7 @@ use super::entries::{COLUMNS, FILE, Forms, INTERPOLATION, Key, VALUES, at_least,
 use super::{Parameter, RecordedFunction, Table, TimeFormula};
 use crate::program::{ArgumentKind, Formula, Reads};
 use crate::scalar::{Curve, Interpolant, Scalar};
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 const TIMES: Key = may("times", at_least(0, &Fixed("s", Any)), "times of the points, increasing; those of the file");
@@ -83,6 +84,20 @@ pub enum TimeFunction {
     Table(Table),
     /// One's own. Parameters: its own.
     Own(RecordedFunction),
+}
+
+impl Hash for TimeFunction {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        std::mem::discriminant(self).hash(state);
+        match self {
+            TimeFunction::Constant | TimeFunction::ConstantRate | TimeFunction::Sine | TimeFunction::SmoothRamp => {}
+            TimeFunction::Step { switch } => switch.to_bits().hash(state),
+            TimeFunction::SmoothStart(inner) => inner.hash(state),
+            TimeFunction::Curve(curve, _) => curve.hash(state),
+            TimeFunction::Table(table) => table.hash(state),
+            TimeFunction::Own(own) => own.hash(state),
+        }
+    }
 }
 
 impl TimeFunction {

@@ -4,8 +4,9 @@ use super::{AnyPointQuantity, PointParameters, PointValue};
 use crate::elements::flexible::shape::{AT_TYING_POINTS, TWO};
 use crate::elements::flexible::{Beam, BeamField, STRAINS, TYING_POINTS};
 use crate::elements::{ElementPhysics, Parameter, State, interpolate, paired};
-use crate::program::{Recorded, along_motion};
+use crate::program::{Digest, Recorded, along_motion};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 
 /// A number, or several, of the section forces at both ends of each element of the beams of a group: one formula, and
 /// nothing else. [`OfBeams`] makes it a quantity.
@@ -13,7 +14,9 @@ use crate::scalar::Scalar;
 /// Section forces are linear in an element, from those at its tying points: with the same section from end to end a
 /// norm of them is largest at an end. Each value stands for its share of the length: half of that of the element,
 /// divided by the number of values of the section.
-pub trait BeamQuantity: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait BeamQuantity: Hash + Send + Sync + 'static {
     /// What it is, in a message.
     const NAME: &'static str;
     /// Its physical numbers beside those of the beam, in the order of `own`.
@@ -26,6 +29,7 @@ pub trait BeamQuantity: Send + Sync + 'static {
 }
 
 /// A quantity of the beams of a group; other elements are skipped.
+#[derive(Hash)]
 pub struct OfBeams<Q>(pub Q);
 
 /// Section forces at both ends of an element.
@@ -56,16 +60,21 @@ impl<Q: BeamQuantity> AnyPointQuantity for OfBeams<Q> {
     }
     fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
         let beam = element.downcast::<Beam>()?.0;
-        Some(record_points(element, self.0.parameters().len(), |s, PointParameters { element: p, own }, _| {
-            // two Gauss points of weight 1
-            let half_length = (p[0] + p[beam.tying_parameters()]) * 0.5;
-            let ends = end_forces(beam, s, p).into_iter().enumerate();
-            let values = ends.map(|(end, forces)| self.0.in_section(end, forces, own));
-            let weighted = values.flat_map(|values| {
-                let weight = half_length / values.len() as f64;
-                values.into_iter().map(move |value| PointValue { value, weight })
-            });
-            weighted.collect()
-        }))
+        Some(record_points(
+            Digest::of_typed(self),
+            element,
+            self.0.parameters().len(),
+            |s, PointParameters { element: p, own }, _| {
+                // two Gauss points of weight 1
+                let half_length = (p[0] + p[beam.tying_parameters()]) * 0.5;
+                let ends = end_forces(beam, s, p).into_iter().enumerate();
+                let values = ends.map(|(end, forces)| self.0.in_section(end, forces, own));
+                let weighted = values.flat_map(|values| {
+                    let weight = half_length / values.len() as f64;
+                    values.into_iter().map(move |value| PointValue { value, weight })
+                });
+                weighted.collect()
+            },
+        ))
     }
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Which load of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LoadKind {
     /// d . F \[N\].
     Force,
@@ -84,11 +84,13 @@ impl JointLoad {
             let (n, count, m) = (joint.dof_count(), joint.equation_count(), joint.parameter_count());
             let own = (MeasureParameter, Self::PARAMETERS);
             let of_joint = [(Velocity, n), (Coordinate, n), (Multiplier, count), (OfPart, m), own, (Time, 1)];
-            let formula = Formula::record(of_joint, |x| {
-                let [v, q, mu, joint_p, p, t] = split_arguments(x, [n, n, count, m, Self::PARAMETERS, 1]);
-                let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0], self.is_power());
-                let [v, q, reaction] = [v, q, &reaction].map(|own| &own[self.node.clone()]);
-                vec![self.value([v, q], reaction, p)]
+            let formula = Formula::once(&(joint.origin(), self.kind, self.frame, &self.node, self.on), || {
+                Formula::record(of_joint, |x| {
+                    let [v, q, mu, joint_p, p, t] = split_arguments(x, [n, n, count, m, Self::PARAMETERS, 1]);
+                    let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0], self.is_power());
+                    let [v, q, reaction] = [v, q, &reaction].map(|own| &own[self.node.clone()]);
+                    vec![self.value([v, q], reaction, p)]
+                })
             });
             (joint.law(), formula.expect("a load chooses nothing by values"))
         })

@@ -1,13 +1,16 @@
 use super::measured_group::{Argument, GroupFormula};
 use crate::elements::{Element, ElementPhysics, Parameter, State, split_arguments};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Time, Velocity};
-use crate::program::{Formula, Recorded};
+use crate::program::{Digest, Formula, Recorded};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 
 /// A number at several points of each element of a group, as a stress: one formula, and nothing else.
 ///
 /// It is written for elements of one type; a group may hold others, which are skipped.
-pub trait PointQuantity: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait PointQuantity: Hash + Send + Sync + 'static {
     /// The elements that have it.
     type Element: Element;
     /// What it is, in a message: "the bending moment of a plate".
@@ -67,26 +70,30 @@ impl<Q: PointQuantity> AnyPointQuantity for Q {
     }
     fn record(&self, physics: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
         let element = physics.downcast::<Q::Element>().filter(|element| self.is_of(element))?;
-        Some(record_points(physics, self.parameters().len(), |s, p, t| self.at_points(element, s, p, t)))
+        Some(record_points(Digest::of_typed(self), physics, self.parameters().len(), |s, p, t| {
+            self.at_points(element, s, p, t)
+        }))
     }
 }
 
 /// The formula of a quantity with some parameters of its own, in the elements of a type.
 pub(super) fn record_points(
+    origin: Digest,
     physics: &ElementPhysics,
     own: usize,
     at_points: impl Fn(State<Recorded>, PointParameters<Recorded>, Recorded) -> Vec<PointValue<Recorded>>,
 ) -> Result<GroupFormula, String> {
     let (n, m) = (physics.dof_count(), physics.parameter_count());
-    let mut points = 0;
     let state = [Acceleration, Velocity, Coordinate].map(|kind| (kind, n));
     let rest = [(OfPart, m), (MeasureParameter, own), (Time, 1)];
-    let formula = Formula::record([state, rest].concat(), |x| {
-        let [a, v, q, element, own, t] = split_arguments(x, [n, n, n, m, own, 1]);
-        let all = at_points(State { a, v, q }, PointParameters { element, own }, t[0]);
-        points = all.len();
-        all.iter().map(|point| point.value).chain(all.iter().map(|point| point.weight)).collect()
+    let formula = Formula::once(&(origin, physics.origin()), || {
+        Formula::record([state, rest].concat(), |x| {
+            let [a, v, q, element, own, t] = split_arguments(x, [n, n, n, m, own, 1]);
+            let all = at_points(State { a, v, q }, PointParameters { element, own }, t[0]);
+            all.iter().map(|point| point.value).chain(all.iter().map(|point| point.weight)).collect()
+        })
     })?;
+    let points = formula.outputs.len() / 2;
     let arguments = (0..n)
         .map(Argument::A)
         .chain((0..n).map(Argument::V))

@@ -1,14 +1,17 @@
 use crate::elements::entries::{Entry, Erase, Part};
 use crate::elements::{OfStates, Parameter, State, paired, split_arguments};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
-use crate::program::{Formula, Recorded, along_motion};
+use crate::program::{Digest, Formula, Recorded, along_motion};
 use crate::scalar::Scalar;
+use std::hash::Hash;
 use std::sync::{Arc, OnceLock};
 
 /// A number at one time, from the states of some nodes and the multipliers of some constraints: one formula, and nothing else.
 ///
 /// Give [`value`](Quantity::value), or numbers e(q, p, t) whose rates along the motion it needs, and the value as a function of these.
-pub trait Quantity: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait Quantity: Hash + Send + Sync + 'static {
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
 
@@ -38,6 +41,8 @@ pub trait Quantity: Send + Sync + 'static {
 
 /// A quantity with its type erased; every [`Quantity`] is one.
 pub trait AnyQuantity: Send + Sync {
+    /// What its formula is recorded of.
+    fn origin(&self) -> Digest;
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Its unit.
@@ -49,6 +54,9 @@ pub trait AnyQuantity: Send + Sync {
 }
 
 impl<Q: Quantity> AnyQuantity for Q {
+    fn origin(&self) -> Digest {
+        Digest::of_typed(self)
+    }
     fn dof_count(&self) -> usize {
         self.dofs()
     }
@@ -120,7 +128,7 @@ impl MeasuredQuantity {
         MeasuredQuantity { states, formula: OnceLock::new(), ..self }
     }
     fn recorded(&self) -> &Result<Arc<Formula>, String> {
-        self.formula.get_or_init(|| {
+        let record = || {
             let formula = self.own.record(self.multipliers)?;
             let formula = if self.has_sides { formula.with_sides()? } else { formula };
             if self.states.is_empty() {
@@ -131,7 +139,9 @@ impl MeasuredQuantity {
                 self.states.iter().for_each(|&dof| OfStates::InVelocity.in_motion(&mut all, self.dof_count(), dof));
                 all
             })
-        })
+        };
+        let origin = || (self.own.origin(), self.multipliers, self.has_sides, &self.states);
+        self.formula.get_or_init(|| Formula::once(&origin(), record))
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {

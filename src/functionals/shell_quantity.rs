@@ -4,10 +4,14 @@ use super::{AnyPointQuantity, PointParameters, PointValue};
 use crate::elements::flexible::faces::{Quad4, Quad9, Triangle6};
 use crate::elements::flexible::{Shell, ShellKind};
 use crate::elements::{ElementPhysics, Parameter, State};
+use crate::program::Digest;
 use crate::scalar::Scalar;
+use std::hash::Hash;
 
 /// A number at several points of each shell of a group, whatever its face: one formula, and nothing else. [`OfShells`] makes it a quantity.
-pub trait ShellQuantity: Send + Sync + 'static {
+///
+/// Its hash tells what is recorded of it, as that of an [`Element`](crate::elements::Element).
+pub trait ShellQuantity: Hash + Send + Sync + 'static {
     /// What it is, in a message.
     const NAME: &'static str;
     /// Its physical numbers beside those of the shell, in the order of `p.own`.
@@ -26,6 +30,7 @@ pub trait ShellQuantity: Send + Sync + 'static {
 }
 
 /// A quantity of the shells of a group; other elements are skipped.
+#[derive(Hash)]
 pub struct OfShells<Q>(pub Q);
 
 /// What tells a shell from others.
@@ -45,6 +50,8 @@ impl<Q: ShellQuantity> AnyPointQuantity for OfShells<Q> {
     }
     fn record(&self, element: &ElementPhysics) -> Option<Result<GroupFormula, String>> {
         let shell = shell_kind(element).filter(|shell| self.0.is_of(*shell))?;
-        Some(record_points(element, self.0.parameters().len(), |s, p, t| self.0.at_points(shell, s, p, t)))
+        Some(record_points(Digest::of_typed(self), element, self.0.parameters().len(), |s, p, t| {
+            self.0.at_points(shell, s, p, t)
+        }))
     }
 }

@@ -1,3 +1,4 @@
+use std::any::TypeId;
 use std::hash::{Hash, Hasher};
 
 /// 128 bits that follow from all that was added, in its order: unlike things have unlike ones but for a chance of 1e-38 or so. The same in
@@ -17,6 +18,11 @@ impl Digest {
         let mut digest = Self::default();
         own.hash(&mut digest);
         digest
+    }
+
+    /// That of something of a type, which tells it from all of other types; in this process alone.
+    pub fn of_typed<T: Hash + 'static>(own: &T) -> Self {
+        Self::of(&(TypeId::of::<T>(), own))
     }
 
     /// Both halves take a word in, by the steps of MurmurHash3 (x64, 128 bits; Appleby, in the public domain).

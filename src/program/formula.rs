@@ -9,11 +9,18 @@ use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 use std::cell::Cell;
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
 
 thread_local! {
     static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
+    static MADE: Cell<usize> = const { Cell::new(0) };
+}
+
+/// How many formulas this thread has recorded or derived from others so far, of those that are known by what was recorded none.
+pub fn formulas_made() -> usize {
+    MADE.get()
 }
 
 /// Whether a panic of this thread comes from a formula that is recorded, and becomes an error.
@@ -112,6 +119,8 @@ struct Listed {
 #[derive(Default)]
 struct Formulas {
     known: HashMap<Digest, Listed>,
+    /// Those that are known by what was recorded, too.
+    by_origin: HashMap<Digest, Weak<Formula>>,
     /// Count at which those are forgotten that no model uses.
     full: usize,
 }
@@ -119,9 +128,10 @@ struct Formulas {
 impl Formulas {
     /// Makes room: a process may build model after model, each with formulas of its own.
     fn forget_unused(&mut self) {
-        if self.known.len() >= self.full.max(KEPT) {
+        if self.known.len().max(self.by_origin.len()) >= self.full.max(KEPT) {
             self.known.retain(|_, own| own.formula.strong_count() > usize::from(own.kept.is_some()));
-            self.full = 2 * self.known.len();
+            self.by_origin.retain(|_, own| own.strong_count() > 0);
+            self.full = 2 * self.known.len().max(self.by_origin.len());
         }
     }
 }
@@ -137,6 +147,23 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Formula {
+    /// The formula of something that was recorded before, or what `record` makes of it: `origin` tells it from all else of which another formula
+    /// would be recorded.
+    ///
+    /// # Errors
+    /// Those of `record`.
+    pub fn once(origin: &impl Hash, record: impl FnOnce() -> Result<Arc<Formula>, String>) -> Result<Arc<Formula>, String> {
+        let origin = Digest::of(origin);
+        if let Some(known) = lock(&FORMULAS).by_origin.get(&origin).and_then(Weak::upgrade) {
+            return Ok(known);
+        }
+        let formula = record()?;
+        let mut all = lock(&FORMULAS);
+        all.forget_unused();
+        all.by_origin.insert(origin, Arc::downgrade(&formula));
+        Ok(formula)
+    }
+
     /// Records a formula of some arguments; the same formula of the same kinds of arguments again is the same one.
     ///
     /// # Errors
@@ -187,6 +214,7 @@ impl Formula {
     }
 
     fn shared(arguments: Arguments, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
+        MADE.set(MADE.get() + 1);
         let digest = Digest::of(&(&arguments, &outputs, &stages, &graph));
         let mut all = lock(&FORMULAS);
         if let Some(formula) = all.known.get(&digest).and_then(|own| own.formula.upgrade()) {

@@ -32,8 +32,7 @@ mod undefined;
 
 pub use arguments::ArgumentKind;
 pub use digest::Digest;
-pub use formula::panic_is_caught;
-pub use formula::{Codes, Formula, ProgramCache, ProgramKey, Stages};
+pub use formula::{Codes, Formula, ProgramCache, ProgramKey, Stages, formulas_made, panic_is_caught};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
 pub use native::refuses_machine_code;

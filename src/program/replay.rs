@@ -4,7 +4,7 @@ use super::recorded::{Recorded, Recording, record};
 use crate::scalar::Scalar;
 
 /// A formula that was recorded once, to be done again for other numbers of any type, inside of other recordings too.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub struct Replay {
     graph: Graph,
     results: Vec<Node>,

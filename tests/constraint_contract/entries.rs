@@ -162,6 +162,7 @@ fn every_quantity_has_the_derivatives_of_its_formula() {
 }
 
 /// A joint of one's own: one distance from a plane of a, as an offset says.
+#[derive(Hash)]
 struct Shelf {
     a: NodeKind,
     b: NodeKind,

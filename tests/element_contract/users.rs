@@ -6,6 +6,7 @@ use costate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
 /// m a + c v + k q + k3 q^3 = load sin(omega t), written out.
+#[derive(Hash)]
 struct Duffing;
 
 impl Element for Duffing {
@@ -27,6 +28,7 @@ impl Element for Duffing {
 }
 
 /// A bead on the parabola y = c x^2 under its weight: T = m (1 + 4 c^2 x^2) v^2 / 2.
+#[derive(Hash)]
 struct Bead;
 
 impl Element for Bead {
@@ -45,6 +47,7 @@ impl Element for Bead {
 }
 
 /// The same bead, its residual written beside its energies.
+#[derive(Hash)]
 struct WrittenBead;
 
 impl Element for WrittenBead {
@@ -66,6 +69,7 @@ impl Element for WrittenBead {
 }
 
 /// A ball above a floor that pushes where it is touched, and whose damper acts there alone; friction follows the sign of the velocity.
+#[derive(Hash)]
 struct Floor;
 
 impl Element for Floor {
@@ -89,6 +93,7 @@ impl Element for Floor {
 }
 
 /// Two point masses on a strain that is written with its energy and damper.
+#[derive(Hash)]
 struct Bar;
 
 impl Element for Bar {
@@ -122,6 +127,7 @@ impl Element for Bar {
 }
 
 /// A cable of two elements' length with curvature-free strains at two points.
+#[derive(Hash)]
 struct Cable;
 
 const fn row(component: usize, weights: &'static [f64]) -> Interpolation {

@@ -161,6 +161,7 @@ fn masses_and_moments_of_inertia_of_parts_add_up_and_meet_closed_forms() {
 }
 
 /// The largest principal strain of a shell's reference surface: what a user may write.
+#[derive(Hash)]
 struct PrincipalStrain;
 
 impl ShellQuantity for PrincipalStrain {
@@ -178,6 +179,7 @@ impl ShellQuantity for PrincipalStrain {
 }
 
 /// A quantity that looks at a value.
+#[derive(Hash)]
 struct Branching;
 
 impl PointQuantity for Branching {
@@ -460,6 +462,7 @@ fn an_energy_of_one_model_is_not_taken_for_that_of_another() {
 }
 
 /// Coordinates with a mass: one alone and then two, or two and then one.
+#[derive(Hash)]
 struct Ballast {
     one_first: bool,
 }

@@ -7,6 +7,7 @@ use costate::internals::{FileHistory, table_named};
 use costate::prelude::*;
 use costate::sensitivity::Forward;
 use std::fs;
+use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 /// All that a run gives, bit by bit.
@@ -157,6 +158,12 @@ fn a_file_of_something_else_is_refused_in_words() {
 
 /// A ball on which a force acts that is no parameter: its recorded formula alone shows it.
 struct Pushed(f64);
+
+impl Hash for Pushed {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.to_bits().hash(state);
+    }
+}
 
 impl Element for Pushed {
     const PARAMETERS: &'static [Parameter] = &[];

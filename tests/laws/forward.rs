@@ -33,6 +33,7 @@ const BAR: Bar = Bar {
 const FORCE: f64 = 2.0;
 
 /// A unit mass of one coordinate.
+#[derive(Hash)]
 struct Bead;
 
 impl Element for Bead {
@@ -45,6 +46,7 @@ impl Element for Bead {
 }
 
 /// It stays at 0.
+#[derive(Hash)]
 struct AtZero;
 
 impl Constraint for AtZero {
@@ -113,7 +115,7 @@ fn prepared<'s>(scene: &'s Bar, method: &str) -> Prepared<'s> {
     Prepared::with(scene, &[FORCE], Prepared::method_of(&settings).expect("listed"), settings).expect("a sound scene")
 }
 
-fn assert_says(error: &RunError, words: &[&str]) {
+pub fn assert_says(error: &RunError, words: &[&str]) {
     let text = error.to_string();
     assert!(words.iter().all(|word| text.contains(word)), "{text}");
 }

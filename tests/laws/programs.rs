@@ -4,7 +4,7 @@ use costate::prelude::*;
 use std::sync::Arc;
 
 /// g, or h, is x_left - x_right of x = (v, q, p, t).
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Hash)]
 struct Difference {
     coordinates: usize,
     parameters: usize,
@@ -23,6 +23,7 @@ impl Difference {
 }
 
 /// On coordinates.
+#[derive(Hash)]
 struct Holonomic(Difference);
 
 impl Constraint for Holonomic {
@@ -39,6 +40,7 @@ impl Constraint for Holonomic {
 }
 
 /// On velocities.
+#[derive(Hash)]
 struct OfRates(Difference);
 
 impl NonholonomicConstraint for OfRates {
@@ -55,6 +57,7 @@ impl NonholonomicConstraint for OfRates {
 }
 
 /// Unit masses on all coordinates, with a force on each that is its number, counted from 1.
+#[derive(Hash)]
 struct Pushed(usize);
 
 impl Element for Pushed {

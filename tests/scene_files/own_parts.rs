@@ -10,6 +10,7 @@ use costate::scenes::{FileScene, Prepared, file};
 use costate::testing::check_quantity;
 
 /// A bead b on a parabolic wire of body a through the bead's start: z = k (x^2 - x0^2) / 2 in the frame of a, y as it stands.
+#[derive(Hash)]
 struct Wire {
     a: NodeKind,
 }
@@ -46,6 +47,7 @@ impl Entry for Wire {
 }
 
 /// A spring between points that hardens: V = k1 s^2 / 2 + k3 s^4 / 4 with s = x_b - x_a along the world's x.
+#[derive(Hash)]
 struct Hardening;
 
 impl Element for Hardening {
@@ -88,6 +90,7 @@ impl Entry for Hardening {
 }
 
 /// The force in it.
+#[derive(Hash)]
 struct HardeningForce;
 
 impl Quantity for HardeningForce {

@@ -13,6 +13,7 @@ const STIFFNESS: f64 = 100.0;
 const DAMPING: f64 = 0.7;
 
 /// y'' of a body.
+#[derive(Hash)]
 struct AccelerationAlongY;
 
 impl Quantity for AccelerationAlongY {

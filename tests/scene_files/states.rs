@@ -144,6 +144,7 @@ fn other_methods_take_it_too() {
 /// The same in Rust.
 struct Twin;
 
+#[derive(Hash)]
 struct Control;
 impl Element for Control {
     fn nodes(&self) -> Vec<NodeKind> {
@@ -159,6 +160,7 @@ impl Element for Control {
     }
 }
 
+#[derive(Hash)]
 struct Actuator;
 impl Element for Actuator {
     fn nodes(&self) -> Vec<NodeKind> {
@@ -169,6 +171,7 @@ impl Element for Actuator {
     }
 }
 
+#[derive(Hash)]
 struct Thrust;
 impl Quantity for Thrust {
     fn dofs(&self) -> usize {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use TimeFunction::SmoothStart;
 
 /// A function of somebody's own: A sin(w t + r t^2 / 2).
+#[derive(Hash)]
 struct Chirp;
 
 impl TimeFormula for Chirp {

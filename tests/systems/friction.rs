@@ -11,6 +11,7 @@ pub fn assert_near(own: f64, exact: f64, limit: f64, what: &str) {
 }
 
 /// A mass with its weight, in a plane.
+#[derive(Hash)]
 struct Weight;
 
 impl Element for Weight {
@@ -25,6 +26,7 @@ impl Element for Weight {
 }
 
 /// A circle about the origin.
+#[derive(Hash)]
 struct Circle;
 
 impl Constraint for Circle {
@@ -40,6 +42,7 @@ impl Constraint for Circle {
 }
 
 /// What slides along it is pressed by its force.
+#[derive(Hash)]
 struct AlongCircle;
 
 impl Friction for AlongCircle {
@@ -660,6 +663,7 @@ functional = [{ name = "rate", type = "joint_rate", between = ["ground", "lever"
 /// A load that is no force, and limits that bend, have no impacts.
 #[test]
 fn a_friction_that_impacts_cannot_use_is_told() {
+    #[derive(Hash)]
     struct Odd(bool);
     impl Friction for Odd {
         fn nodes(&self) -> Vec<NodeKind> {

@@ -5,6 +5,7 @@ use costate::prelude::*;
 use costate::scenes::built_in;
 
 /// f = A sin(w t + r t^2 / 2).
+#[derive(Hash)]
 struct Chirp;
 impl TimeFormula for Chirp {
     const PARAMETERS: &'static [Parameter] =
@@ -15,6 +16,7 @@ impl TimeFormula for Chirp {
 }
 
 /// Whose curvature alone jumps at a breakpoint: (t - 0.5)^2 from there on.
+#[derive(Hash)]
 struct Start;
 impl TimeFormula for Start {
     fn value<S: Scalar>(&self, t: S, _p: &[S]) -> S {
@@ -24,6 +26,7 @@ impl TimeFormula for Start {
 }
 
 /// Which looks at a value.
+#[derive(Hash)]
 struct Branching;
 impl TimeFormula for Branching {
     fn value<S: Scalar>(&self, t: S, _p: &[S]) -> S {

@@ -82,6 +82,7 @@ impl Scene for Truss {
 }
 
 /// Acceleration of a point along z.
+#[derive(Hash)]
 struct Acceleration;
 impl Quantity for Acceleration {
     fn dofs(&self) -> usize {

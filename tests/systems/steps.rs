@@ -9,12 +9,20 @@ use costate::internals::{QuadratureWeights, march, table_named};
 use costate::prelude::*;
 use costate::scenes::{AnyScene, built_in};
 use costate::sensitivity::{Analysis, Forward};
+use std::hash::{Hash, Hasher};
 
 /// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
 struct Oscillator {
     jump: Option<f64>,
     ledge: Option<f64>,
     wall: f64,
+}
+
+impl Hash for Oscillator {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Oscillator { jump, ledge, wall } = self;
+        [*jump, *ledge, Some(*wall)].map(|own| own.map(f64::to_bits)).hash(state);
+    }
 }
 
 impl Element for Oscillator {

@@ -7,7 +7,7 @@ use costate::scenes::built_in;
 use std::sync::Arc;
 
 /// m a + f(q) = 0 with one of several laws f.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 enum Law {
     Wrapped,
     Sign,
@@ -223,7 +223,7 @@ fn a_scene_that_goes_through_the_value_of_a_variable_has_no_gradient() {
 }
 
 /// What is measured of a mass: one at a place beyond 0 and zero before it, the size of the place, or its square.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 enum Seen {
     Beyond,
     Size,

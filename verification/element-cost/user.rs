@@ -16,6 +16,7 @@ const STIFFNESS: usize = 13;
 /// Geometrically exact beam of three nodes with a symmetric section of six stiffnesses.
 ///
 /// gamma = Lambda^T R^T dr/dS - (1, 0, 0),   kappa = Lambda^T 2 G(e) de/dS / |e|^2
+#[derive(Hash)]
 pub struct UserBeam;
 
 impl UserBeam {
@@ -70,6 +71,7 @@ impl Field for UserBeam {
 }
 
 /// A hinge between two bodies: g = (x_b - x_a, u_a . n_b, w_a . n_b).
+#[derive(Hash)]
 pub struct UserRevolute;
 
 impl Constraint for UserRevolute {

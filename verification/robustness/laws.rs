@@ -65,7 +65,7 @@ fn moving() -> impl Iterator<Item = costate::integrators::Table> {
 }
 
 /// A force on one coordinate whose laws have the same numbers.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Hash)]
 struct Force1(usize);
 
 impl Element for Force1 {

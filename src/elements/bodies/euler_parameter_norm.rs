@@ -4,6 +4,7 @@ use crate::scalar::{Quaternion, Scalar};
 /// Unit length of a body node's Euler parameters: g = (e . e - 1) / 2 [-].
 ///
 /// It belongs to one node and is eliminated there: 6 unknowns per rigid body reach the system matrix.
+#[derive(Hash)]
 pub struct EulerParameterNorm;
 
 impl Constraint for EulerParameterNorm {

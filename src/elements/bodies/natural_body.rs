@@ -15,6 +15,7 @@ use crate::scalar::Scalar;
 /// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
 ///
 /// Source: Ebrahimi et al., eqs. (39), (60), (61).
+#[derive(Hash)]
 pub struct NaturalBody;
 
 impl NaturalBody {

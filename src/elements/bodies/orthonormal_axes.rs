@@ -7,6 +7,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// They belong to one node and are eliminated there: of 12 coordinates and 6 equations, 6 unknowns reach the system matrix.
 ///
 /// Source: Ebrahimi et al., eq. (38).
+#[derive(Hash)]
 pub struct OrthonormalAxes;
 
 impl Constraint for OrthonormalAxes {

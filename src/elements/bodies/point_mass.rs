@@ -4,6 +4,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// A mass at a point node: R = m a \[N\], T = m v . v / 2.
 ///
 /// * `mass`  m \[kg\], greater than 0
+#[derive(Hash)]
 pub struct PointMass;
 
 impl Element for PointMass {

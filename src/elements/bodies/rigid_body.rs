@@ -13,6 +13,7 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 /// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
 ///
 /// Source: Shabana (2013), Dynamics of Multibody Systems, section 3.
+#[derive(Hash)]
 pub struct RigidBody;
 
 /// Mass, mass centre and inertia: the parameters of every rigid body.

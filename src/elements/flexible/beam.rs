@@ -28,7 +28,7 @@ use std::ops::Range;
 /// each for its share of the length.
 ///
 /// Source: Simo & Vu-Quoc (1986); Boopathy & Kennedy, section 3, with Euler parameters interpolated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BeamField {
     /// C has entries off its diagonal.
     pub coupled: bool,

@@ -9,6 +9,7 @@ use std::ops::Range;
 /// * `mass`  m \[kg\]
 /// * `first moment x, y, z`  s in the frame of the nodes [kg m]; ignored unless [`eccentric`](BeamGravityField::eccentric)
 /// * `gravity x, y, z`  g [m/s2]
+#[derive(Hash)]
 pub struct BeamGravityField {
     /// The mass centre of the sections lies beside the reference line.
     pub eccentric: bool,

@@ -30,7 +30,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `damping`  eta \[s\], with [`damped`](Cable::damped)
 ///
 /// Source: Ebrahimi et al., eqs. (28) to (32), (35), (58); Gerstmayr & Shabana (2006).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Cable {
     /// With damping proportional to stiffness.
     pub damped: bool,

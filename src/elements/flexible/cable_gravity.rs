@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 /// * `gravity x, y, z`  g [m/s2]
 ///
 /// Source: Ebrahimi et al., eq. (35).
+#[derive(Hash)]
 pub struct CableGravity;
 
 /// Weights of (r_1, r_1x, r_2, r_2x) in the integral of r.

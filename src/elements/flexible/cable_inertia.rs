@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 /// * `mass`  m, for each length [kg/m], greater than 0
 ///
 /// Source: Ebrahimi et al., eqs. (30), (58).
+#[derive(Hash)]
 pub struct CableInertia;
 
 /// 420 times the integrals of products of the Hermite functions; each slope brings a factor l.

@@ -5,7 +5,7 @@ use crate::elements::entries::Given;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Which strains a cable's energy is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CableStrain {
     /// Green's axial strain and the exact curvature.
     #[default]

@@ -11,6 +11,7 @@ use std::ops::Range;
 /// * `length`  its share of the reference length \[m\]
 /// * `direction x, y, z`  d, in the world or, for a follower load, in the frame of the nodes, turning with the sections [-]
 /// * parameters of f(t) [N/m]
+#[derive(Hash)]
 pub struct DistributedLoadField {
     /// Dead or follower load.
     pub frame: LoadFrame,

@@ -52,7 +52,7 @@ use std::ops::Range;
 ///
 /// Source: that of the face; Boopathy & Kennedy, section 3, for directors from rotations in multibody systems; Hughes & Brezzi (1989) for
 /// the penalty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ShellField<F = Quad9> {
     /// Its face.
     pub face: F,

@@ -14,6 +14,7 @@ use std::ops::Range;
 /// Parameters:
 /// * of a dead load, at each Gauss point: `area x, y, z`  N dA, in the world \[m2\]
 /// * parameters of f(t) [N/m2]
+#[derive(Hash)]
 pub struct ShellPressureField<F = Quad9> {
     /// Its face.
     pub face: F,

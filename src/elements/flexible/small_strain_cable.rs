@@ -14,7 +14,7 @@ use std::ops::Range;
 /// * `length`, `axial stiffness`, `bending stiffness`  as there
 ///
 /// Source: Ebrahimi et al., eqs. (31), (33); the transverse matrix of (59) with the factor EI / l^3.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SmallStrainCableField;
 
 /// The cable for small strains as an element.

@@ -8,6 +8,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `direction x, y, z`  d, in the world or, for a follower force, in the body frame [-]
 /// * `point x, y, z`  in the body frame \[m\]; ignored for a point
 /// * parameters of f(t) \[N\]
+#[derive(Hash)]
 pub struct AppliedForce {
     /// What the force acts on.
     pub on: NodeKind,

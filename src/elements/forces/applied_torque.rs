@@ -7,6 +7,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 ///
 /// * `axis x, y, z`  d, in the world or, for a follower torque, in the body frame [-]
 /// * parameters of f(t) [N m]
+#[derive(Hash)]
 pub struct AppliedTorque {
     /// The body.
     pub on: NodeKind,

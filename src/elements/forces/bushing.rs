@@ -17,9 +17,11 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector};
 /// * `damping along x, y, z` [N s/m], `damping about x, y, z` [N m s/rad], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]: together at rest
 /// * `frame a e0..e3`, `frame b e0..e3`  e_af, e_bf, Euler parameters in the frames of the bodies: together at rest
+#[derive(Hash)]
 pub struct Bushing(pub NodePair);
 
 /// (u, w) with the parameters behind stiffness and damping.
+#[derive(Hash)]
 struct Displacement(NodePair);
 
 impl Constraint for Displacement {

@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 /// * `stiffness`  k [N/m, or N m/rad for an angle], 0 or greater
 /// * `damping`  c [N s/m, or N m s/rad], 0 or greater
 /// * `rest`  q0 [m, or rad]
+#[derive(Hash)]
 pub struct CoordinateSpringDamper {
     /// Kind of the node.
     pub of: NodeKind,

@@ -6,6 +6,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `mass`  m \[kg\], 0 or greater
 /// * `gravity x, y, z`  g [m/s2]
 /// * `centre x, y, z`  mass centre in the body frame \[m\]; ignored for a point
+#[derive(Hash)]
 pub struct Gravity {
     /// What the weight hangs on.
     pub on: NodeKind,

@@ -10,6 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `damping`  c [N s/m], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
+#[derive(Hash)]
 pub struct LineDamper(pub NodePair);
 
 /// Parameters shared by the dampers between two points.

@@ -11,6 +11,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `stiffness`  k [N/m], 0 or greater
 /// * `rest length`  l0 \[m\], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
+#[derive(Hash)]
 pub struct LineSpring(pub NodePair);
 
 impl Element for LineSpring {

@@ -2,7 +2,7 @@ use crate::elements::entries::{ExampleValue, FUNCTION, Given, Key, Type, may, ne
 use crate::scalar::{Scalar, SpatialVector};
 
 /// The frame in which a load keeps its direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LoadFrame {
     /// Dead load: constant direction in the world.
     World,

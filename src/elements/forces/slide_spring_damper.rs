@@ -15,9 +15,11 @@ use crate::scalar::Scalar;
 /// * `rest displacement`  s0 \[m\]
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
+#[derive(Hash)]
 pub struct SlideSpringDamper(pub NodePair);
 
 /// s - s0 with the parameters (s0, points, axis).
+#[derive(Hash)]
 struct Slide(NodePair);
 
 impl Constraint for Slide {

@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 /// * `stiffness i`  k_i of each equation [N/m or N m/rad], 0 or greater
 /// * `damping i`  c_i [N s/m or N m s/rad], 0 or greater
 /// * parameters of the joint
+#[derive(Hash)]
 pub struct Soft<J>(pub J);
 
 /// The methods of an element that is a soft joint, given by its method `soft`, with other names of parameters.

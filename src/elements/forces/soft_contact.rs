@@ -2,9 +2,10 @@ use crate::elements::Admissible::NonNegative;
 use crate::elements::joints::{vectors, velocity_at};
 use crate::elements::{Element, Frame, NodePair, Output, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use std::hash::{Hash, Hasher};
 
 /// What a [`SoftContact`] is between, of two nodes a and b; its parameters are points and directions in their frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Touching {
     /// A plane of a, with what is behind it, and a sphere or point of b. Parameters: `point` of the plane and `normal` away from it, `centre`, `radius`.
     SphereOnPlane,
@@ -63,6 +64,13 @@ pub struct SoftContact {
     pub exponent: f64,
     /// Whether there is friction.
     pub has_friction: bool,
+}
+
+impl Hash for SoftContact {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let SoftContact { nodes, touching, exponent, has_friction } = self;
+        (nodes, touching, exponent.to_bits(), has_friction).hash(state);
+    }
 }
 
 impl SoftContact {

@@ -11,7 +11,7 @@ pub(super) const LENGTH: [(&str, &str); 3] = [("length", "m"), ("rate", "m/s"), 
 pub(super) const ANGLE: [(&str, &str); 3] = [("angle", "rad"), ("rate", "rad/s"), ("moment", "N m")];
 
 /// The number s of which a law is, with its parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stretch {
     /// |x_b - x_a| - l0 \[m\]. Parameters: `rest length` l0 \[m\], `point a`, `point b` in the frames of the bodies \[m\].
     Line(NodePair),
@@ -27,6 +27,7 @@ pub enum Stretch {
 /// A spring or damper by a law of one's own: F = f(s, ds/dt, t) + dU/ds with an energy U(s), which pulls s back where it is positive.
 ///
 /// Parameters: those of s, of f, of U. Energy is kept where only U is given: what f does is counted as lost or added.
+#[derive(Hash)]
 pub struct SpringLaw {
     /// What it is of.
     pub of: Stretch,

@@ -16,6 +16,7 @@ use crate::scalar::{Scalar, angle_about};
 /// * `rest angle`  theta0 \[rad\]
 /// * `axis`, `reference a`  unit vectors in the frame of body a, at right angles
 /// * `reference b`  unit vector in the frame of body b
+#[derive(Hash)]
 pub struct TorsionSpringDamper(pub NodePair);
 
 impl Element for TorsionSpringDamper {

@@ -10,6 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 ///
 /// Source: Ebrahimi et al., eq. (65). [`LineDamper`](super::LineDamper) acts along the line only.
+#[derive(Hash)]
 pub struct VectorDamper(pub NodePair);
 
 impl Element for VectorDamper {

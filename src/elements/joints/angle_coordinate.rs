@@ -11,6 +11,7 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
+#[derive(Hash)]
 pub struct AngleCoordinate(pub NodePair);
 
 impl Constraint for AngleCoordinate {

@@ -11,6 +11,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `angle`  phi \[rad\], between 0 and pi; cables that go straight on share a node instead
 ///
 /// Source: the weld of Ebrahimi et al., section 6.3, in its least number of equations.
+#[derive(Hash)]
 pub struct CableCorner;
 
 impl Constraint for CableCorner {

@@ -4,7 +4,7 @@ use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// What a body holds of the slope r_x of a cable's node, beside its place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum HeldSlope {
     /// The direction: u_a . r_x = 0, w_a . r_x = 0. The stretch |r_x| stays free, so that the strain at the end is what the load makes it.
     Direction,
@@ -23,6 +23,7 @@ pub enum HeldSlope {
 /// * `normal u`, `normal w`  unit vectors in the frame of a at right angles to the slope, or `slope` s in that frame, or the `normal` n
 ///
 /// Source: Ebrahimi et al., eqs. (41), (42).
+#[derive(Hash)]
 pub struct CableEnd {
     /// The body.
     pub a: NodeKind,

@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
+#[derive(Hash)]
 pub struct CylindricalJoint(pub NodePair);
 
 impl Constraint for CylindricalJoint {

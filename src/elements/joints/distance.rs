@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `length`  l \[m\], greater than 0
-#[derive(Clone)]
+#[derive(Clone, Hash)]
 pub struct DistanceJoint(pub NodePair);
 
 impl Constraint for DistanceJoint {

@@ -9,6 +9,7 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
+#[derive(Hash)]
 pub struct FixedJoint(pub NodePair);
 
 impl Constraint for FixedJoint {

@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 ///
 /// * `pitch radius 1`, `pitch radius 2`  r1, r2 \[m\], not 0
 /// * `offset`  c \[m\]
+#[derive(Hash)]
 pub struct GearJoint;
 
 impl Constraint for GearJoint {

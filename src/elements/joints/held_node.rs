@@ -39,6 +39,7 @@ impl Freedom {
 /// (c_1 x d_1 + c_2 x d_2 + c_3 x d_3) / 2 = 0 \[rad\] for small angles. Coordinates without a place in space all stay what they are.
 ///
 /// Parameters: the coordinates of the start.
+#[derive(Hash)]
 pub struct HeldNode {
     /// The node.
     pub kind: NodeKind,

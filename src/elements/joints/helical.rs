@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 /// * `axis`  n_b, unit vector in the frame of b
 /// * `reference b`  unit vector in the frame of b at right angles to the axis: it stands along u_a where d = 0
 /// * `pitch`  [m per turn], not 0; negative for a left-handed thread
+#[derive(Hash)]
 pub struct HelicalJoint(pub NodePair);
 
 impl Constraint for HelicalJoint {

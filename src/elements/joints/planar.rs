@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `tangent u`, `tangent w`  unit vectors of the plane in the frame of a, not parallel
 /// * `normal`  n_b, unit vector in the frame of b
+#[derive(Hash)]
 pub struct PlanarJoint(pub NodePair);
 
 impl Constraint for PlanarJoint {

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal`  n_a, unit vector in the frame of a
-#[derive(Clone)]
+#[derive(Clone, Hash)]
 pub struct PointInPlane(pub NodePair);
 
 impl Constraint for PointInPlane {

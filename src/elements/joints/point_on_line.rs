@@ -7,6 +7,7 @@ use crate::scalar::{Scalar, SpatialVector};
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
+#[derive(Hash)]
 pub struct PointOnLine(pub NodePair);
 
 impl Constraint for PointOnLine {

@@ -11,6 +11,7 @@ use crate::scalar::Scalar;
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
 /// * parameters of f(t) \[rad\]
+#[derive(Hash)]
 pub struct PrescribedRotation {
     /// What guides, a body, and what is driven.
     pub nodes: NodePair,

@@ -12,6 +12,7 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
 /// * parameters of f(t) \[m\]
+#[derive(Hash)]
 pub struct PrescribedTranslation {
     /// What guides, a body, and what is driven.
     pub nodes: NodePair,

@@ -11,6 +11,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
+#[derive(Hash)]
 pub struct PrismaticJoint(pub NodePair);
 
 impl Constraint for PrismaticJoint {

@@ -16,6 +16,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `reference b`  unit vector in the frame of the pinion
 /// * `direction`  n_c, unit vector in the frame of the carrier
 /// * `pitch radius`  r \[m\], greater than 0
+#[derive(Hash)]
 pub struct RackAndPinion {
     /// Carrier, pinion and rack.
     pub nodes: [NodeKind; 3],

@@ -10,6 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
+#[derive(Hash)]
 pub struct RevoluteJoint(pub NodePair);
 
 impl Constraint for RevoluteJoint {

@@ -10,6 +10,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 ///
 /// * `offset`  c, place of the node b in the frame of a \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
+#[derive(Hash)]
 pub struct RigidLink(pub NodePair);
 
 impl Constraint for RigidLink {

@@ -32,6 +32,7 @@ fn sliding<S: Scalar>([a, b]: [NodeKind; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2]
 /// * `radius`  r \[m\], greater than 0
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
+#[derive(Hash)]
 pub struct RollingSphere(pub NodePair);
 
 impl NonholonomicConstraint for RollingSphere {
@@ -58,6 +59,7 @@ const RADIUS: usize = 12;
 ///
 /// * `centre` .. `radius`  of [`RollingSphere`], the radius at least 0
 /// * `sliding`, `static`  coefficients mu [-]
+#[derive(Hash)]
 pub struct SphereFriction(pub NodePair);
 
 impl Friction for SphereFriction {
@@ -92,6 +94,7 @@ impl Friction for SphereFriction {
 /// * `u`, `w`, `normal`  unit vectors in the world, at right angles: n_0 is the direction from a to b at the start; it is never reversed
 /// * `radius a`, `radius b`  at least 0 \[m\]
 /// * `sliding`, `static`  coefficients mu [-]
+#[derive(Hash)]
 pub struct SpheresFriction(pub NodePair);
 
 impl Friction for SpheresFriction {
@@ -148,6 +151,7 @@ fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vector3<S>, Vector3<S>) {
 /// * `normal`  n, unit vector in the frame of a
 /// * `radius`  r \[m\], greater than 0
 /// * `point`  x_a, of the plane, in the frame of a \[m\]
+#[derive(Hash)]
 pub struct DiscOnPlane(pub NodePair);
 
 impl Constraint for DiscOnPlane {
@@ -175,6 +179,7 @@ impl Constraint for DiscOnPlane {
 /// * `u`, `w`  unit vectors of the plane in the frame of a, at right angles
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
+#[derive(Hash)]
 pub struct RollingDisc(pub NodePair);
 
 impl NonholonomicConstraint for RollingDisc {

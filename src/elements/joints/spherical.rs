@@ -6,6 +6,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// Two points held together: g = x_b - x_a \[m\]. The multipliers are the force of b on a, in world components \[N\].
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
+#[derive(Hash)]
 pub struct SphericalJoint(pub NodePair);
 
 impl Constraint for SphericalJoint {

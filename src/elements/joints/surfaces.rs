@@ -4,7 +4,7 @@ use crate::elements::{Constraint, Frame, Friction, NodeKind, NodePair, Parameter
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// How the surfaces of a joint slip whose first parameters are `point a`, `point b`, `normal u` and `normal w`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Surfaces {
     /// Along the axis u x w, through the point of b \[m/s\].
     Slide,
@@ -19,6 +19,7 @@ pub enum Surfaces {
 /// * `sliding`, `static`  coefficients mu [-]
 /// * `preload`  F0 \[N\]
 /// * `radius`  r of a bearing \[m\], 1 of a slide
+#[derive(Hash)]
 pub struct JointSurfaces {
     /// Nodes of the joint.
     pub nodes: NodePair,
@@ -80,7 +81,7 @@ impl Friction for JointSurfaces {
 }
 
 /// Nothing that holds nodes together: what rubs on them has no joint.
-#[derive(Clone)]
+#[derive(Clone, Hash)]
 pub struct Apart(pub Vec<NodeKind>);
 
 impl Constraint for Apart {

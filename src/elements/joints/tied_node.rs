@@ -13,6 +13,7 @@ use smallvec::SmallVec;
 /// * `weight 1..`  w_i
 /// * `offset x, y, z`  o, place of b beyond the mean of the nodes, in their frames, which start alike \[m\]
 /// * `e0..e3`  e_ib, Euler parameters of b relative to these frames; only for a body
+#[derive(Hash)]
 pub struct TiedNode {
     /// Number of nodes that carry it: bodies, as those of shells are.
     pub carriers: usize,

@@ -10,6 +10,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `pin a`  n_a, unit vector in the frame of a
 /// * `pin b`  n_b, unit vector in the frame of b
+#[derive(Hash)]
 pub struct UniversalJoint(pub NodePair);
 
 impl Constraint for UniversalJoint {

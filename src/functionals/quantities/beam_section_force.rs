@@ -4,6 +4,7 @@ use crate::scalar::Scalar;
 
 /// A section force N1, N2, N3 \[N\] or moment M1, M2, M3 [N m] of beams by its number from 0 on, at both ends of each
 /// element.
+#[derive(Hash)]
 pub struct BeamSectionForce {
     /// Which, below 6.
     pub component: usize,

@@ -7,6 +7,7 @@ use crate::scalar::Scalar;
 /// each element.
 ///
 /// Parameters: the yield stress [N/m2], and the numbers of the outline at the start and at the end of the element.
+#[derive(Hash)]
 pub struct BeamVonMises {
     /// Whether the outline at the start and at the end is round.
     pub round: [bool; 2],

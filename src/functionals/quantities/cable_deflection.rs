@@ -8,6 +8,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `normal x, y, z`  n, unit vector in the world: of the plane in which the cable bends
 ///
 /// Source: Ebrahimi et al., section 6.1.
+#[derive(Hash)]
 pub struct CableDeflection;
 
 impl Quantity for CableDeflection {

@@ -5,6 +5,7 @@ use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
+use std::hash::{Hash, Hasher};
 
 /// The largest axial stress of a cable, tension or compression, anywhere along it [N/m2]:
 ///
@@ -25,6 +26,13 @@ pub struct CableLargestStress {
     pub elements: usize,
     /// rho [m2/N].
     pub sharpness: f64,
+}
+
+impl Hash for CableLargestStress {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let CableLargestStress { strain, elements, sharpness } = self;
+        (strain, elements, sharpness.to_bits()).hash(state);
+    }
 }
 
 impl Quantity for CableLargestStress {

@@ -3,9 +3,10 @@ use crate::elements::flexible::hermite::{COMPONENTS, NODES, curvatures, slopes};
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use std::hash::{Hash, Hasher};
 
 /// What is read in a section of a cable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CableMeasure {
     /// Axial strain eps [-].
     Strain,
@@ -27,6 +28,13 @@ pub struct CableQuantity {
     pub strain: CableStrain,
     /// Place xi in each element that takes part.
     pub places: Vec<f64>,
+}
+
+impl Hash for CableQuantity {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let CableQuantity { measure, strain, places } = self;
+        (measure, strain, places.iter().map(|xi| xi.to_bits()).collect::<Vec<_>>()).hash(state);
+    }
 }
 
 /// eps and kappa at a place of an element.

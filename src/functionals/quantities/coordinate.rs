@@ -4,6 +4,7 @@ use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
 /// One coordinate of a node, as it is.
+#[derive(Hash)]
 pub struct Coordinate {
     /// Number of coordinates of the node.
     pub of: usize,

@@ -7,6 +7,7 @@ use crate::scalar::{Scalar, SpatialVector};
 /// Distance of two points: |x_b - x_a| \[m\]; where they meet its derivative is taken as zero.
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]; ignored for nodes without axes
+#[derive(Hash)]
 pub struct Distance(pub NodePair);
 
 impl Quantity for Distance {

@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
+#[derive(Hash)]
 pub struct JointAngle(pub NodePair);
 
 impl Quantity for JointAngle {

@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 ///
 /// * `point a`, `point b`  in the frames of the bodies \[m\]: s = 0 where they meet
 /// * `axis`  n_a, unit vector in the frame of a
+#[derive(Hash)]
 pub struct JointDisplacement(pub NodePair);
 
 impl Quantity for JointDisplacement {
@@ -28,6 +29,7 @@ impl Quantity for JointDisplacement {
 }
 
 /// Its rate ds/dt [m/s], with the same parameters.
+#[derive(Hash)]
 pub struct JointSpeed(pub NodePair);
 
 impl Quantity for JointSpeed {

@@ -6,6 +6,7 @@ use crate::scalar::Scalar;
 /// Angular velocity of body b against body a along an axis of a: n_a . (omega_b - omega_a) [rad/s].
 ///
 /// * `axis`  n_a, unit vector in the frame of a
+#[derive(Hash)]
 pub struct JointRate(pub NodePair);
 
 impl Quantity for JointRate {

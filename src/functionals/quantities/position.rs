@@ -8,6 +8,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 ///
 /// * `point x, y, z`  in the body frame \[m\]; ignored for a point node
 /// * `direction x, y, z`  d, in the world [-]
+#[derive(Hash)]
 pub struct Position {
     /// What the point belongs to.
     pub of: NodeKind,

@@ -7,6 +7,7 @@ use crate::scalar::Scalar;
 /// The first three multipliers of a joint that holds points together are the force of b on a in world components \[N\].
 ///
 /// * `weight i`  w_i for each equation of the constraint
+#[derive(Hash)]
 pub struct Reaction {
     /// Number of equations of the constraint.
     pub equations: usize,

@@ -5,6 +5,7 @@ use crate::scalar::Scalar;
 /// Length of some multipliers of one constraint: for a joint that holds points together the force between them \[N\].
 ///
 /// It has no derivative where it is zero: there, and where its square is below all that matters, it counts as a constant.
+#[derive(Hash)]
 pub struct ReactionNorm {
     /// Numbers of the equations whose multipliers are meant, counted from 0: all are forces, or all are moments.
     pub equations: Vec<usize>,

@@ -3,9 +3,10 @@ use crate::elements::flexible::{BeamField, STRAINS, TYING_POINTS};
 use crate::elements::{Field, Parameter, interpolate};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
+use std::hash::{Hash, Hasher};
 
 /// What is read in a section of a beam; components are counted as 0, 1, 2 for axial, 2, 3 and 3, 4, 5 for torsion, bending about 2, 3.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SectionMeasure {
     /// N1, N2, N3 \[N\], M1, M2, M3 [N m].
     Force(usize),
@@ -27,6 +28,13 @@ pub struct SectionQuantity {
     pub beam: BeamField,
     /// Place xi in each element that takes part.
     pub places: Vec<f64>,
+}
+
+impl Hash for SectionQuantity {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let SectionQuantity { measure, beam, places } = self;
+        (measure, beam, places.iter().map(|xi| xi.to_bits()).collect::<Vec<_>>()).hash(state);
+    }
 }
 
 impl SectionQuantity {

@@ -7,6 +7,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 ///
 /// * `point x, y, z`  in the body frame \[m\]; ignored for a point node
 /// * `target x, y, z`  x*, in the world \[m\]
+#[derive(Hash)]
 pub struct TargetDistance {
     /// What the point belongs to.
     pub of: NodeKind,

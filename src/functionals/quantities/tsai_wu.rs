@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 ///
 /// Parameters: the offset of the plies' middle from the reference surface \[m\], and of each ply its thickness, angle, E_1, E_2, nu_12, G_12,
 /// X_t, Y_t, X_c, Y_c and S.
+#[derive(Hash)]
 pub struct TsaiWu {
     /// Number of plies.
     pub plies: usize,

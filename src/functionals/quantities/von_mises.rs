@@ -5,6 +5,7 @@ use crate::scalar::Scalar;
 
 /// The von Mises stress by the yield stress [-] on the lower and upper surface of shells
 /// of one material, at their Gauss points. Each point stands for its area, of either surface.
+#[derive(Hash)]
 pub struct VonMises;
 
 impl ShellQuantity for VonMises {

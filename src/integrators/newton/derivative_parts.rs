@@ -143,6 +143,7 @@ mod tests {
     use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
     use std::sync::Arc;
 
+    #[derive(Hash)]
     struct PushedMass;
 
     impl Element for PushedMass {

@@ -9,6 +9,7 @@ use costate::scenes::file::OwnParts;
 use pyo3::PyResult;
 use serde::Deserialize;
 use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A part as `costate.parts` describes it.
@@ -106,6 +107,13 @@ pub struct Part {
 /// An element, joint or quantity of a scene, and the entry that makes it.
 #[derive(Clone)]
 pub struct Law(pub Arc<Part>);
+
+// no part is dropped, so that none has the place of another one
+impl Hash for Law {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        Arc::as_ptr(&self.0).hash(state);
+    }
+}
 
 /// A text that stays.
 fn kept(text: &str) -> &'static str {

@@ -10,12 +10,14 @@ use crate::elements::{
     directed_by, going_on, unrelated_numbers,
 };
 use crate::functionals::{Over, Quantity};
-use crate::program::Recorded;
+use crate::program::{Digest, Recorded};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::tolerances::CONSISTENT;
+use std::hash::Hash;
 use std::sync::Arc;
 
 /// States that do not change by themselves, dz/dt = 0.
+#[derive(Hash)]
 struct Kept(usize);
 
 impl Element for Kept {
@@ -55,6 +57,7 @@ pub enum StopLaw<S> {
 }
 
 /// A number that only events change.
+#[derive(Hash)]
 struct KeptValue(&'static str);
 
 impl Quantity for KeptValue {
@@ -70,6 +73,7 @@ impl Quantity for KeptValue {
 }
 
 /// Time at which an event happened for the k-th time, of how often it has and of that time; not a number before.
+#[derive(Hash)]
 struct EventTime(usize);
 
 impl Quantity for EventTime {
@@ -101,15 +105,16 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Where `number` passes zero, a formula of the coordinates and rates of nodes, of parameters and of the time: the event, whose direction and what
-    /// happens there may be set.
+    /// happens there may be set. Its `origin` tells the formula from all others: a name of its own, and all that it takes from outside.
     pub fn event(
         &mut self,
         name: &str,
         nodes: &[NodeId],
         p: &[S],
+        origin: &impl Hash,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
-        self.add_event(name, nodes, &[], p, number)
+        self.add_event(name, nodes, &[], p, origin, number)
     }
 
     fn add_event(
@@ -118,6 +123,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: &[NodeId],
         joints: &[usize],
         p: &[S],
+        origin: &impl Hash,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
         if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
@@ -126,7 +132,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         // its side is that which the numbers tell
         self.numbers.p.extend_from_slice(p);
         self.numbers.p.push(S::zero());
-        match self.model.add_event(name, nodes, joints, p.len(), number) {
+        match self.model.add_event(name, nodes, joints, p.len(), origin, number) {
             Ok(event) => Some(event),
             Err(why) => {
                 self.mistakes.push(format!("event \"{name}\": {why}"));
@@ -135,16 +141,18 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// What the event made last sets, all of it from the values before: formulas of the coordinates and rates of nodes, of parameters and of the time.
+    /// What the event made last sets, all of it from the values before: formulas of the coordinates and rates of nodes, of parameters and of the time,
+    /// told from others by their `origin`.
     pub fn event_sets(
         &mut self,
         nodes: &[NodeId],
         p: &[S],
         targets: Vec<Target>,
+        origin: &impl Hash,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) {
         let Some(last) = self.model.events.len().checked_sub(1) else { return };
-        self.add_reset(last, nodes, p, targets, values);
+        self.add_reset(last, nodes, p, targets, origin, values);
     }
 
     /// A stop or latch of what a constraint with one equation would hold at zero, g(q, p, t): the constraint is there while it pushes, or is latched.
@@ -158,6 +166,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         law: StopLaw<S>,
     ) -> Option<(ConstraintId, usize)> {
         let (value, count) = (constraint.clone(), p.len());
+        let origin = ("stop", Digest::of_typed(&value), count);
         let joint = self.constraint(name, nodes, constraint, p);
         self.model.find_constraint(joint)?;
         self.model.set_presence(joint.0, false);
@@ -166,7 +175,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             StopLaw::Stop { restitution, rest_speed, .. } => [vec![restitution, rest_speed], Vec::new()],
             StopLaw::Latch { strength } => [Vec::new(), strength.into_iter().collect()],
         };
-        let event = self.event(name, nodes, &[p, &of_hit].concat(), |EventArguments { q, p, t, .. }| {
+        let event = self.event(name, nodes, &[p, &of_hit].concat(), &origin, |EventArguments { q, p, t, .. }| {
             let mut g = [Recorded::default()];
             value.g(q, &p[..count], t, &mut g);
             g[0]
@@ -189,7 +198,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             StopLaw::Latch { strength: Some(_) } => [true, false],
             StopLaw::Latch { strength: None } => return Some((joint, hit)),
         };
-        let release = self.add_event(&format!("release of {name}"), &[], &[joint.0], &of_release, |own| {
+        let release = self.add_event(&format!("release of {name}"), &[], &[joint.0], &of_release, &"release", |own| {
             own.p.first().map_or(own.mu[0], |&strength| own.mu[0].abs() - strength)
         })?;
         (release.directions, release.opens) = (directions, vec![joint.0]);
@@ -205,7 +214,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.comes_and_goes(joint, true);
         }
         let (equations, _) = self.forces_of(joint);
-        let release = self.add_event(&name, &[], &[joint.0], &[strength], |EventArguments { mu, p, .. }| {
+        let origin = ("strength", &equations);
+        let release = self.add_event(&name, &[], &[joint.0], &[strength], &origin, |EventArguments { mu, p, .. }| {
             equations.iter().map(|&own| mu[own] * mu[own]).sum::<Recorded>() - p[0] * p[0]
         });
         let release = release.is_some().then(|| self.model.events.len() - 1);
@@ -352,7 +362,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let count = p.len();
         let law = Arc::clone(&friction);
         let one = Recorded::from(1.0);
-        let limits = self.model.add_limits(stick.0, |EventArguments { v, q, p, t, .. }| {
+        let origin = (friction.origin(), count, own.equations.len());
+        let limits = self.model.add_limits(stick.0, &("limits", &origin), |EventArguments { v, q, p, t, .. }| {
             law.limits_of_load(one, [v, q, &p[..count]], t).to_vec()
         });
         if let Err(why) = limits {
@@ -361,11 +372,16 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let (first, count) = (self.model.events.len(), p.len());
         let law = Arc::clone(&friction);
-        let event =
-            self.event(&format!("stick of {name}"), nodes, &[p, &told].concat(), |EventArguments { v, q, p, t, .. }| {
+        let event = self.event(
+            &format!("stick of {name}"),
+            nodes,
+            &[p, &told].concat(),
+            &("stick", &origin),
+            |EventArguments { v, q, p, t, .. }| {
                 let (p, d) = p.split_at(count);
                 going_on(&law.slip_of([v, q, p], t), d)
-            });
+            },
+        );
         let event = event?;
         let of_event = event.condition.parameters.start + count;
         (event.directions, event.while_joint) = ([false, true], Some((stick.0, false)));
@@ -376,6 +392,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             nodes,
             &[joint.0, stick.0],
             &of_slip,
+            &("slip", &origin),
             |EventArguments { v, q, mu, p, t }| {
                 let (mu, pull) = mu.split_at(equations);
                 let [_, limit] = friction.limits_of([v, q, mu, &p[..count]], t, p[count]);
@@ -479,10 +496,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: &[NodeId],
         p: &[S],
         targets: Vec<Target>,
+        origin: &impl Hash,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) {
         self.numbers.p.extend_from_slice(p);
-        if let Err(why) = self.model.add_reset(event, nodes, p.len(), targets, values) {
+        if let Err(why) = self.model.add_reset(event, nodes, p.len(), targets, origin, values) {
             let name = &self.model.events[event].condition.name;
             self.mistakes.push(format!("event \"{name}\": {why}"));
         }
@@ -493,7 +511,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let node = self.kept(&format!("time of {name}"), &[S::zero(); 2]);
         let first = self.model.nodes[node.0].dofs.start;
         let targets = vec![Target::Rate(first), Target::Rate(first + 1)];
-        self.add_reset(event, &[node], &[], targets, |EventArguments { v, t, .. }| {
+        self.add_reset(event, &[node], &[], targets, &("time of an event", number), |EventArguments { v, t, .. }| {
             let count = v[0] + Recorded::from(1.0);
             let is_it = (count - Recorded::from(number as f64)).abs().less(Recorded::from(0.5));
             vec![count, is_it.select(t, v[1])]

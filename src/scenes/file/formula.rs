@@ -6,6 +6,7 @@ use crate::program::{Recorded, Replay};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::convert::Infallible;
 use std::f64::consts::PI;
+use std::hash::{Hash, Hasher};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -16,6 +17,12 @@ use Quantity::{Number, Vector};
 pub(super) enum Quantity<S> {
     Number(S),
     Vector(Vector3<S>),
+}
+
+impl Hash for Quantity<f64> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.components().into_iter().map(f64::to_bits).collect::<Vec<_>>().hash(state);
+    }
 }
 
 impl<S: Scalar> Quantity<S> {
@@ -66,7 +73,7 @@ impl Taken {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub(super) enum Formula {
     /// Always the same.
     Constant(Quantity<f64>),
@@ -171,6 +178,7 @@ impl Formula {
 }
 
 /// A formula of some arguments, such as the time, with parameters before them: a function of time, a law of a spring, a part of an element.
+#[derive(Hash)]
 pub(super) struct Law {
     formula: Formula,
     /// Number of its parameters.

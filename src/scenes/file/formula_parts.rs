@@ -55,7 +55,7 @@ pub(super) const OF_BODY: &[OfNode] = &[
 pub(super) const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true)];
 
 /// A node as formulas know it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Hash)]
 pub(super) struct KnownNode {
     pub kind: NodeKind,
     /// Place, velocity and force are those of a point of it.
@@ -75,6 +75,7 @@ impl KnownNode {
 }
 
 /// Formulas of nodes. Parameters: the points of nodes in their frames, where they have one, then those of each formula.
+#[derive(Hash)]
 pub(super) struct Formulas {
     pub nodes: Vec<KnownNode>,
     pub all: Vec<Law>,

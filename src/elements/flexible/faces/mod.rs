@@ -13,6 +13,7 @@ use super::shape::TWO;
 use crate::elements::Interpolation;
 use crate::elements::field::rows;
 use smallvec::SmallVec;
+use std::hash::Hash;
 
 /// Numbers that are interpolated of each node: position x, director d, and two more axes.
 pub const NUMBERS: usize = 12;
@@ -171,7 +172,7 @@ pub struct FaceShape {
 }
 
 /// A kind of face as a type.
-pub trait Face: Clone + Copy + Send + Sync + 'static {
+pub trait Face: Hash + Clone + Copy + Send + Sync + 'static {
     /// Its kind.
     const KIND: FaceKind;
     /// What it is.

@@ -14,7 +14,7 @@ const GAUSS_POINTS: usize = 4;
 /// membrane.
 ///
 /// Source: Dvorkin & Bathe (1984), MITC4.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Quad4;
 
 impl Face for Quad4 {

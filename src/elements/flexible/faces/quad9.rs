@@ -14,7 +14,7 @@ const GAUSS_POINTS: usize = 9;
 /// bilinear functions. Three by three Gauss points.
 ///
 /// Source: Bucalem & Bathe (1993), MITC9.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Quad9;
 
 impl Face for Quad9 {

@@ -23,7 +23,7 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 ///
 /// Source: Lee & Bathe (2004) for strains along the edges, with the one point above each; Kim & Bathe (2009) for the middle point of transverse
 /// shear, which keeps the element stable; the quadrature of Strang & Fix (1973).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Triangle6;
 
 impl Face for Triangle6 {

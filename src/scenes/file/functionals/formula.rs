@@ -6,6 +6,7 @@ use crate::functionals::Quantity;
 use crate::scenes::file::describing::*;
 
 /// What is measured by a formula, with its unit.
+#[derive(Hash)]
 struct FormulaQuantity(Formulas, &'static str);
 
 impl Quantity for FormulaQuantity {

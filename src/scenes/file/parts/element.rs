@@ -32,6 +32,7 @@ pub(super) const SECTION: Section = Section {
 };
 
 /// An element by formulas: numbers of its energies among them, and of the loads on each node.
+#[derive(Hash)]
 struct FormulaElement {
     formulas: Formulas,
     kinetic: Option<usize>,

@@ -49,7 +49,7 @@ pub(super) const EVENT: Section = Section {
 };
 
 /// How new values of a node are made of a formula's.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Hash)]
 enum Made {
     /// They are these.
     AsGiven,
@@ -92,7 +92,9 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
         None => formulas.number(own, &formulas.arguments([v, q], t, p), p),
     };
     let index = m.model.events.len();
-    let Some(event) = m.event(e.name(), &nodes, &p, number) else { return Ok(Built::Nothing) };
+    let Some(event) = m.event(e.name(), &nodes, &p, &("event", &formulas, own, at.is_some()), number) else {
+        return Ok(Built::Nothing);
+    };
     event.directions = match e.text("direction") {
         Some("rising") => [true, false],
         Some("falling") => [false, true],
@@ -115,7 +117,8 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     m.event_changes(&removed, &added);
     if !resets.is_empty() {
         let targets = resets.iter().flat_map(|own| own.0.clone()).collect();
-        m.event_sets(&nodes, &p, targets, |EventArguments { v, q, p, t, .. }| {
+        let made: Vec<(Made, usize)> = resets.iter().map(|own| (own.1, own.2)).collect();
+        m.event_sets(&nodes, &p, targets, &("event sets", &formulas, made), |EventArguments { v, q, p, t, .. }| {
             let known = formulas.arguments([v, q], t, p);
             let values = resets.iter().flat_map(|(_, made, which)| match (*made, formulas.value(*which, &known, p)) {
                 (Made::Turning(place), omega) => {

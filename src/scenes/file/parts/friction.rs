@@ -83,6 +83,7 @@ pub(super) const CLUTCH: Section = Section {
 };
 
 /// Friction between one or two coordinates behind the nodes of its formulas, which give its limits.
+#[derive(Hash)]
 struct Clutch {
     formulas: Arc<Formulas>,
     limits: [usize; 2],

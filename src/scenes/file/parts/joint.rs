@@ -101,6 +101,7 @@ fn rates(e: Entry) -> Result<Option<[Vec<Recorded>; 2]>> {
 }
 
 /// A joint by formulas that are zero.
+#[derive(Hash)]
 struct FormulaJoint(Formulas);
 
 /// Most equations of a joint by formulas.

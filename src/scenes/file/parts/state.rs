@@ -24,6 +24,7 @@ pub(super) const SECTION: Section = Section {
 };
 
 /// States of first order by formulas of their rates: R = dz/dt - f(z, nodes, t) on the last node, whose rates they are.
+#[derive(Hash)]
 struct FormulaState {
     formulas: Formulas,
     /// What histories tell: the values, their rates, the outputs, which are the formulas behind the rates.

@@ -79,7 +79,7 @@ pub(super) const LATCH: Section = Section {
 };
 
 /// x less its limit.
-#[derive(Clone)]
+#[derive(Clone, Hash)]
 struct Limited(Arc<Formulas>);
 
 impl Constraint for Limited {
