@@ -1,11 +1,10 @@
 //! What happens at instants: conditions that pass zero, and what is set there.
 
 use super::{Attached, Model, NodeId};
-use crate::elements::split_arguments;
+use crate::elements::{NodeKind, split_arguments};
 use crate::program::ArgumentKind::{self, Coordinate, Multiplier, Parameter, Time, Velocity};
-use crate::program::{Formula, Reads, Recorded};
+use crate::program::{Digest, Formula, Reads, Recorded};
 use crate::scalar::Scalar;
-use std::hash::Hash;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -170,25 +169,28 @@ impl Model {
         rows
     }
 
-    /// The formula of `origin`, which tells it from all others of as many arguments.
+    /// The formula of `origin`, which tells it from all others of such nodes and as many arguments; recorded anew without one.
     fn record_instant(
         &self,
         nodes: &[NodeId],
         [multipliers, parameters]: [usize; 2],
-        origin: &impl Hash,
+        origin: Option<Digest>,
         formula: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<Arc<Formula>, String> {
         let (n, k, m) = (self.dof_count(nodes), multipliers, parameters);
-        Formula::once(&(kinds(n, k, m), origin), || {
+        let record = || {
             Formula::record(kinds(n, k, m), |x| {
                 let [v, q, mu, p, t] = split_arguments(x, [n, n, k, m, 1]);
                 formula(EventArguments { v, q, mu, p, t: t[0] })
             })
-        })
+        };
+        let Some(origin) = origin else { return record() };
+        let nodes: Vec<NodeKind> = nodes.iter().map(|&node| self.node(node).kind).collect();
+        Formula::once(&("instant", nodes, [n, k, m], origin), record)
     }
 
     /// Adds an event whose number is a formula of some nodes, of the multipliers of some joints and of `parameters` numbers; its own side stands
-    /// behind these. Its `origin` tells it from all other formulas.
+    /// behind these. Its `origin` tells it from all other formulas; without one it is recorded anew.
     ///
     /// # Errors
     /// A formula that cannot be recorded.
@@ -198,11 +200,12 @@ impl Model {
         nodes: &[NodeId],
         joints: &[usize],
         parameters: usize,
-        origin: &impl Hash,
+        origin: Option<Digest>,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Result<&mut Event, String> {
         let multipliers: Vec<usize> = joints.iter().flat_map(|&joint| self.constraints[joint].equations.clone()).collect();
         let below = |all: EventArguments| vec![number(all).less(Recorded::default())];
+        let origin = origin.map(|own| Digest::of(&("number", own)));
         let own = self.record_instant(nodes, [multipliers.len(), parameters], origin, below)?;
         let physics = Formula::once(&("with its side", own.digest()), || own.with_side_of_result())?;
         let places = self.add_parameters(parameters + 1);
@@ -221,10 +224,11 @@ impl Model {
     pub(crate) fn add_limits(
         &mut self,
         sticking: usize,
-        origin: &impl Hash,
+        origin: Option<Digest>,
         limits: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<(), String> {
         let Attached { name, nodes, parameters, .. } = self.constraints[sticking].clone();
+        let origin = origin.map(|own| Digest::of(&("limits", own)));
         let physics = self.record_instant(&nodes, [0, parameters.len()], origin, limits)?;
         if physics.switches(Reads::Motion, false).is_some_and(|own| own.count() > 0) {
             return Err("its limits compare what moves: write them smooth, or let an [[event]] set a [[number]]".into());
@@ -243,10 +247,15 @@ impl Model {
         nodes: &[NodeId],
         parameters: usize,
         targets: Vec<Target>,
-        origin: &impl Hash,
+        origin: Option<Digest>,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) -> Result<(), String> {
+        let origin = origin.map(|own| Digest::of(&("values", own)));
         let physics = self.record_instant(nodes, [0, parameters], origin, values)?;
+        let (given, taken) = (physics.outputs.len(), targets.len());
+        if given != taken {
+            return Err(format!("{given} values are set at {taken} places: there is one for each"));
+        }
         let parameters = self.add_parameters(parameters);
         let name = self.events[event].condition.name.clone();
         let values = Attached { name, nodes: nodes.into(), parameters, equations: 0..0, physics };

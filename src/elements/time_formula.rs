@@ -60,7 +60,8 @@ impl fmt::Debug for RecordedFunction {
 
 impl Hash for RecordedFunction {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        self.formula.digest().hash(state);
+        let names: Vec<&str> = self.parameters.iter().map(|own| &*own.name).collect();
+        (self.formula.digest(), names).hash(state);
     }
 }
 

@@ -578,11 +578,10 @@ impl<S: RunScalar> Stepper<'_, S> {
         let shares = impact.shares(&self.p);
         let before = sides.to_vec();
         let mut now = before.clone();
-        for Hit { joint, .. } in hits {
-            now[events.presence(*joint)] = 1.0;
-            if let Some(friction) = events.frictions().position(|own| own.joints.contains(joint)) {
-                set(&self.sticks(events, friction, &now), &mut now);
-            }
+        // others that are hit are held as far as they would still move on
+        now[events.presence(joint)] = 1.0;
+        if let Some(friction) = events.frictions().position(|own| own.joints.contains(&joint)) {
+            set(&self.sticks(events, friction, &now), &mut now);
         }
         let slipping = |sides: &[f64]| -> Vec<usize> {
             let slips = |friction: &usize| events.direction(*friction, sides).iter().any(|own| *own != 0.0);
@@ -891,10 +890,14 @@ impl<S: RunScalar> Stepper<'_, S> {
         Ok(())
     }
 
-    /// What counts as no impulse: a share of that of the forces within a step, or within [`BEFORE_LONG`] of the run where an event cut the step.
+    /// A time within which forces are as good as impulses: that of the step made last, or [`BEFORE_LONG`] of the run where an event cut it.
+    pub(super) fn time_of_impulses(&self) -> f64 {
+        self.record.h.max(BEFORE_LONG * self.stretch)
+    }
+
+    /// What counts as no impulse: a share of that of the forces within this time.
     fn no_impulse(&self) -> f64 {
-        let time = self.record.h.max(BEFORE_LONG * self.stretch);
-        NO_FORCE * time * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
+        NO_FORCE * self.time_of_impulses() * self.forces.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
     }
 
     /// Surfaces that an impact treats otherwise than friction does, as the changes that mend it: what sticks by more than friction can hold, which is

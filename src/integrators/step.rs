@@ -1073,6 +1073,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 let is_held = restitution.is_none() && !let_go.contains(&joint);
                 if !is_made_again {
                     changes.extend(Some(closing).filter(|own| is_held && !changes.contains(own)));
+                    if restitution.is_none() && !is_held {
+                        // it tells a run that is made again that it was hit without restitution
+                        changes.extend([closing, SideChange { sides: [1.0, 0.0], ..closing }]);
+                    }
                     if let Some(stop) = &stop {
                         changes.extend(events.free(event, stop, &self.between.sides));
                         changes.extend(events.pushing(joint, stop, &self.between.sides).filter(|_| is_held));
@@ -1100,7 +1104,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             events.number_by_arguments(switch, at, &real(&self.p), |place, rate| {
                 terms += rate.abs()
                     * match place {
-                        Place::Q(dof) => parts(q[dof]),
+                        // what it has moved, and what it would have in the time by which the event moves
+                        Place::Q(dof) => parts(q[dof]) + real_v[dof].abs() * parts(t),
                         Place::P(index) => parts(self.p[index]),
                         Place::Time => parts(t),
                         Place::V(_) | Place::A(_) | Place::Mu(_) => 0.0,
@@ -1166,7 +1171,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let Unknowns { x: a, mu, .. } = self.accelerations_at((&q, &v), t, &dropped)?;
         let mu = real(&mu);
         let impulses = self.record.impacts.iter().flat_map(|own| real(&own.solve.unknowns.mu));
-        let forces = impulses.map(|own| own / self.record.h).chain(mu.iter().copied()).chain(real(&self.between.forces));
+        let time = self.time_of_impulses();
+        let forces = impulses.map(|own| own / time).chain(mu.iter().copied()).chain(real(&self.between.forces));
         let none = NO_FORCE * forces.fold(0.0, |most: f64, own| most.max(own.abs()));
         let mut all = Vec::new();
         if events.frictions().len() == 0 {
@@ -1453,7 +1459,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Multipliers in the step made last, at its start or end, and their changes by time.
     fn multipliers(&self, at_start: bool) -> [Vec<f64>; 2] {
         let (start, end) = (&self.mu_before, real(&self.between.forces));
-        let rates = end.iter().zip(start).map(|(end, start)| (end - start) / self.record.h).collect();
+        // a step that is no longer than a rounding tells none
+        let share = if self.record.scheme == Scheme::Euler { 0.0 } else { 1.0 / self.record.h };
+        let rates = end.iter().zip(start).map(|(end, start)| (end - start) * share).collect();
         [if at_start { start.clone() } else { end }, rates]
     }
 

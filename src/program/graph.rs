@@ -19,6 +19,7 @@ pub struct Graph {
 /// That of its operations, curves by what they are.
 impl Hash for Graph {
     fn hash<H: Hasher>(&self, state: &mut H) {
+        self.operations.len().hash(state);
         for operation in &self.operations {
             match *operation {
                 Operation::Curve { curve, order, at } => (&self.curves[curve as usize], order, at).hash(state),

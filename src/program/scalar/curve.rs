@@ -54,6 +54,7 @@ pub struct Curve {
 
 impl Hash for Curve {
     fn hash<H: Hasher>(&self, state: &mut H) {
+        self.knots.len().hash(state);
         let numbers = self.knots.iter().chain(self.pieces.as_flattened());
         numbers.for_each(|number| number.to_bits().hash(state));
         (self.is_closed, self.has_kinks, self.has_breakpoints).hash(state);

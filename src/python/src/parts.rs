@@ -106,7 +106,7 @@ pub struct Part {
 
 /// An element, joint or quantity of a scene, and the entry that makes it.
 #[derive(Clone)]
-pub struct Law(pub Arc<Part>);
+pub struct Law(Arc<Part>);
 
 // no part is dropped, so that none has the place of another one
 impl Hash for Law {

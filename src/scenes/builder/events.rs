@@ -13,7 +13,6 @@ use crate::functionals::{Over, Quantity};
 use crate::program::{Digest, Recorded};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::tolerances::CONSISTENT;
-use std::hash::Hash;
 use std::sync::Arc;
 
 /// States that do not change by themselves, dz/dt = 0.
@@ -105,25 +104,25 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Where `number` passes zero, a formula of the coordinates and rates of nodes, of parameters and of the time: the event, whose direction and what
-    /// happens there may be set. Its `origin` tells the formula from all others: a name of its own, and all that it takes from outside.
+    /// happens there may be set.
     pub fn event(
         &mut self,
         name: &str,
         nodes: &[NodeId],
         p: &[S],
-        origin: &impl Hash,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
-        self.add_event(name, nodes, &[], p, origin, number)
+        self.add_event(name, nodes, &[], p, None, number)
     }
 
-    fn add_event(
+    /// The same by a formula that `origin` tells from all others, so that it is recorded once.
+    pub(crate) fn add_event(
         &mut self,
         name: &str,
         nodes: &[NodeId],
         joints: &[usize],
         p: &[S],
-        origin: &impl Hash,
+        origin: Option<Digest>,
         number: impl FnOnce(EventArguments) -> Recorded,
     ) -> Option<&mut Event> {
         if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
@@ -141,14 +140,24 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// What the event made last sets, all of it from the values before: formulas of the coordinates and rates of nodes, of parameters and of the time,
-    /// told from others by their `origin`.
+    /// What the event made last sets, all of it from the values before: formulas of the coordinates and rates of nodes, of parameters and of the time.
     pub fn event_sets(
         &mut self,
         nodes: &[NodeId],
         p: &[S],
         targets: Vec<Target>,
-        origin: &impl Hash,
+        values: impl FnOnce(EventArguments) -> Vec<Recorded>,
+    ) {
+        self.add_event_sets(nodes, p, targets, None, values);
+    }
+
+    /// The same by formulas that `origin` tells from all others.
+    pub(crate) fn add_event_sets(
+        &mut self,
+        nodes: &[NodeId],
+        p: &[S],
+        targets: Vec<Target>,
+        origin: Option<Digest>,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) {
         let Some(last) = self.model.events.len().checked_sub(1) else { return };
@@ -175,11 +184,18 @@ impl<S: Scalar> MechanismBuilder<S> {
             StopLaw::Stop { restitution, rest_speed, .. } => [vec![restitution, rest_speed], Vec::new()],
             StopLaw::Latch { strength } => [Vec::new(), strength.into_iter().collect()],
         };
-        let event = self.event(name, nodes, &[p, &of_hit].concat(), &origin, |EventArguments { q, p, t, .. }| {
-            let mut g = [Recorded::default()];
-            value.g(q, &p[..count], t, &mut g);
-            g[0]
-        })?;
+        let event = self.add_event(
+            name,
+            nodes,
+            &[],
+            &[p, &of_hit].concat(),
+            Some(Digest::of(&origin)),
+            |EventArguments { q, p, t, .. }| {
+                let mut g = [Recorded::default()];
+                value.g(q, &p[..count], t, &mut g);
+                g[0]
+            },
+        )?;
         let places = event.condition.parameters.start + count;
         event.while_joint = Some((joint.0, false));
         let stop = match law {
@@ -198,9 +214,14 @@ impl<S: Scalar> MechanismBuilder<S> {
             StopLaw::Latch { strength: Some(_) } => [true, false],
             StopLaw::Latch { strength: None } => return Some((joint, hit)),
         };
-        let release = self.add_event(&format!("release of {name}"), &[], &[joint.0], &of_release, &"release", |own| {
-            own.p.first().map_or(own.mu[0], |&strength| own.mu[0].abs() - strength)
-        })?;
+        let release = self.add_event(
+            &format!("release of {name}"),
+            &[],
+            &[joint.0],
+            &of_release,
+            Some(Digest::of(&"release")),
+            |own| own.p.first().map_or(own.mu[0], |&strength| own.mu[0].abs() - strength),
+        )?;
         (release.directions, release.opens) = (directions, vec![joint.0]);
         release.while_joint = Some((joint.0, true));
         Some((joint, hit))
@@ -215,9 +236,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let (equations, _) = self.forces_of(joint);
         let origin = ("strength", &equations);
-        let release = self.add_event(&name, &[], &[joint.0], &[strength], &origin, |EventArguments { mu, p, .. }| {
-            equations.iter().map(|&own| mu[own] * mu[own]).sum::<Recorded>() - p[0] * p[0]
-        });
+        let release = self.add_event(
+            &name,
+            &[],
+            &[joint.0],
+            &[strength],
+            Some(Digest::of(&origin)),
+            |EventArguments { mu, p, .. }| equations.iter().map(|&own| mu[own] * mu[own]).sum::<Recorded>() - p[0] * p[0],
+        );
         let release = release.is_some().then(|| self.model.events.len() - 1);
         let opens = self.with_companions(&[joint]).into_iter().map(|own| own.0).collect();
         let Some(event) = release else { return };
@@ -363,7 +389,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let law = Arc::clone(&friction);
         let one = Recorded::from(1.0);
         let origin = (friction.origin(), count, own.equations.len());
-        let limits = self.model.add_limits(stick.0, &("limits", &origin), |EventArguments { v, q, p, t, .. }| {
+        let limits = self.model.add_limits(stick.0, Some(Digest::of(&origin)), |EventArguments { v, q, p, t, .. }| {
             law.limits_of_load(one, [v, q, &p[..count]], t).to_vec()
         });
         if let Err(why) = limits {
@@ -372,11 +398,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let (first, count) = (self.model.events.len(), p.len());
         let law = Arc::clone(&friction);
-        let event = self.event(
+        let event = self.add_event(
             &format!("stick of {name}"),
             nodes,
+            &[],
             &[p, &told].concat(),
-            &("stick", &origin),
+            Some(Digest::of(&("stick", &origin))),
             |EventArguments { v, q, p, t, .. }| {
                 let (p, d) = p.split_at(count);
                 going_on(&law.slip_of([v, q, p], t), d)
@@ -392,7 +419,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             nodes,
             &[joint.0, stick.0],
             &of_slip,
-            &("slip", &origin),
+            Some(Digest::of(&("slip", &origin))),
             |EventArguments { v, q, mu, p, t }| {
                 let (mu, pull) = mu.split_at(equations);
                 let [_, limit] = friction.limits_of([v, q, mu, &p[..count]], t, p[count]);
@@ -496,7 +523,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: &[NodeId],
         p: &[S],
         targets: Vec<Target>,
-        origin: &impl Hash,
+        origin: Option<Digest>,
         values: impl FnOnce(EventArguments) -> Vec<Recorded>,
     ) {
         self.numbers.p.extend_from_slice(p);
@@ -511,11 +538,18 @@ impl<S: Scalar> MechanismBuilder<S> {
         let node = self.kept(&format!("time of {name}"), &[S::zero(); 2]);
         let first = self.model.nodes[node.0].dofs.start;
         let targets = vec![Target::Rate(first), Target::Rate(first + 1)];
-        self.add_reset(event, &[node], &[], targets, &("time of an event", number), |EventArguments { v, t, .. }| {
-            let count = v[0] + Recorded::from(1.0);
-            let is_it = (count - Recorded::from(number as f64)).abs().less(Recorded::from(0.5));
-            vec![count, is_it.select(t, v[1])]
-        });
+        self.add_reset(
+            event,
+            &[node],
+            &[],
+            targets,
+            Some(Digest::of(&("time of an event", number))),
+            |EventArguments { v, t, .. }| {
+                let count = v[0] + Recorded::from(1.0);
+                let is_it = (count - Recorded::from(number as f64)).abs().less(Recorded::from(0.5));
+                vec![count, is_it.select(t, v[1])]
+            },
+        );
         self.functional(name, Over::Terminal, (&[node], &[]), EventTime(number), &[]);
     }
 

@@ -2,6 +2,7 @@
 
 use crate::assembly::{EventArguments, Target};
 use crate::elements::NodeKind;
+use crate::program::Digest;
 use crate::scalar::Quaternion;
 use crate::scenes::file::describing::*;
 use crate::scenes::file::state_entries::MADE;
@@ -92,7 +93,9 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
         None => formulas.number(own, &formulas.arguments([v, q], t, p), p),
     };
     let index = m.model.events.len();
-    let Some(event) = m.event(e.name(), &nodes, &p, &("event", &formulas, own, at.is_some()), number) else {
+    let Some(event) =
+        m.add_event(e.name(), &nodes, &[], &p, Some(Digest::of(&("event", &formulas, own, at.is_some()))), number)
+    else {
         return Ok(Built::Nothing);
     };
     event.directions = match e.text("direction") {
@@ -118,17 +121,23 @@ fn build(e: Entry, m: &mut Builder) -> Result<Built> {
     if !resets.is_empty() {
         let targets = resets.iter().flat_map(|own| own.0.clone()).collect();
         let made: Vec<(Made, usize)> = resets.iter().map(|own| (own.1, own.2)).collect();
-        m.event_sets(&nodes, &p, targets, &("event sets", &formulas, made), |EventArguments { v, q, p, t, .. }| {
-            let known = formulas.arguments([v, q], t, p);
-            let values = resets.iter().flat_map(|(_, made, which)| match (*made, formulas.value(*which, &known, p)) {
-                (Made::Turning(place), omega) => {
-                    let turned = Quaternion::from_slice(&q[place..]);
-                    turned.rate_of_body_velocity(turned.rotate_back(omega.vector())).to_vec()
-                }
-                (Made::AsGiven, value) => value.components(),
-            });
-            values.collect()
-        });
+        m.add_event_sets(
+            &nodes,
+            &p,
+            targets,
+            Some(Digest::of(&("event sets", &formulas, made))),
+            |EventArguments { v, q, p, t, .. }| {
+                let known = formulas.arguments([v, q], t, p);
+                let values = resets.iter().flat_map(|(_, made, which)| match (*made, formulas.value(*which, &known, p)) {
+                    (Made::Turning(place), omega) => {
+                        let turned = Quaternion::from_slice(&q[place..]);
+                        turned.rate_of_body_velocity(turned.rotate_back(omega.vector())).to_vec()
+                    }
+                    (Made::AsGiven, value) => value.components(),
+                });
+                values.collect()
+            },
+        );
     }
     Ok(Built::Event(index))
 }
