@@ -652,7 +652,12 @@ impl<'m> Sweep<'m> {
         if all.is_empty() {
             return Ok(());
         }
-        let Some(record) = &step.forces else { unreachable!("forces by which an event happens are kept with its step") };
+        let Some(record) = &step.forces else {
+            return Err(RunError::Input(format!(
+                "surfaces begin to slip at t = {} s in a direction that neither a slip before it nor a force gives: it has no derivative",
+                shortest(step.end)
+            )));
+        };
         let Unknowns { x, mu, .. } = &record.unknowns;
         let mut seeds: Vec<SolutionSeed> = back.iter().map(|_| SolutionSeed::zeros(x.len(), mu.len())).collect();
         all.into_iter().for_each(|(k, own)| add(&mut seeds[k].mu, 1.0, &own.mu));
