@@ -114,10 +114,15 @@ impl System<'_> {
         sorted(self.model.elements.len(), kind, layout, numbers, &places_of_numbers(self))
     }
 
-    /// Constraints whose multipliers are unknowns.
+    /// Constraints whose multipliers are unknowns; one without any, as a contact that is open, has neither equations nor reactions.
     pub(super) fn sort_constraints(&self) -> Vec<ConstraintBatch> {
         let kind = |part: usize| {
             let own = self.global_constraint(part);
+            let mut rows = self.equations_of(part);
+            let is_left_out = !rows.is_empty() && rows.all(|row| self.multiplier_columns[row].is_none());
+            if is_left_out && !own.has_friction() {
+                return None;
+            }
             Some((Arc::clone(own.formula()), self.reductions(&self.constraint_parts[part]), own.is_nonholonomic()))
         };
         let layout = |part: usize| ConstraintLayout::of(self.global_constraint(part));

@@ -283,6 +283,10 @@ impl<S: RunScalar> Residual<S> {
             to.extend(from.map(|x| x.value()));
         };
         for (number, part) in system.constraint_parts.iter().enumerate() {
+            let is_loaded = unknowns.mu[system.equations_of(number)].iter().any(|mu| mu.value() != 0.0);
+            if !is_loaded && !system.global_constraint(number).has_friction() {
+                continue;
+            }
             real(q, &mut part.segments.iter().flat_map(|dofs| &constraint_at.q[dofs.clone()]));
             real(mu, &mut unknowns.mu[system.equations_of(number)].iter());
             real(own_p, &mut p[part.parameters.clone()].iter());

@@ -3,7 +3,7 @@
 use crate::compared::Case;
 
 /// Balls that turn have errors of the method's steps; where slip turns until it ends, derivatives have round-off of its direction.
-pub const CASES: [Case; 17] = [
+pub const CASES: [Case; 19] = [
     Case {
         name: "incline",
         reference: "E06a",
@@ -156,5 +156,23 @@ pub const CASES: [Case; 17] = [
         tolerance: 1e-12,
         chosen: [1e-9, 1e-9],
         exact: 1e-9,
+    },
+    Case {
+        name: "at-once",
+        reference: "C11",
+        text: include_str!("at-once.toml"),
+        given: [1e-12, 1e-11],
+        tolerance: 1e-11,
+        chosen: [1e-12, 1e-11],
+        exact: 1e-11,
+    },
+    Case {
+        name: "two-feet",
+        reference: "C12",
+        text: include_str!("two-feet.toml"),
+        given: [1e-12, 1e-11],
+        tolerance: 1e-11,
+        chosen: [1e-12, 1e-11],
+        exact: 1e-11,
     },
 ];
