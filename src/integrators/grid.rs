@@ -33,7 +33,8 @@ pub struct TimeGrid {
     pub breakpoints: BTreeMap<usize, Vec<usize>>,
     /// Indices into `times` of events within the run, with the sides that change there.
     pub events: BTreeMap<usize, Vec<SideChange>>,
-    /// Indices of breakpoints at which a force jumps beyond its limit, with the sides that change there: their times are those of the breakpoints.
+    /// Indices of breakpoints at which a force jumps beyond its limit, and of what happens at once behind an event, with the sides that change there: their
+    /// times are those of the breakpoints and events.
     pub jumps: BTreeMap<usize, Vec<SideChange>>,
     /// Steps behind events that are no longer than roundings of the others, and therefore Euler's.
     pub(super) shortest: BTreeSet<usize>,
@@ -215,7 +216,9 @@ impl TimeGrid {
             // one that an event ends was longer before it was found
             if self.events.contains_key(&place) { (2.0 * size, 1.0) } else { (size, self.share_behind_event(place)) }
         };
-        if self.is_fixed(event) { Vec::new() } else { (event + 1..=last).map(of).collect() }
+        // steps that are no longer than a rounding are made where they are needed
+        let is_laid = |place: &usize| !self.shortest.contains(&(place - 1)) || self.events.contains_key(place);
+        if self.is_fixed(event) { Vec::new() } else { (event + 1..=last).filter(is_laid).map(of).collect() }
     }
 
     /// Steps behind an event keep their sizes, so that their ends move with it up to a breakpoint or the end of the run, before which the last step
@@ -316,7 +319,7 @@ impl TimeGrid {
 
     /// Whether a step that starts at an end of a step does not go on from those before.
     pub(super) fn is_interrupted(&self, place: usize) -> bool {
-        self.breakpoints.contains_key(&place) || self.events.contains_key(&place)
+        self.breakpoints.contains_key(&place) || self.changes_at(place).is_some()
     }
 
     /// Whether another grid was laid for the same run.

@@ -168,7 +168,12 @@ impl<'c> RunInterval<'c> {
         self.stretches.has_events()
     }
 
-    /// Takes a step up to a breakpoint, at which sides change.
+    /// Whether a step of a scheme ends within a rounding of where it starts.
+    pub fn is_at_once(&self, scheme: Scheme, end: f64) -> bool {
+        scheme == Scheme::Euler && end <= self.t().next_up()
+    }
+
+    /// Takes a step up to a breakpoint, or one that is no longer than a rounding, at which sides change.
     pub fn advance_to_jump(&mut self, end: f64, changes: Vec<SideChange>) {
         self.advance(end);
         self.grid.jumps.insert(self.grid.steps(), changes);

@@ -90,7 +90,8 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
         begins.push((pause.t, pause.checkpoint.between.switched.clone(), Scheme::Main));
         for ((end, changes, _), scheme) in begins.into_iter().skip(1).zip(schemes) {
             interval.note(scheme);
-            match stepper.is_jump(&changes) && interval.is_breakpoint(end) {
+            let is_given = interval.is_breakpoint(end) || interval.is_at_once(scheme, end);
+            match stepper.is_jump(&changes) && is_given {
                 true => interval.advance_to_jump(end, changes),
                 false => interval.advance_over(end, changes),
             }
@@ -202,8 +203,13 @@ pub(super) fn time_loop<S: RunScalar, C: StepSelection<S>>(
                     changes.retain(|own| !waiting.contains(own));
                     stepper.between.waiting = waiting;
                 }
+                // what is torn off at once has no time of its own
+                let is_at_once = stepper.is_jump(&changes) && interval.is_at_once(stepper.record().scheme, reached);
                 let (changes, ends_run) = stepper.pass(changes, is_made_again)?;
-                interval.advance_over(reached, changes);
+                match is_at_once && !is_made_again {
+                    true => interval.advance_to_jump(reached, changes),
+                    false => interval.advance_over(reached, changes),
+                }
                 if ends_run {
                     interval.stop();
                 }
