@@ -275,11 +275,6 @@ impl Events {
         SideChange { switch, sides: [sides[switch]; 2] }
     }
 
-    /// The joint whose presence stands at a place among all sides.
-    pub fn joint_of(&self, switch: usize) -> usize {
-        self.joints[switch - self.switches() - self.events.len()].0
-    }
-
     /// Parameters of all frictions in an impact, by their places.
     pub fn set_in_impact(&self, sides: &[f64]) -> Vec<(usize, f64)> {
         let mut all = Vec::new();
@@ -521,15 +516,32 @@ impl Events {
         rows
     }
 
-    /// A stop at which the motion is held and that an impact would tear off, by its impulses, of which so much is none; not one that is hit alone.
-    pub fn torn(&self, sides: &[f64], (alone, mu): (Option<usize>, &[f64]), none: f64) -> Option<SideChange> {
-        let held = self.stops().filter(|(_, own, _)| Some(*own) != alone && sides[self.presence(*own)] > 0.0);
-        held.into_iter().find_map(|(_, own, stop)| {
-            let (place, _) = self.known.of_joints[&own];
-            let impulse = mu[self.joints[place].1.start];
-            let is_torn = impulse != 0.0 && !stop.pushes(impulse) && impulse.abs() > none.max(NOTHING * largest(mu));
-            is_torn.then(|| self.presence_change(own, false, sides)).flatten()
-        })
+    /// Of the stops at which the motion is held, but of one, that which pulls first on the way from the multipliers by which all push to these, of which
+    /// so much is none; the former are then those up to where it does, and without it these.
+    ///
+    /// Source: Lawson, Hanson, Solving Least Squares Problems (1974), 23.3: sets of stops that are found so do not depend on each other.
+    pub fn torn(
+        &self,
+        sides: &[f64],
+        (alone, mu): (Option<usize>, &[f64]),
+        none: f64,
+        pushing: &mut Vec<f64>,
+    ) -> Option<usize> {
+        pushing.resize(mu.len(), 0.0);
+        let held = || self.stops().filter(|(_, own, _)| sides[self.presence(*own)] > 0.0);
+        let row = |joint: usize| self.joints[self.known.of_joints[&joint].0].1.start;
+        let none = none.max(NOTHING * largest(mu));
+        let pulls = |stop: &Stop, mu: f64| mu != 0.0 && !stop.pushes(mu) && mu.abs() > none;
+        let torn = held().filter(|(_, own, stop)| Some(*own) != alone && pulls(stop, mu[row(*own)]));
+        let shares = torn.map(|(_, own, _)| (own, pushing[row(own)] / (pushing[row(own)] + mu[row(own)].abs())));
+        let first = shares.min_by(|one, other| one.1.total_cmp(&other.1));
+        let share = first.map_or(1.0, |own| own.1);
+        for (_, own, stop) in held() {
+            let row = row(own);
+            let push = if stop.pushes(mu[row]) { mu[row].abs() } else { -mu[row].abs() };
+            pushing[row] = (pushing[row] + share * (push - pushing[row])).max(0.0);
+        }
+        first.map(|own| own.0)
     }
 
     /// Stops, with the event that hits each and its joint.

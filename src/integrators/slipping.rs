@@ -591,7 +591,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let direction = events.direction(friction, &now).to_vec();
             set(&events.turn(friction, &direction, self.blunt(), &now), &mut now);
         }
-        let mut treated = Treated::default();
+        let (mut treated, mut pushing) = (Treated::default(), Vec::new());
         for _ in 0..MOST_CHANGES + events.stops().count() {
             impact.dropped = self.dropped_behind(&events.absent(&now));
             impact.axes = self.axes(events, &now, &impact.dropped);
@@ -629,9 +629,9 @@ impl<S: RunScalar> Stepper<'_, S> {
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
-            if let Some(torn) = events.torn(&now, (alone, &mu), self.no_impulse()) {
-                now[torn.switch] = torn.sides[1];
-                let torn = events.joint_of(torn.switch);
+            if let Some(torn) = events.torn(&now, (alone, &mu), self.no_impulse(), &mut pushing) {
+                now[events.presence(torn)] = 0.0;
+                pushing[model.constraints[torn].equations.start] = 0.0;
                 for friction in (0..model.frictions.len()).filter(|own| model.frictions[*own].joints[0] == torn) {
                     now[events.presence(model.frictions[friction].joints[1])] = 0.0;
                     set(&self.stands(events, friction, &now), &mut now);
@@ -720,7 +720,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         events.slip(friction, [&real(&v), &real(&q)], t.value(), &real(&self.p))
     }
 
-    /// A stop that an impact was to tear off or let go, or that is touched at rest, and that moves on beyond its limit behind the impact.
+    /// Of the stops that an impact was to tear off or let go, or that are touched at rest, that which moves on most beyond its limit behind the impact.
     fn hit_again(
         &self,
         events: &Events,
@@ -731,20 +731,20 @@ impl<S: RunScalar> Stepper<'_, S> {
         let mut behind = v.clone();
         impact.add_to(&mut behind, p, S::one());
         let (nowhere, nothing) = (CONSISTENT * size(&q), CONSISTENT * self.speed());
-        let moves_beyond = |&(hit, own, stop): &(usize, usize, &Stop)| {
+        let beyond = |(hit, own, stop): (usize, usize, &Stop)| {
             let motion = |v: &[S]| self.equations_of(own, (&[], v, &q), t.value())[0];
             let [g, rate, _] = motion(&behind);
             let is_touched = || g.abs() <= nowhere && motion(&v)[1].abs() <= nothing && events.can_be_hit(hit, before);
             let was_held = before[events.presence(own)] > 0.0;
-            if let Some(Hit { restitution, .. }) = hits.iter().find(|hit| hit.joint == own) {
-                // it would come back more slowly than by its restitution
-                let e = restitution.map_or(0.0, |place| p[place].value());
-                let rate = rate + e * motion(&v)[1];
-                return (if stop.is_upper { rate } else { -rate }) > nothing;
-            }
-            (if stop.is_upper { rate } else { -rate }) > nothing && (was_held || is_touched())
+            let hit = hits.iter().find(|hit| hit.joint == own);
+            // it would come back more slowly than by its restitution
+            let e = hit.and_then(|own| own.restitution).map_or(0.0, |place| p[place].value());
+            let rate = if hit.is_some() { rate + e * motion(&v)[1] } else { rate };
+            let rate = if stop.is_upper { rate } else { -rate };
+            (rate > nothing && (hit.is_some() || was_held || is_touched())).then_some((own, rate))
         };
-        events.stops().filter(|own| now[events.presence(own.1)] == 0.0).find(moves_beyond).map(|own| own.1)
+        let all = events.stops().filter(|own| now[events.presence(own.1)] == 0.0).filter_map(beyond);
+        all.max_by(|one, other| one.1.total_cmp(&other.1)).map(|own| own.0)
     }
 
     fn no_law(&self, joint: usize) -> RunError {

@@ -55,6 +55,8 @@ pub struct Stepper<'m, S> {
     behind: Option<f64>,
     /// Multipliers by which events at the end of the step made last happen.
     pub(super) forces: Vec<f64>,
+    /// Forces of stops by which all of them push, as far as it is known what holds behind the step made last.
+    pushing: Vec<f64>,
     /// Solvers that were not used, without some equations each.
     analyses: Vec<(Vec<usize>, Newton<'m, S>)>,
     acceleration: Newton<'m, S>,
@@ -197,6 +199,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             behind: None,
             directions: vec![Directions::default(); problem.model.frictions.len()],
             forces: Vec::new(),
+            pushing: Vec::new(),
             analyses: Vec::new(),
             acceleration,
             stage,
@@ -831,6 +834,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_made_again: bool,
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let before = self.between.sides.clone();
+        self.pushing.clear();
         self.forces = real(&self.between.forces);
         // joints as far as it has come
         let mut present = before.clone();
@@ -1152,9 +1156,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     }
 
     /// The changes by which a force lets go behind what has happened, of a joint that is there then, or by which a stop that lets go would move back at once
-    /// and holds: of stops without friction one after the other by their numbers, which ends where forces push and nothing moves beyond.
-    ///
-    /// Source: Murty, Linear Complementarity, Linear and Nonlinear Programming (1988), section 4.1.
+    /// and holds: of stops without friction one after the other, until all forces push and nothing moves beyond, see [`Events::torn`].
     fn released(
         &mut self,
         events: &Events,
@@ -1174,29 +1176,29 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let time = self.time_of_impulses();
         let forces = impulses.map(|own| own / time).chain(mu.iter().copied()).chain(real(&self.between.forces));
         let none = NO_FORCE * forces.fold(0.0, |most: f64, own| most.max(own.abs()));
-        let mut all = Vec::new();
+        let (mut all, mut pushing) = (Vec::new(), std::mem::take(&mut self.pushing));
         if events.frictions().len() == 0 {
             let sizes = [size(&q), speed_of(&real(&v), &real(&a), self.record.h), size(&a)].map(|own| CONSISTENT * own);
-            let first = events.stops().find_map(|(event, joint, stop)| {
-                let row = self.problem.model.constraints[joint].equations.start;
-                if present[events.presence(joint)] > 0.0 {
-                    return (!stop.pushes(mu[row]) && mu[row].abs() > none).then_some((event, joint, stop, false));
-                }
+            let beyond = |(event, joint, stop): (usize, usize, &'_ Stop)| {
                 let [g, rate, towards] = self.equations_of(joint, (&a, &v, &q), t)[0];
                 let towards = if stop.is_upper { towards } else { -towards };
                 let moves_back = g.abs() <= sizes[0] && rate.abs() <= sizes[1] && towards > sizes[2];
-                (moves_back && events.can_be_hit(event, &sides)).then_some((event, joint, stop, true))
-            });
-            match first {
-                Some((event, joint, stop, true)) => {
+                (moves_back && events.can_be_hit(event, &sides)).then_some(towards)
+            };
+            if let Some(joint) = events.torn(present, (None, &mu), none, &mut pushing) {
+                pushing[self.problem.model.constraints[joint].equations.start] = 0.0;
+                all.extend(events.letting_go(joint, &sides));
+            } else {
+                let open = events.stops().filter(|own| present[events.presence(own.1)] == 0.0);
+                let back = open.filter_map(|own| Some((own, beyond(own)?)));
+                if let Some(((event, joint, stop), _)) = back.max_by(|one, other| one.1.total_cmp(&other.1)) {
                     all.extend(events.presence_change(joint, true, present));
                     set(&all, present);
                     all.extend(events.free(event, stop, &sides));
                     all.extend(events.pushing(joint, stop, &sides));
                 }
-                Some((_, joint, _, false)) => all.extend(events.letting_go(joint, &sides)),
-                None => {}
             }
+            self.pushing = pushing;
         }
         if all.is_empty() {
             let [v, q] = [&v, &q].map(|own| real(own));
