@@ -1,5 +1,6 @@
 //! Which formulas pass from one piece to another during a run.
 
+use super::Scheme;
 use super::record::{StartRecord, StepRecord};
 use crate::assembly::{Model, NodeId, VectorsAvq};
 use crate::design::shortest;
@@ -160,7 +161,7 @@ impl SwitchWatch {
         if self.parts.is_empty() {
             return;
         }
-        if step.t != self.end || step.restart.is_some() {
+        if step.t != self.end || step.restart.is_some() || step.scheme == Scheme::Euler {
             self.begin(p, step.t);
         }
         self.end = step.end;

@@ -986,10 +986,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok((changes, ends_run))
     }
 
-    /// Those of the changes at the end of the step made last that happen at the same time as the first one without being changed by it: numbers of other
-    /// parts whose rate is what it was.
+    /// Events among the changes at the end of the step made last that happen at the same time as the first one, if that is one, without being changed by it:
+    /// their numbers have the rate that they had.
     pub(super) fn independent(&mut self, changes: &[SideChange]) -> Result<Vec<SideChange>, RunError> {
         let (Some(first), Some(events)) = (changes.first(), &self.events) else { return Ok(Vec::new()) };
+        if !changes.iter().all(|own| events.is_event(own.switch)) {
+            // sides of elements change with what reads the same numbers
+            return Ok(Vec::new());
+        }
         let (others, alone): (Vec<SideChange>, Vec<SideChange>) =
             changes.iter().partition(|own| !events.is_of_same_part(first.switch, own.switch));
         if others.is_empty() {
