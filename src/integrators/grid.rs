@@ -36,7 +36,7 @@ pub struct TimeGrid {
     /// Indices of breakpoints at which a force jumps beyond its limit, and of what happens at once behind an event, with the sides that change there: their
     /// times are those of the breakpoints and events.
     pub jumps: BTreeMap<usize, Vec<SideChange>>,
-    /// Steps behind events that are no longer than roundings of the others, and therefore Euler's.
+    /// Steps that events cut to less than a millionth, which Euler's explicit method makes.
     pub(super) shortest: BTreeSet<usize>,
     /// How many equal steps were asked for; 0 where steps were chosen.
     pub(super) asked: usize,
@@ -216,7 +216,7 @@ impl TimeGrid {
             // one that an event ends was longer before it was found
             if self.events.contains_key(&place) { (2.0 * size, 1.0) } else { (size, self.share_behind_event(place)) }
         };
-        // steps that are no longer than a rounding are made where they are needed
+        // steps that no event ends and that are so short are made where they are needed
         let is_laid = |place: &usize| !self.shortest.contains(&(place - 1)) || self.events.contains_key(place);
         if self.is_fixed(event) { Vec::new() } else { (event + 1..=last).filter(is_laid).map(of).collect() }
     }

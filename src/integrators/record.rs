@@ -56,7 +56,7 @@ pub struct StepRecord<S> {
     pub switched: Vec<SideChange>,
     /// How time goes, where derivative parts move the ends of the step.
     pub(crate) clock: Option<Clock<S>>,
-    /// By what derivative parts the length of Euler's step has, which no clock can measure as a share of it \[s\].
+    /// Derivative parts of the length of an Euler step, which no clock can measure as a share of it \[s\].
     pub(crate) lengthened: Option<S>,
     /// Acceleration solved anew at the start: at a breakpoint, or because other redundant equations are left out from here on.
     pub restart: Option<SolveRecord<S>>,

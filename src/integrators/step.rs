@@ -1465,7 +1465,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Multipliers in the step made last, at its start or end, and their changes by time.
     fn multipliers(&self, at_start: bool) -> [Vec<f64>; 2] {
         let (start, end) = (&self.mu_before, real(&self.between.forces));
-        // a step that is no longer than a rounding tells none
+        // over so short a step their change is round-off
         let share = if self.record.scheme == Scheme::Euler { 0.0 } else { 1.0 / self.record.h };
         let rates = end.iter().zip(start).map(|(end, start)| (end - start) * share).collect();
         [if at_start { start.clone() } else { end }, rates]

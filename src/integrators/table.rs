@@ -79,7 +79,7 @@ pub struct Table {
     pub starter: Option<Starter>,
     /// The one stage solves discrete Euler-Lagrange equations instead of R = 0.
     pub variational: Option<Quadrature>,
-    /// Euler's explicit step, for steps between events that are no longer than a rounding.
+    /// Euler's explicit step, for steps that events cut to less than a millionth.
     pub euler: Option<Box<Table>>,
 }
 
