@@ -11,8 +11,8 @@ use std::sync::Arc;
 pub fn check_part(py: Python<'_>, description: &str, parameters: Vec<f64>, count: usize) -> PyResult<()> {
     let check = || {
         let own = part(description)?;
-        let samples = Sample::random(own.0.kinds(), &parameters, count);
-        let agrees = match own.0.kind() {
+        let samples = Sample::random(own.kinds(), &parameters, count);
+        let agrees = match own.kind() {
             Kind::Element => check_element(&Arc::new(own.clone()), &samples),
             Kind::Constraint => check_constraint(&Arc::new(own.clone()), &samples),
             Kind::Quantity => check_quantity(own, 0, &samples),

@@ -108,6 +108,18 @@ pub struct Part {
 #[derive(Clone)]
 pub struct Law(Arc<Part>);
 
+impl Law {
+    /// Kinds of its nodes.
+    pub fn kinds(&self) -> &[NodeKind] {
+        self.0.kinds
+    }
+
+    /// What it is.
+    pub fn kind(&self) -> Kind {
+        self.0.description.kind
+    }
+}
+
 // no part is dropped, so that none has the place of another one
 impl Hash for Law {
     fn hash<H: Hasher>(&self, state: &mut H) {
@@ -212,15 +224,6 @@ impl Part {
         }
         let own = self.description.parameters.iter().zip(&self.form.keys[1..]);
         own.flat_map(|(own, key)| own.values(key.name, given)).collect()
-    }
-
-    pub fn kinds(&self) -> &[NodeKind] {
-        self.kinds
-    }
-
-    /// What it is.
-    pub fn kind(&self) -> Kind {
-        self.description.kind
     }
 }
 
@@ -336,7 +339,7 @@ pub fn part(text: &str) -> PyResult<&'static Law> {
 pub fn own_parts(texts: &[String]) -> PyResult<OwnParts> {
     texts.iter().try_fold(OwnParts::default(), |parts, text| {
         let own = part(text)?;
-        Ok(match own.0.kind() {
+        Ok(match own.kind() {
             Kind::Element => parts.spring_by(own),
             Kind::Constraint => parts.joint_by(own),
             Kind::Quantity => parts.functional_by(own),
